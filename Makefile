@@ -1,0 +1,65 @@
+# make         sets everything up, derives, emits and verifies the kernels, prints the paper's critical loads
+# make test    runs the tests
+# Other targets: lint, venv, clean. Choose an interpreter with PYTHON=/path/to/python3.
+
+MAKEFLAGS += --no-builtin-rules
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := all
+.PHONY: all venv test lint clean FORCE
+
+# A user's own Python or pip settings must not reach into the environment made here.
+unexport PYTHONPATH PYTHONHOME PYTHONSTARTUP VIRTUAL_ENV PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIRE_VIRTUALENV
+
+JOBS ?= 2
+BIN := .venv/bin
+STAMP := .venv/installed-for
+
+all: venv
+	$(BIN)/freebeam generate
+	$(BIN)/freebeam generate --check
+	$(BIN)/freebeam validate
+
+venv: $(STAMP)
+
+# The stamp holds the folder that the environment was made for: a moved or copied clone makes its own.
+ifneq ($(shell cat $(STAMP) 2>/dev/null),$(CURDIR))
+$(STAMP): FORCE
+endif
+$(STAMP): pyproject.toml constraints.txt
+	@[ "$$(cat $@ 2>/dev/null)" = "$(CURDIR)" ] && $(BIN)/python -c '' 2>/dev/null || rm -rf .venv
+	@rm -f $@
+	@[ -x $(BIN)/python ] || { $(find_python) && { "$$python" -m venv .venv || { rm -rf .venv; false; }; }; }
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt setuptools
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
+	    --no-build-isolation --editable '.[dev]'
+	@printf '%s\n' "$(CURDIR)" > $@
+
+# Sets the shell variable `python`: PYTHON where it is given, else the newest interpreter that will do.
+define find_python
+python=; lacking=; \
+for candidate in $(if $(PYTHON),"$(PYTHON)",python3.14 python3.13 python3.12 python3.11 python3); do \
+  "$$candidate" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null || continue; \
+  if "$$candidate" -c 'import ensurepip, venv' 2>/dev/null; then python=$$candidate; break; fi; \
+  lacking=$${lacking:-$$candidate}; \
+done; \
+if [ -z "$$python" ]; then \
+  if [ -n "$$lacking" ]; then \
+    echo "freebeam: $$lacking has no venv module: install it (Debian, Ubuntu: apt install $${lacking##*/}-venv)," \
+      "or name another interpreter: make PYTHON=/path/to/python3" >&2; \
+  else \
+    echo "freebeam: needs Python 3.11 or newer, $(if $(PYTHON),which $(PYTHON) is not,and none was found on the PATH):" \
+      "install one, or name it: make PYTHON=/path/to/python3" >&2; \
+  fi; false; \
+fi
+endef
+
+test: venv
+	$(BIN)/python -m pytest -n $(JOBS)
+
+lint: venv
+	$(BIN)/ruff check
+	$(BIN)/mypy
+
+clean:
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks build freebeam.egg-info
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +

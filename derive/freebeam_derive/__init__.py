@@ -1,0 +1,1 @@
+"""Derivation of beam stability kernels: from energies and virtual work to verified NumPy code."""

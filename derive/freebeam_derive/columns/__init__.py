@@ -1,0 +1,1 @@
+"""One file a column: its energies, virtual work, ends and parameters."""

@@ -1,0 +1,35 @@
+"""Beck's column: a cantilever under a tip force of constant size, follower (eta = 1) to dead (eta = 0)."""
+
+from sympy import Symbol
+
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
+from freebeam_derive.statement import Column, Energies, Parameter, at, delta, integral
+
+eta = Symbol("eta", real=True)
+
+column = Column(
+    name="beck",
+    title="Cantilever under a tip force, follower or sub-tangential",
+    T=integral(y.diff(t) ** 2) / 2,
+    V=integral(y.diff(x, 2) ** 2) / 2,
+    W_c=P * integral(y.diff(x) ** 2) / 2,
+    dW_nc=-integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
+    - eta * P * at(y.diff(x), 1) * at(delta(y), 1)
+    + F_0 * at(delta(y), x_F),
+    ends=("clamped", "free"),
+    parameters=(
+        Parameter(
+            eta, "share of the tip force that follows the slope: 1 follower, 0 dead load", 1.0, 0.0, 1.5, r"\eta"
+        ),
+    ),
+    dimensional=Energies(
+        T=integral(m * y.diff(t) ** 2, L) / 2,
+        V=integral(EI * y.diff(x, 2) ** 2, L) / 2,
+        W_c=integral(P * y.diff(x) ** 2, L) / 2,
+        dW_nc=-integral(C_beta * y.diff(t) * delta(y) + EI * C_alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)), L)
+        - eta * P * at(y.diff(x), L) * at(delta(y), L)
+        + F_0 * at(delta(y), x_F),
+        length=L,
+    ),
+    source="Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228",
+)

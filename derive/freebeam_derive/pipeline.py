@@ -1,0 +1,270 @@
+"""The map: from a column's statement to its verified kernel, stage by stage, each from the one before.
+
+stage         in                          out                                       where
+statement     file                        Column                                    statement.py, columns/
+scaling       dimensional energies        the nondimensional ones                   scaling.py       Eq. (5)
+variation     energies, virtual work      weak and strong form, end conditions      variation.py     Eqs. (2), (6)-(8), (15)
+Ritz          weak form                   M, C, E, H, Q as bilinear forms           ritz.py          Eqs. (9)-(13)
+modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
+integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
+Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
+kernel        closed forms                graph of operations                       kernel.py
+emission      graph                       NumPy module                              emit.py
+verification  module, forms               measured errors within bounds             verify.py
+"""
+
+from __future__ import annotations
+
+import difflib
+import hashlib
+import importlib.util
+import json
+import os
+import tempfile
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from importlib.metadata import version
+from pathlib import Path
+
+from freebeam_derive import emit, integrals, kernel, modes, newmark, ritz, scaling, statement, variation, verify
+from freebeam_derive.record import Step
+from freebeam_derive.statement import Column, StatementError
+
+MANIFEST, REPORT, INDEX = "MANIFEST.json", "report.json", "__init__.py"
+_MARK = "emitted by `freebeam generate"
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class Derivation:
+    """All that follows from a column's statement, before a line of code is written."""
+
+    column: Column
+    scaling: tuple[Step, ...]
+    motion: variation.EquationOfMotion
+    system: ritz.RitzSystem
+    beam: modes.ComparisonBeam
+    damped: modes.DampedModes | None
+    kernel: kernel.ColumnKernel
+
+    @property
+    def steps(self) -> tuple[Step, ...]:
+        """The record of every stage, in order."""
+        damped = self.damped.steps if self.damped else ()
+        return (
+            *self.scaling,
+            *self.motion.steps,
+            *self.system.steps,
+            *damped,
+            *self.beam.steps,
+            *integrals.orthogonality(self.beam),
+            *self.kernel.newmark.steps,
+        )
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a generation did. difference: a unified diff, or why there is none; empty where all agrees."""
+
+    output: Path
+    columns: tuple[str, ...]
+    written: tuple[Path, ...]
+    difference: str
+    figures: dict[str, tuple[verify.Figure, ...]]
+
+
+newmark_method = lru_cache(maxsize=1)(newmark.derive_newmark)
+
+
+def columns() -> dict[str, Path]:
+    """Names of the columns of this tree, and the files that state them."""
+    return statement.columns()
+
+
+def derive(column: Column) -> Derivation:
+    """Every stage before emission, from a column's statement. Raises StatementError where it makes no sense."""
+    scaled = scaling.derive_scaling(column)
+    motion = variation.derive_column(column)
+    system = ritz.derive(motion)
+    beam = modes.comparison_beam(column.ends)
+    damped = modes.damped_modes(motion)
+    return Derivation(
+        column, scaled, motion, system, beam, damped, kernel.build(column, system, damped, newmark_method())
+    )
+
+
+def find(target: str | Path) -> Column:
+    """A column by its name, or by the path of its file. Raises StatementError."""
+    known = columns()
+    if str(target) in known:
+        return statement.load_column(known[str(target)])
+    if not str(target).endswith(".py") and not Path(target).exists():
+        raise StatementError(
+            f"column {str(target)!r} is not known; there are {', '.join(known)}, or give the file of your own"
+        )
+    return statement.load_column(target)
+
+
+def tree() -> Path:
+    """Folder of the kernels that are checked in."""
+    spec = importlib.util.find_spec("freebeam_kernels")
+    if spec is None or not spec.submodule_search_locations:
+        raise StatementError("freebeam_kernels is not installed; name a folder with --output")
+    return Path(next(iter(spec.submodule_search_locations)))
+
+
+def generate(
+    targets: Sequence[str | Path] = (),
+    output: Path | None = None,
+    progress: Progress | None = None,
+    check: bool = False,
+) -> Outcome:
+    """Derive, emit and verify columns; write their modules whole, or none of them.
+
+    targets: names or files, all columns of this tree where empty. output: folder, this tree's own where None.
+    check: write nothing, compare with what is there. progress: told what is being done.
+
+    Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
+    VerificationError for a kernel that fails; then nothing is written.
+    """
+    say = progress or (lambda _: None)
+    output = tree() if output is None else Path(output)
+    chosen = [find(target) for target in (targets or columns())]
+    doubled = {c.module for c in chosen if sum(other.module == c.module for other in chosen) > 1}
+    if doubled:
+        raise StatementError(f"two columns would be written to {sorted(doubled)[0]}.py; give each a name of its own")
+    before = _manifest(output)
+    names = tuple(c.name for c in chosen)
+    if check and before and before[0] != _tools():
+        return Outcome(output, names, (), _other_tools(before[0]), {})
+
+    texts: dict[str, str] = {}
+    entries: dict[str, dict[str, object]] = {}
+    figures: dict[str, tuple[verify.Figure, ...]] = {}
+    for column in chosen:
+        say(f"{column.name}: derive")
+        derived = derive(column)
+        text = emit.emit(derived.kernel)
+        texts[f"{column.module}.py"] = text
+        entries[f"{column.module}.py"] = _entry(derived.kernel, text)
+        if not check:
+            say(f"{column.name}: verify")
+            figures[column.name] = verify.verify(derived.kernel, text, partial(_say, say, column.name))
+    # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
+    kept = before[1] if before and targets else {}
+    files = dict(sorted({**kept, **entries}.items()))
+    texts[INDEX] = _index(files)
+    texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
+
+    if check:
+        return Outcome(output, names, (), _difference(output, texts, set(kept)), {})
+    obsolete = [output / name for name in (before[1] if before else {}) if name not in files]
+    written = _write(output, texts, obsolete)
+    _report(output, figures)
+    return Outcome(output, names, written, "", figures)
+
+
+def _say(say: Progress, name: str, what: str) -> None:
+    say(f"{name}: verify {what}")
+
+
+# --- files --------------------------------------------------------------------------------------------------
+
+
+def _tools() -> dict[str, str]:
+    """What decides the emitted bytes."""
+    return {"sympy": version("sympy"), "mpmath": version("mpmath")}
+
+
+def _other_tools(recorded: dict[str, str]) -> str:
+    here = _tools()
+    differing = ", ".join(
+        f"{n} {here[n]} is installed, {v} made the kernels" for n, v in recorded.items() if here.get(n) != v
+    )
+    return f"cannot compare: {differing}; install the pinned versions with `make`\n"
+
+
+def _entry(built: kernel.ColumnKernel, text: str) -> dict[str, object]:
+    return {
+        "column": built.column.name,
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        "operations_per_entry": built.operations,
+        "bounds": {
+            f"matrix entries up to N = {verify.MATRIX_MODES}, of max(|entry|, gamma_i gamma_j)": verify.BOUND,
+            f"modes up to {verify.EXACT_MODES} and their derivatives to the third, of the largest value": verify.BOUND,
+            f"modes up to {max(verify.HIGH_MODES)}, of the largest value, in units of gamma times 2^-53": 4,
+        },
+    }
+
+
+def _index(files: dict[str, dict[str, object]]) -> str:
+    lines = "".join(
+        f'    "{entry["column"]}": "{name.removesuffix(".py")}",\n' for name, entry in sorted(files.items())
+    )
+    return (
+        '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n\n'
+        f"COLUMNS = {{\n{lines}}}\n"
+    )
+
+
+def _manifest(output: Path) -> tuple[dict[str, str], dict[str, dict[str, object]]] | None:
+    """Tools and files of a folder's manifest, None where there is none that can be read."""
+    try:
+        found = json.loads((output / MANIFEST).read_text(encoding="utf-8"))
+        return dict(found["tools"]), dict(found["files"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+def _difference(output: Path, texts: dict[str, str], kept: set[str]) -> str:
+    """Unified diff of a folder against what it should hold, missing and extra modules included."""
+    present = {path.name for path in output.glob("*.py")} if output.is_dir() else set()
+    parts: list[str] = []
+    for name in sorted({*texts, *(present - kept)}):
+        path = output / name
+        old = path.read_text(encoding="utf-8") if path.is_file() else ""
+        new = texts.get(name, "")
+        parts += difflib.unified_diff(
+            old.splitlines(keepends=True),
+            new.splitlines(keepends=True),
+            f"{path} (in the tree)" if path.is_file() else "missing",
+            f"{path} (derived)" if name in texts else "extra",
+        )
+    return "".join(parts)
+
+
+def _write(output: Path, texts: dict[str, str], obsolete: list[Path]) -> tuple[Path, ...]:
+    """Write all files beside their places, then put each in its place."""
+    for name in texts:
+        path = output / name
+        if path.exists() and name != MANIFEST and _MARK not in path.read_text(encoding="utf-8", errors="replace"):
+            raise StatementError(
+                f"{path} exists and was not emitted by this program; move it, or choose another --output"
+            )
+    try:
+        output.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=output, prefix=".new-") as folder:
+            for name, text in texts.items():
+                (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
+            for name in texts:
+                os.replace(Path(folder) / name, output / name)
+    except OSError as error:
+        raise StatementError(f"{output}: cannot be written to: {error.strerror}; choose another --output") from error
+    for path in obsolete:
+        path.unlink(missing_ok=True)
+    return tuple(output / name for name in texts)
+
+
+def _report(output: Path, figures: dict[str, tuple[verify.Figure, ...]]) -> None:
+    """The measured errors, beside the kernels; they vary in the last digit from machine to machine."""
+    listed = {name: [vars(figure) for figure in found] for name, found in figures.items()}
+    path = output / REPORT
+    try:
+        known = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        known = {}
+    with tempfile.NamedTemporaryFile("w", dir=output, delete=False, encoding="utf-8") as file:
+        file.write(json.dumps({**known, **listed}, indent=2, ensure_ascii=False) + "\n")
+    os.replace(file.name, path)

@@ -1,0 +1,54 @@
+"""Roots of the characteristic equation: isolated by a bracket, to any number of digits. Eq. (21)."""
+
+from __future__ import annotations
+
+import mpmath
+from sympy import Expr, lambdify
+
+from freebeam_derive import modes
+
+
+def characteristic(p: Expr, q: Expr, r: Expr):  # type: ignore[no-untyped-def]
+    """p cos γ + q sin γ + r as an mpmath function of γ."""
+    factors = lambdify(modes.epsilon, (p, q, r), "mpmath")
+
+    def function(g: mpmath.mpf) -> mpmath.mpf:
+        a, b, c = factors(mpmath.exp(-g))
+        return a * mpmath.cos(g) + b * mpmath.sin(g) + c
+
+    return function
+
+
+def first_root(p: Expr, q: Expr, r: Expr) -> float:
+    """The first positive root, roughly: the first change of sign away from the root at γ = 0."""
+    function = characteristic(p, q, r)
+    step, g = 0.05, 0.2
+    value = function(mpmath.mpf(g))
+    while True:
+        following = function(mpmath.mpf(g + step))
+        if value * following <= 0:
+            return g + step / 2
+        g, value = g + step, following
+
+
+def root(beam: modes.ComparisonBeam, index: int, digits: int = 50) -> mpmath.mpf:
+    """The index-th positive root γ (from 1) of a comparison beam, to `digits` decimal digits. Eq. (21).
+
+    The bracket is a quarter period to each side of the asymptote, where the sign must change.
+
+    Raises ValueError for an index below 1.
+    """
+    if index < 1:
+        raise ValueError(f"index = {index}: roots are counted from 1")
+    with mpmath.workdps(digits + 15):
+        function = characteristic(beam.p, beam.q, beam.r)
+        asymptote = (beam.first + 4 * (index - 1)) * mpmath.pi / 4
+        low, high = asymptote - mpmath.pi / 4, asymptote + mpmath.pi / 4
+        if function(low) * function(high) >= 0:
+            raise AssertionError(f"no change of sign around root {index} of {beam.ends}")
+        found = mpmath.findroot(function, (low, high), solver="anderson", tol=mpmath.mpf(10) ** (-2 * digits - 20))
+        # the bracket is closed to the digits asked for: the sign changes across it
+        width = found * mpmath.mpf(10) ** (-digits - 5)
+        if function(found - width) * function(found + width) > 0:
+            raise AssertionError(f"root {index} of {beam.ends} is not isolated to {digits} digits")
+        return +found

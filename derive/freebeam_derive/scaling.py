@@ -1,0 +1,97 @@
+"""Nondimensional quantities and the substitution that makes them. Eq. (5).
+
+`SCALES` is what one nondimensional unit of each quantity is in terms of bending stiffness, mass per length and
+length; the runtime's SI input and output are emitted from it. `nondimensional` substitutes them into a
+dimensional statement; a column that gives both must agree with itself.
+"""
+
+from __future__ import annotations
+
+from sympy import Expr, S, expand, powdenest, sqrt
+
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, x
+from freebeam_derive.record import Step
+from freebeam_derive.statement import Column, Functional, StatementError, display, jet, jets
+
+_time = sqrt(m * L**4 / EI)
+
+SCALES: dict[str, Expr] = {
+    "length": L,
+    "time": _time,
+    "load": EI / L**2,
+    "force": EI / L**2,
+    "alpha": _time,
+    "beta": m / _time,
+    "frequency": 1 / _time,
+    "velocity": L / _time,
+    "acceleration": L / _time**2,
+    "energy": EI / L,
+}
+
+UNITS: dict[str, str] = {
+    "length": "m",
+    "time": "s",
+    "load": "N",
+    "force": "N",
+    "alpha": "s",
+    "beta": "kg/(m s)",
+    "frequency": "rad/s",
+    "velocity": "m/s",
+    "acceleration": "m/s^2",
+    "energy": "J",
+}
+
+
+def nondimensional(functional: Functional) -> Functional:
+    """A dimensional functional in nondimensional quantities, divided by EI / L. Eq. (5).
+
+    Every length (x, y and places) is L times the nondimensional one, time and loads as `SCALES` has them.
+    """
+    quantities = {
+        P: SCALES["load"] * P,
+        F_0: SCALES["force"] * F_0,
+        C_alpha: SCALES["alpha"] * alpha,
+        C_beta: SCALES["beta"] * beta,
+    }
+
+    def substitute(part: Expr, measure: Expr) -> Expr:
+        fields = {
+            j: SCALES["length"] ** (1 - int(j.args[1]))
+            / SCALES["time"] ** int(j.args[2])
+            * jet(*j.args[:3], S.One if j.args[3] == L else j.args[3])
+            for j in jets(part)
+        }
+        scaled = part.xreplace(fields).xreplace(quantities).xreplace({x: L * x})
+        return expand(powdenest(expand(scaled * measure / SCALES["energy"]), force=True))
+
+    return Functional(substitute(functional.density, L), substitute(functional.points, S.One))
+
+
+def derive_scaling(column: Column) -> tuple[Step, ...]:
+    """Derive the nondimensional statement of a column from its dimensional one, term by term. Eqs. (5), (8).
+
+    Raises StatementError where the two differ; gives no step where the column has no dimensional statement.
+    """
+    if column.dimensional is None:
+        return ()
+    steps = []
+    for name in ("T", "V", "W_c", "dW_nc"):
+        given = column.dimensional.functional(name)
+        derived, stated = nondimensional(given), column.energies.functional(name)
+        if derived != stated:
+            raise StatementError(
+                f"{name}: the dimensional statement gives {display(derived)}, but {display(stated)} is stated; "
+                f"correct one of them, or leave the dimensional statement out"
+            )
+        steps.append(
+            Step(
+                "scaling",
+                f"Write {name} in nondimensional quantities",
+                "lengths in L, time in (m L^4 / EI)^(1/2), forces in EI / L^2, energies in EI / L",
+                display(given, column.dimensional.length),
+                display(derived),
+                "Eq. (5)",
+                "equals the nondimensional statement, Eq. (8)",
+            )
+        )
+    return tuple(steps)

@@ -1,0 +1,7 @@
+"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""
+
+COLUMNS = {
+    "beck": "beck",
+    "euler-pinned": "euler_pinned",
+    "free-free": "free_free",
+}

@@ -1,0 +1,316 @@
+"""Cantilever under a tip force, follower or sub-tangential: ends clamped and free.
+
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10),
+(11):
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
+    C = beta M + alpha E
+
+Roots of cos(γ) cosh(γ) = -1. All quantities are nondimensional, Eq. (5).
+
+Source: Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228.
+
+Derived from the energies and emitted by `freebeam generate beck`; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+COLUMN: dict[str, Any] = {
+    "name": "beck",
+    "title": "Cantilever under a tip force, follower or sub-tangential",
+    "ends": ("clamped", "free"),
+    "rigid": 0,
+    "load": "P",
+    "damping": ["alpha", "beta"],
+    "force": True,
+    "parameters": [
+        {
+            "name": "eta",
+            "latex": "\\eta",
+            "meaning": "share of the tip force that follows the slope: 1 follower, 0 dead load",
+            "default": 1.0,
+            "low": 0.0,
+            "high": 1.5,
+        },
+    ],
+    "forms": {
+        "M": "∫ φᵢ φⱼ dx",
+        "E": "∫ φᵢ″ φⱼ″ dx",
+        "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)",
+    },
+    "latex": {
+        "x": "x",
+        "t": "t",
+        "P": "P_0",
+        "alpha": "\\alpha",
+        "beta": "\\beta",
+        "F_0": "F_0",
+        "x_F": "x_F",
+        "gamma": "\\gamma",
+        "y": "y",
+    },
+    "meaning": {
+        "x": "place along the beam, 0 to 1",
+        "t": "time",
+        "P": "load: the axial or follower force",
+        "alpha": "internal (Kelvin-Voigt) damping",
+        "beta": "external (viscous) damping",
+        "F_0": "transversal (controller) force",
+        "x_F": "place of the transversal (controller) force",
+        "gamma": "root of the characteristic equation",
+        "y": "deflection",
+    },
+    "source": "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228",
+}
+
+
+class Basis(NamedTuple):
+    """The first N modes, each field of shape (N,).
+
+    gamma: root of the characteristic equation, Eq. (21)
+    quarter: asymptote of the root in units of π/4
+    delta: root less its asymptote
+    sigma: sign (−1)^(n−1)
+    cosine: coefficient of cos γx
+    left: coefficient of e^(−γx)
+    right: coefficient of e^(−γ(1−x))
+    moment_0: φ″(0) / γ²
+    """
+
+    gamma: Array
+    quarter: Array
+    delta: Array
+    sigma: Array
+    cosine: Array
+    left: Array
+    right: Array
+    moment_0: Array
+
+
+def basis(N: int) -> Basis:
+    """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
+
+    Roots of cos(γ) cosh(γ) = -1: asymptotes, corrected by Newton's method, so that there is no table to run
+    out of.
+    """
+    n = np.arange(N, dtype=float)
+    quarter = 2 + 4 * n
+    sigma = 1 - 2 * np.remainder(n, 2)
+    asymptote = quarter * (np.pi / 4)
+    epsilon = np.exp(-asymptote)
+    delta = 2 * epsilon * sigma
+    for _ in range(4):
+        epsilon = np.exp(-asymptote - delta)
+        sine = np.sin(delta)
+        cosine = np.cos(delta)
+        shared_1 = 2 * sigma
+        shared_2 = epsilon**2 + 1
+        value = -epsilon * shared_1 + shared_2 * sine
+        slope = cosine * shared_2 - epsilon * (2 * epsilon * sine - shared_1)
+        delta = delta - value / slope
+    gamma = asymptote + delta
+    epsilon = np.exp(-gamma)
+    tail = sigma * epsilon
+    shared_1 = 1 / (tail - 1)
+    shared_2 = shared_1 * (tail + 1)
+    cosine = shared_2
+    left = -shared_1
+    right = -shared_1 * sigma
+    moment_0 = -2 * shared_2
+    return Basis(gamma, quarter, delta, sigma, cosine, left, right, moment_0)
+
+
+def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
+    """Modes or a derivative of them, shape (N, *x.shape). Eq. (22).
+
+    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
+    rigid functions, so it changes nothing.
+
+    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
+    digits cancel in high modes.
+    """
+    x = np.asarray(x, dtype=float)
+    place = x.reshape(1, -1)
+    gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
+    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    turns = quarter * coarse
+    turns = turns - 8 * np.round(turns / 8)
+    phase = (turns + quarter * (place - coarse)) * (np.pi / 4) + basis.delta[:, None] * place
+    sine, cosine = np.sin(phase), np.cos(phase)
+    rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
+    value = rotated[0] + basis.cosine[:, None] * rotated[1]
+    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
+    value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
+    value = value * gamma**derivative if derivative else value
+    return value.reshape(-1, *x.shape)
+
+
+def _apart(basis: Basis) -> Array:
+    """1 / (γᵢ⁴ − γⱼ⁴), zero for i = j, shape (N, N).
+
+    The roots are subtracted before they are rounded: asymptotes and corrections apart.
+    """
+    gamma = basis.gamma
+    quarter = basis.quarter
+    delta = basis.delta
+    squares = gamma * gamma
+    difference = (quarter[:, None] - quarter) * (np.pi / 4) + (delta[:, None] - delta)
+    difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
+    difference.reshape(-1)[:: gamma.size + 1] = np.inf
+    inverse: Array = 1 / difference
+    return inverse
+
+
+def mass(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Mass matrix M, shape (N, N), nondimensional. Eq. (11), first line.
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    moment_0 = basis.moment_0
+    M: Array = np.diag(0.25 * moment_0**2)
+    return M
+
+
+def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero
+    load.
+
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    gamma = basis.gamma
+    moment_0 = basis.moment_0
+    gamma2 = gamma * gamma
+    gamma4 = gamma2 * gamma2
+    E: Array = np.diag(0.25 * gamma4 * moment_0**2)
+    return E
+
+
+def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load; Eq.
+    (13).
+
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    gamma = basis.gamma
+    sigma = basis.sigma
+    moment_0 = basis.moment_0
+    gamma2 = gamma * gamma
+    moment_0_sigma = moment_0 * sigma
+    gamma_sigma = gamma * sigma
+    gamma2_times_2 = 2 * gamma2
+    gamma2_sigma = gamma2 * sigma
+    apart = _apart(basis)
+    H: Array = gamma2_times_2 * (gamma2[:, None] + gamma2_sigma * sigma[:, None]) * (gamma[:, None] * moment_0 - gamma * moment_0[:, None])
+    H = H * apart + gamma_sigma * moment_0_sigma[:, None] * (2 * eta - 2)
+    H.reshape(-1)[:: basis.gamma.size + 1] = gamma * (2 * eta * moment_0 - gamma - moment_0)
+    return H
+
+
+def damping_factors(alpha: float, beta: float, *, eta: float = 1.0) -> tuple[float, float]:
+    """c_M and c_E of C = c_M M + c_E E: the external and the internal damping. Eq. (12)."""
+    return beta, alpha
+
+
+def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Damping matrix C = c_M M + c_E E with c_M = beta, c_E = alpha, nondimensional. Eqs. (11), (12)."""
+    c_M, c_E = damping_factors(alpha, beta, eta=eta)
+    return c_M * mass(basis, rigid, eta=eta) + c_E * stiffness_elastic(basis, rigid, eta=eta)
+
+
+def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
+    last line.
+
+    Q[i] = φᵢ(x_F)
+
+    x_F: place of the transversal force, 0 to 1.
+    """
+    return shapes(basis, x_F, rigid=rigid)
+
+
+def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:
+    """Both eigenvalues λ₀ of each mode of the unloaded beam, complex, each (N,), nondimensional. Eq. (23).
+
+    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
+    the product of both, so that no digits cancel in heavy damping.
+    """
+    gamma = np.asarray(gamma, dtype=complex)
+    shared_1 = (gamma**2)**2
+    half = 0.5 * alpha * shared_1 + 0.5 * beta
+    product = shared_1
+    second = -half - np.sqrt(half * half - product)
+    return product / second, second
+
+
+def newmark_step(
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    newmark: tuple[float, float] = (0.25, 0.5),
+) -> tuple[Array, Array, Array]:
+    """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
+
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
+    """
+    b, g = newmark
+    q_predicted = h * dq + (h**2 * (0.5 - b)) * ddq + q
+    dq_predicted = (h * (1 - g)) * ddq + dq
+    effective = (b * h**2) * K + (g * h) * C + M
+    right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
+    ddq_next = np.linalg.solve(effective, right_side)
+    q_next = (b * h**2) * ddq_next + q_predicted
+    dq_next = (g * h) * ddq_next + dq_predicted
+    return q_next, dq_next, ddq_next
+
+
+def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
+    """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
+    b, g = newmark
+    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    inverse = max(0.0, bound_2, bound_3)
+    return float(1 / inverse) if inverse else np.inf
+
+
+def scales(bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+    """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
+
+    length: m
+    time: s
+    load: N
+    force: N
+    alpha: s
+    beta: kg/(m s)
+    frequency: rad/s
+    velocity: m/s
+    acceleration: m/s^2
+    energy: J
+    """
+    EI, m, L = bending_stiffness, mass_per_length, length
+    return {
+        "length": float(L),
+        "time": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "load": float(EI / L**2),
+        "force": float(EI / L**2),
+        "alpha": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "beta": float(np.sqrt(EI) * np.sqrt(m) / L**2),
+        "frequency": float(np.sqrt(EI) / (L**2 * np.sqrt(m))),
+        "velocity": float(np.sqrt(EI) / (L * np.sqrt(m))),
+        "acceleration": float(EI / (L * L * L * m)),
+        "energy": float(EI / L),
+    }

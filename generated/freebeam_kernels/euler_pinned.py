@@ -1,0 +1,237 @@
+"""Pinned-pinned beam under a dead axial load: ends pinned and pinned.
+
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10),
+(11):
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx
+    C = beta M + alpha E
+
+Roots of sin(γ) sinh(γ) = 0. All quantities are nondimensional, Eq. (5).
+
+Source: Euler, Methodus inveniendi lineas curvas, Additamentum I (1744).
+
+Derived from the energies and emitted by `freebeam generate euler-pinned`; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+COLUMN: dict[str, Any] = {
+    "name": "euler-pinned",
+    "title": "Pinned-pinned beam under a dead axial load",
+    "ends": ("pinned", "pinned"),
+    "rigid": 0,
+    "load": "P",
+    "damping": ["alpha", "beta"],
+    "force": True,
+    "parameters": [],
+    "forms": {"M": "∫ φᵢ φⱼ dx", "E": "∫ φᵢ″ φⱼ″ dx", "H": "−∫ φᵢ′ φⱼ′ dx"},
+    "latex": {
+        "x": "x",
+        "t": "t",
+        "P": "P_0",
+        "alpha": "\\alpha",
+        "beta": "\\beta",
+        "F_0": "F_0",
+        "x_F": "x_F",
+        "gamma": "\\gamma",
+        "y": "y",
+    },
+    "meaning": {
+        "x": "place along the beam, 0 to 1",
+        "t": "time",
+        "P": "load: the axial or follower force",
+        "alpha": "internal (Kelvin-Voigt) damping",
+        "beta": "external (viscous) damping",
+        "F_0": "transversal (controller) force",
+        "x_F": "place of the transversal (controller) force",
+        "gamma": "root of the characteristic equation",
+        "y": "deflection",
+    },
+    "source": "Euler, Methodus inveniendi lineas curvas, Additamentum I (1744)",
+}
+
+
+class Basis(NamedTuple):
+    """The first N modes, each field of shape (N,).
+
+    gamma: root of the characteristic equation, Eq. (21)
+    quarter: asymptote of the root in units of π/4
+    sigma: sign (−1)^(n−1)
+    """
+
+    gamma: Array
+    quarter: Array
+    sigma: Array
+
+
+def basis(N: int) -> Basis:
+    """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
+
+    Roots of sin(γ) sinh(γ) = 0: known in closed form.
+    """
+    n = np.arange(N, dtype=float)
+    quarter = 4 + 4 * n
+    sigma = 1 - 2 * np.remainder(n, 2)
+    gamma = quarter * (np.pi / 4)
+    return Basis(gamma, quarter, sigma)
+
+
+def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
+    """Modes or a derivative of them, shape (N, *x.shape). Eq. (22).
+
+    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
+    rigid functions, so it changes nothing.
+
+    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
+    digits cancel in high modes.
+    """
+    x = np.asarray(x, dtype=float)
+    place = x.reshape(1, -1)
+    gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
+    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    turns = quarter * coarse
+    turns = turns - 8 * np.round(turns / 8)
+    phase = (turns + quarter * (place - coarse)) * (np.pi / 4)
+    sine, cosine = np.sin(phase), np.cos(phase)
+    rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
+    value = rotated[0]
+    value = value * gamma**derivative if derivative else value
+    return value.reshape(-1, *x.shape)
+
+
+def mass(basis: Basis, rigid: bool = False) -> Array:
+    """Mass matrix M, shape (N, N), nondimensional. Eq. (11), first line.
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    """
+    M: Array = np.diag(np.full(basis.gamma.size, 0.5))
+    return M
+
+
+def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero
+    load.
+
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    """
+    gamma = basis.gamma
+    gamma2 = gamma * gamma
+    gamma4 = gamma2 * gamma2
+    E: Array = np.diag(0.5 * gamma4)
+    return E
+
+
+def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
+    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load; Eq.
+    (13).
+
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx
+    """
+    gamma = basis.gamma
+    gamma2 = gamma * gamma
+    H: Array = np.diag(-0.5 * gamma2)
+    return H
+
+
+def damping_factors(alpha: float, beta: float) -> tuple[float, float]:
+    """c_M and c_E of C = c_M M + c_E E: the external and the internal damping. Eq. (12)."""
+    return beta, alpha
+
+
+def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False) -> Array:
+    """Damping matrix C = c_M M + c_E E with c_M = beta, c_E = alpha, nondimensional. Eqs. (11), (12)."""
+    c_M, c_E = damping_factors(alpha, beta)
+    return c_M * mass(basis, rigid) + c_E * stiffness_elastic(basis, rigid)
+
+
+def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
+    last line.
+
+    Q[i] = φᵢ(x_F)
+
+    x_F: place of the transversal force, 0 to 1.
+    """
+    return shapes(basis, x_F, rigid=rigid)
+
+
+def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:
+    """Both eigenvalues λ₀ of each mode of the unloaded beam, complex, each (N,), nondimensional. Eq. (23).
+
+    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
+    the product of both, so that no digits cancel in heavy damping.
+    """
+    gamma = np.asarray(gamma, dtype=complex)
+    shared_1 = (gamma**2)**2
+    half = 0.5 * alpha * shared_1 + 0.5 * beta
+    product = shared_1
+    second = -half - np.sqrt(half * half - product)
+    return product / second, second
+
+
+def newmark_step(
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    newmark: tuple[float, float] = (0.25, 0.5),
+) -> tuple[Array, Array, Array]:
+    """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
+
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
+    """
+    b, g = newmark
+    q_predicted = h * dq + (h**2 * (0.5 - b)) * ddq + q
+    dq_predicted = (h * (1 - g)) * ddq + dq
+    effective = (b * h**2) * K + (g * h) * C + M
+    right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
+    ddq_next = np.linalg.solve(effective, right_side)
+    q_next = (b * h**2) * ddq_next + q_predicted
+    dq_next = (g * h) * ddq_next + dq_predicted
+    return q_next, dq_next, ddq_next
+
+
+def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
+    """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
+    b, g = newmark
+    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    inverse = max(0.0, bound_2, bound_3)
+    return float(1 / inverse) if inverse else np.inf
+
+
+def scales(bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+    """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
+
+    length: m
+    time: s
+    load: N
+    force: N
+    alpha: s
+    beta: kg/(m s)
+    frequency: rad/s
+    velocity: m/s
+    acceleration: m/s^2
+    energy: J
+    """
+    EI, m, L = bending_stiffness, mass_per_length, length
+    return {
+        "length": float(L),
+        "time": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "load": float(EI / L**2),
+        "force": float(EI / L**2),
+        "alpha": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "beta": float(np.sqrt(EI) * np.sqrt(m) / L**2),
+        "frequency": float(np.sqrt(EI) / (L**2 * np.sqrt(m))),
+        "velocity": float(np.sqrt(EI) / (L * np.sqrt(m))),
+        "acceleration": float(EI / (L * L * L * m)),
+        "energy": float(EI / L),
+    }

@@ -1,0 +1,338 @@
+"""Free-free beam under an end follower force and a transversal force: ends free and free.
+
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10),
+(11):
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    H[i, j] = −∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)
+    C = beta M + alpha E
+
+Roots of cos(γ) cosh(γ) = 1. All quantities are nondimensional, Eq. (5).
+
+Source: Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to
+follower and transversal forces, Eq. (8).
+
+Derived from the energies and emitted by `freebeam generate free-free`; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.float64]
+
+
+COLUMN: dict[str, Any] = {
+    "name": "free-free",
+    "title": "Free-free beam under an end follower force and a transversal force",
+    "ends": ("free", "free"),
+    "rigid": 2,
+    "load": "P",
+    "damping": ["alpha", "beta"],
+    "force": True,
+    "parameters": [],
+    "forms": {
+        "M": "∫ φᵢ φⱼ dx",
+        "E": "∫ φᵢ″ φⱼ″ dx",
+        "H": "−∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)",
+    },
+    "latex": {
+        "x": "x",
+        "t": "t",
+        "P": "P_0",
+        "alpha": "\\alpha",
+        "beta": "\\beta",
+        "F_0": "F_0",
+        "x_F": "x_F",
+        "gamma": "\\gamma",
+        "y": "y",
+    },
+    "meaning": {
+        "x": "place along the beam, 0 to 1",
+        "t": "time",
+        "P": "load: the axial or follower force",
+        "alpha": "internal (Kelvin-Voigt) damping",
+        "beta": "external (viscous) damping",
+        "F_0": "transversal (controller) force",
+        "x_F": "place of the transversal (controller) force",
+        "gamma": "root of the characteristic equation",
+        "y": "deflection",
+    },
+    "source": "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to follower and transversal forces, Eq. (8)",
+}
+
+
+class Basis(NamedTuple):
+    """The first N modes, each field of shape (N,).
+
+    gamma: root of the characteristic equation, Eq. (21)
+    quarter: asymptote of the root in units of π/4
+    delta: root less its asymptote
+    sigma: sign (−1)^(n−1)
+    cosine: coefficient of cos γx
+    left: coefficient of e^(−γx)
+    right: coefficient of e^(−γ(1−x))
+    deflection_0: φ(0)
+    """
+
+    gamma: Array
+    quarter: Array
+    delta: Array
+    sigma: Array
+    cosine: Array
+    left: Array
+    right: Array
+    deflection_0: Array
+
+
+def basis(N: int) -> Basis:
+    """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
+
+    Roots of cos(γ) cosh(γ) = 1: asymptotes, corrected by Newton's method, so that there is no table to run
+    out of.
+    """
+    n = np.arange(N, dtype=float)
+    quarter = 6 + 4 * n
+    sigma = 1 - 2 * np.remainder(n, 2)
+    asymptote = quarter * (np.pi / 4)
+    epsilon = np.exp(-asymptote)
+    delta = 2 * epsilon * sigma
+    for _ in range(2):
+        epsilon = np.exp(-asymptote - delta)
+        sine = np.sin(delta)
+        cosine = np.cos(delta)
+        shared_1 = 2 * sigma
+        shared_2 = epsilon**2 + 1
+        value = -epsilon * shared_1 + shared_2 * sine
+        slope = cosine * shared_2 - epsilon * (2 * epsilon * sine - shared_1)
+        delta = delta - value / slope
+    gamma = asymptote + delta
+    epsilon = np.exp(-gamma)
+    tail = sigma * epsilon
+    shared_1 = 1 / (tail - 1)
+    shared_2 = shared_1 * (tail + 1)
+    cosine = shared_2
+    left = shared_1
+    right = shared_1 * sigma
+    deflection_0 = 2 * shared_2
+    return Basis(gamma, quarter, delta, sigma, cosine, left, right, deflection_0)
+
+
+RIGID = ((1.0,), (-0.5, 1.0))  # coefficients of 1, x, …: roots γ = 0
+
+
+def _rigid_shapes(place: Array, derivative: int) -> Array:
+    """Rigid functions or a derivative of them; place (1, n), result (R, n)."""
+    polynomials = [np.polynomial.polynomial.polyder(np.array(c), derivative) for c in RIGID]
+    rows = [np.polynomial.polynomial.polyval(place[0], c) for c in polynomials]
+    return np.array(rows, dtype=float)
+
+
+def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
+    """Modes or a derivative of them, shape (N, *x.shape). Eq. (22).
+
+    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: put the 2 rigid
+    functions first, shape (2 + N, *x.shape).
+
+    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
+    digits cancel in high modes.
+    """
+    x = np.asarray(x, dtype=float)
+    place = x.reshape(1, -1)
+    gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
+    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    turns = quarter * coarse
+    turns = turns - 8 * np.round(turns / 8)
+    phase = (turns + quarter * (place - coarse)) * (np.pi / 4) + basis.delta[:, None] * place
+    sine, cosine = np.sin(phase), np.cos(phase)
+    rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
+    value = rotated[0] + basis.cosine[:, None] * rotated[1]
+    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
+    value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
+    value = value * gamma**derivative if derivative else value
+    if rigid:
+        value = np.concatenate([_rigid_shapes(place, derivative), value])
+    return value.reshape(-1, *x.shape)
+
+
+def _apart(basis: Basis) -> Array:
+    """1 / (γᵢ⁴ − γⱼ⁴), zero for i = j, shape (N, N).
+
+    The roots are subtracted before they are rounded: asymptotes and corrections apart.
+    """
+    gamma = basis.gamma
+    quarter = basis.quarter
+    delta = basis.delta
+    squares = gamma * gamma
+    difference = (quarter[:, None] - quarter) * (np.pi / 4) + (delta[:, None] - delta)
+    difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
+    difference.reshape(-1)[:: gamma.size + 1] = np.inf
+    inverse: Array = 1 / difference
+    return inverse
+
+
+def mass(basis: Basis, rigid: bool = False) -> Array:
+    """Mass matrix M, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional. Eq. (11),
+    first line.
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    """
+    deflection_0 = basis.deflection_0
+    M: Array = np.diag(0.25 * deflection_0**2)
+    if rigid:
+        whole = np.zeros((2 + basis.gamma.size,) * 2)
+        whole[2:, 2:] = M
+        whole[:2, :2] = [[1, 0], [0, 1 / 12]]
+        return whole
+    return M
+
+
+def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first,
+    nondimensional. Eq. (11), third line at zero load.
+
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    """
+    gamma = basis.gamma
+    deflection_0 = basis.deflection_0
+    gamma2 = gamma * gamma
+    gamma4 = gamma2 * gamma2
+    E: Array = np.diag(0.25 * deflection_0**2 * gamma4)
+    if rigid:
+        whole = np.zeros((2 + basis.gamma.size,) * 2)
+        whole[2:, 2:] = E
+        return whole
+    return E
+
+
+def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
+    """Load matrix H of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first,
+    nondimensional. Eq. (11), third line, divided by the load; Eq. (13).
+
+    H[i, j] = −∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)
+
+    Row i is the test function. The end term is transposed in the paper as printed: docs/errata.md.
+    """
+    gamma = basis.gamma
+    sigma = basis.sigma
+    deflection_0 = basis.deflection_0
+    gamma2 = gamma * gamma
+    gamma3 = gamma2 * gamma
+    gamma4 = gamma2 * gamma2
+    deflection_0_sigma_times_2 = 2 * deflection_0 * sigma
+    gamma_sigma = gamma * sigma
+    gamma_sigma_times_2 = 2 * gamma * sigma
+    deflection_0_gamma3 = deflection_0 * gamma3
+    deflection_0_gamma4_times_4 = 4 * deflection_0 * gamma4
+    deflection_0_gamma4 = deflection_0 * gamma4
+    apart = _apart(basis)
+    H: Array = -deflection_0_gamma4 * deflection_0_gamma4_times_4[:, None] * (sigma[:, None] * sigma - 1)
+    H = H * apart - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
+    H = H * apart - deflection_0_sigma_times_2[:, None] * gamma_sigma
+    H.reshape(-1)[:: basis.gamma.size + 1] = -0.5 * gamma * (deflection_0 + gamma)
+    if rigid:
+        whole = np.zeros((2 + basis.gamma.size,) * 2)
+        whole[2:, 2:] = H
+        whole[:2, :2] = [[0, 1], [0, 0]]
+        whole[0, 2:] = -2 * gamma * sigma
+        whole[1, 2:] = -sigma * (deflection_0 + gamma)
+        return whole
+    return H
+
+
+def damping_factors(alpha: float, beta: float) -> tuple[float, float]:
+    """c_M and c_E of C = c_M M + c_E E: the external and the internal damping. Eq. (12)."""
+    return beta, alpha
+
+
+def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False) -> Array:
+    """Damping matrix C = c_M M + c_E E with c_M = beta, c_E = alpha, nondimensional. Eqs. (11), (12)."""
+    c_M, c_E = damping_factors(alpha, beta)
+    return c_M * mass(basis, rigid) + c_E * stiffness_elastic(basis, rigid)
+
+
+def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
+    last line.
+
+    Q[i] = φᵢ(x_F)
+
+    x_F: place of the transversal force, 0 to 1.
+    """
+    return shapes(basis, x_F, rigid=rigid)
+
+
+def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:
+    """Both eigenvalues λ₀ of each mode of the unloaded beam, complex, each (N,), nondimensional. Eq. (23).
+
+    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
+    the product of both, so that no digits cancel in heavy damping.
+    """
+    gamma = np.asarray(gamma, dtype=complex)
+    shared_1 = (gamma**2)**2
+    half = 0.5 * alpha * shared_1 + 0.5 * beta
+    product = shared_1
+    second = -half - np.sqrt(half * half - product)
+    return product / second, second
+
+
+def newmark_step(
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    newmark: tuple[float, float] = (0.25, 0.5),
+) -> tuple[Array, Array, Array]:
+    """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
+
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
+    """
+    b, g = newmark
+    q_predicted = h * dq + (h**2 * (0.5 - b)) * ddq + q
+    dq_predicted = (h * (1 - g)) * ddq + dq
+    effective = (b * h**2) * K + (g * h) * C + M
+    right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
+    ddq_next = np.linalg.solve(effective, right_side)
+    q_next = (b * h**2) * ddq_next + q_predicted
+    dq_next = (g * h) * ddq_next + dq_predicted
+    return q_next, dq_next, ddq_next
+
+
+def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
+    """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
+    b, g = newmark
+    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    inverse = max(0.0, bound_2, bound_3)
+    return float(1 / inverse) if inverse else np.inf
+
+
+def scales(bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+    """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
+
+    length: m
+    time: s
+    load: N
+    force: N
+    alpha: s
+    beta: kg/(m s)
+    frequency: rad/s
+    velocity: m/s
+    acceleration: m/s^2
+    energy: J
+    """
+    EI, m, L = bending_stiffness, mass_per_length, length
+    return {
+        "length": float(L),
+        "time": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "load": float(EI / L**2),
+        "force": float(EI / L**2),
+        "alpha": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "beta": float(np.sqrt(EI) * np.sqrt(m) / L**2),
+        "frequency": float(np.sqrt(EI) / (L**2 * np.sqrt(m))),
+        "velocity": float(np.sqrt(EI) / (L * np.sqrt(m))),
+        "acceleration": float(EI / (L * L * L * m)),
+        "energy": float(EI / L),
+    }
