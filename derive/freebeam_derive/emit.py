@@ -52,7 +52,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
         return str(super().parenthesize(item, level, strict))
 
     def _print_Piecewise(self, e: Piecewise) -> str:
-        text = self._print(e.args[-1][0])
+        text = str(self._print(e.args[-1][0]))
         for value, condition in reversed(e.args[:-1]):
             text = f"{self._print(value)} if {self._print(condition)} else {text}"
         return text
@@ -124,6 +124,10 @@ def _equation(kernel: ColumnKernel) -> str:
 
 def _literal(value: Any, indent: int = 0) -> str:
     """A constant as source text, with double quotes, a line an entry where it is long."""
+    if isinstance(value, str) and len(value) + indent > 90 and indent:
+        pieces = textwrap.wrap(value, 90 - indent, drop_whitespace=False, break_on_hyphens=False)
+        inner = "".join(f"{' ' * (indent + 4)}{_literal(piece)}\n" for piece in pieces)
+        return f"(\n{inner}{' ' * indent})"
     if isinstance(value, str):
         return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
     if isinstance(value, dict | list | tuple):
@@ -163,6 +167,30 @@ def _powers(expressions: Iterable[Expr]) -> tuple[list[str], dict[Expr, Expr]]:
     return lines, {gamma**n: Symbol(names[n], real=True) for n in keep if n > 1}
 
 
+def _body(lines: Iterable[str]) -> str:
+    return "".join(f"{INDENT}{part}\n" for line in lines for part in _wrapped(line))
+
+
+def _wrapped(line: str) -> list[str]:
+    """A statement of one line, broken in brackets before its outermost sums or else products where it is too long."""
+    name, equals, expression = line.partition(" = ")
+    if len(line) + len(INDENT) <= WIDTH or not equals:
+        return [line]
+    depth, breaks = 0, {"+-": [0], "*": [0], "if": [0]}
+    for n, letter in enumerate(expression):
+        depth += (letter in "([") - (letter in ")]")
+        if depth == 0:
+            for kind, places in breaks.items():
+                if any(expression.startswith(f" {mark} ", n) for mark in (kind.split() if kind == "if" else kind)):
+                    places.append(n + 1)
+            if expression.startswith(" else ", n):
+                breaks["if"].append(n + 1)
+    chosen = next((breaks[kind] for kind in ("if", "+-", "*") if len(breaks[kind]) > 1), [0])
+    parts = [expression[a:b].strip() for a, b in zip(chosen, [*chosen[1:], len(expression)], strict=True)]
+    indent = line[: len(line) - len(line.lstrip())]
+    return [f"{name} = (", *(f"{indent}    {part}" for part in parts), f"{indent})"]
+
+
 def _docstring(text: str, indent: str = INDENT) -> str:
     paragraphs = [
         textwrap.fill(line, WIDTH - len(indent), subsequent_indent=" " * (len(line) - len(line.lstrip())))
@@ -191,7 +219,7 @@ def _header(kernel: ColumnKernel) -> str:
     )
     return _docstring(text, "") + (
         "\nfrom __future__ import annotations\n\nfrom typing import Any, NamedTuple\n\nimport numpy as np\n"
-        "from numpy.typing import ArrayLike, NDArray\n\nArray = NDArray[np.float64]\n"
+        "from numpy.typing import ArrayLike, NDArray\n\nArray = NDArray[np.floating[Any]]\n"
     )
 
 
@@ -259,7 +287,7 @@ def _basis(kernel: ColumnKernel) -> str:
             else "known in closed form.\n"
         )
     )
-    return text + "".join(f"{INDENT}{line}\n" for line in lines) + f"{INDENT}return Basis({arguments})\n"
+    return text + _body(lines) + f"{INDENT}return Basis({arguments})\n"
 
 
 def _root_lines(roots: RootProgram) -> list[str]:
@@ -315,7 +343,7 @@ def _shapes(kernel: ColumnKernel) -> str:
         + (" + basis.delta[:, None] * place" if corrected else ""),
         "sine, cosine = np.sin(phase), np.cos(phase)",
         "rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]",
-        f"value = {' + '.join(trig)}",
+        f"value: Array = {' + '.join(trig)}",
     ]
     if C != 0:
         lines.append(f"value = value + (-1) ** (derivative % 2) * {factor(C)}np.exp(-gamma * place)")
@@ -327,7 +355,7 @@ def _shapes(kernel: ColumnKernel) -> str:
         lines.append("    value = np.concatenate([_rigid_shapes(place, derivative), value])")
     lines.append("return value.reshape(-1, *x.shape)")
     signature = "def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:\n"
-    text = signature + _docstring(doc) + "".join(f"{INDENT}{line}\n" for line in lines)
+    text = signature + _docstring(doc) + _body(lines)
     if rigid:
         coefficients = tuple(tuple(float(c) for c in reversed(Poly(f, x).all_coeffs())) for f in rigid)
         body = (
@@ -358,7 +386,7 @@ def _apart(kernel: ColumnKernel) -> str:
         "1 / (γᵢ⁴ − γⱼ⁴), zero for i = j, shape (N, N).\n\n"
         "The roots are subtracted before they are rounded: asymptotes and corrections apart.\n"
     )
-    return "def _apart(basis: Basis) -> Array:\n" + _docstring(doc) + "".join(f"{INDENT}{line}\n" for line in lines)
+    return "def _apart(basis: Basis) -> Array:\n" + _docstring(doc) + _body(lines)
 
 
 def _signature(kernel: ColumnKernel, name: str, arguments: str = "") -> str:
@@ -416,9 +444,11 @@ def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
         lines.append("if rigid:")
         lines.append(f"    whole = np.zeros(({R} + basis.gamma.size,) * 2)")
         lines.append(f"    whole[{R}:, {R}:] = {letter}")
-        corner = [[_code(c) for c in row] for row in matrix.corner]
+        corner = [[_float(c) for c in row] for row in matrix.corner]
         if any(c != 0 for row in matrix.corner for c in row):
-            lines.append(f"    whole[:{R}, :{R}] = [{', '.join('[' + ', '.join(row) + ']' for row in corner)}]")
+            lines.append(
+                f"    whole[:{R}, :{R}] = np.array([{', '.join('[' + ', '.join(row) + ']' for row in corner)}])"
+            )
         for n, (row, column) in enumerate(zip(matrix.rows, matrix.columns, strict=True)):
             if row != 0:
                 lines.append(f"    whole[{n}, {R}:] = {_code(row.xreplace(replace))}")
@@ -426,7 +456,7 @@ def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
                 lines.append(f"    whole[{R}:, {n}] = {_code(column.xreplace(replace))}")
         lines.append("    return whole")
     lines.append(f"return {letter}")
-    return _signature(kernel, matrix.name) + _docstring(doc) + "".join(f"{INDENT}{line}\n" for line in lines)
+    return _signature(kernel, matrix.name) + _docstring(doc) + _body(lines)
 
 
 def _horner(letter: str, parts: tuple[Expr, ...]) -> list[str]:
@@ -508,7 +538,7 @@ def _frequencies(kernel: ColumnKernel) -> str:
     )
     lines = ["gamma = np.asarray(gamma, dtype=complex)", *_shared([("half", half), ("product", product)])]
     lines += ["second = -half - np.sqrt(half * half - product)", "return product / second, second"]
-    return text + "".join(f"{INDENT}{line}\n" for line in lines)
+    return text + _body(lines)
 
 
 def _newmark(newmark: Newmark) -> str:
@@ -533,8 +563,8 @@ def _newmark(newmark: Newmark) -> str:
     bounds = newmark.inverse_limit.args if isinstance(newmark.inverse_limit, Max) else (newmark.inverse_limit,)
     text += f"{INDENT}b, g = newmark\n"
     names = [f"bound_{n}" for n, bound in enumerate(bounds, start=1) if not bound.is_number]
-    for name, bound in zip(names, (bound for bound in bounds if not bound.is_number), strict=True):
-        text += f"{INDENT}{name} = {_code(bound)}\n"
+    varying = [bound for bound in bounds if not bound.is_number]
+    text += _body(f"{name} = {_code(bound)}" for name, bound in zip(names, varying, strict=True))
     text += f"{INDENT}inverse = max({', '.join(['0.0', *names])})\n"
     return text + f"{INDENT}return float(1 / inverse) if inverse else np.inf\n"
 

@@ -192,7 +192,7 @@ def _rigid(orders: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[Expr, ...]:
 
 @cache
 def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
-    """Derive the comparison beam of a pair of ends. Eqs. (19)-(22)."""
+    """Derive the comparison beam of a pair of ends. Eqs. (18)-(22)."""
     orders = (end_orders(ends[0]), end_orders(ends[1]))
     conditions = _conditions(orders)
     determinant = expand(conditions.det(method="berkowitz"))

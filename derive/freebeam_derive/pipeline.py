@@ -3,7 +3,7 @@
 stage         in                          out                                       where
 statement     file                        Column                                    statement.py, columns/
 scaling       dimensional energies        the nondimensional ones                   scaling.py       Eq. (5)
-variation     energies, virtual work      weak and strong form, end conditions      variation.py     Eqs. (2), (6)-(8), (15)
+variation     energies, virtual work      weak and strong form, end conditions  variation.py     Eqs. (2), (6)-(8), (15)
 Ritz          weak form                   M, C, E, H, Q as bilinear forms           ritz.py          Eqs. (9)-(13)
 modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)

@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 
 COLUMN: dict[str, Any] = {
@@ -70,7 +70,10 @@ COLUMN: dict[str, Any] = {
         "gamma": "root of the characteristic equation",
         "y": "deflection",
     },
-    "source": "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228",
+    "source": (
+        "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 "
+        "(1952) 225-228"
+    ),
 }
 
 
@@ -148,7 +151,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     phase = (turns + quarter * (place - coarse)) * (np.pi / 4) + basis.delta[:, None] * place
     sine, cosine = np.sin(phase), np.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
-    value = rotated[0] + basis.cosine[:, None] * rotated[1]
+    value: Array = rotated[0] + basis.cosine[:, None] * rotated[1]
     value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
     value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
     value = value * gamma**derivative if derivative else value
@@ -216,7 +219,11 @@ def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Ar
     gamma2_times_2 = 2 * gamma2
     gamma2_sigma = gamma2 * sigma
     apart = _apart(basis)
-    H: Array = gamma2_times_2 * (gamma2[:, None] + gamma2_sigma * sigma[:, None]) * (gamma[:, None] * moment_0 - gamma * moment_0[:, None])
+    H: Array = (
+        gamma2_times_2
+        * (gamma2[:, None] + gamma2_sigma * sigma[:, None])
+        * (gamma[:, None] * moment_0 - gamma * moment_0[:, None])
+    )
     H = H * apart + gamma_sigma * moment_0_sigma[:, None] * (2 * eta - 2)
     H.reshape(-1)[:: basis.gamma.size + 1] = gamma * (2 * eta * moment_0 - gamma - moment_0)
     return H
@@ -282,7 +289,11 @@ def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> floa
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
     bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    bound_3 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+        else 0
+    )
     inverse = max(0.0, bound_2, bound_3)
     return float(1 / inverse) if inverse else np.inf
 

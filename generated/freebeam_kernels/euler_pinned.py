@@ -22,7 +22,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 
 COLUMN: dict[str, Any] = {
@@ -104,7 +104,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     phase = (turns + quarter * (place - coarse)) * (np.pi / 4)
     sine, cosine = np.sin(phase), np.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
-    value = rotated[0]
+    value: Array = rotated[0]
     value = value * gamma**derivative if derivative else value
     return value.reshape(-1, *x.shape)
 
@@ -203,7 +203,11 @@ def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> floa
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
     bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    bound_3 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+        else 0
+    )
     inverse = max(0.0, bound_2, bound_3)
     return float(1 / inverse) if inverse else np.inf
 

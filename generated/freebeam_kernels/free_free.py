@@ -23,7 +23,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.float64]
+Array = NDArray[np.floating[Any]]
 
 
 COLUMN: dict[str, Any] = {
@@ -62,7 +62,10 @@ COLUMN: dict[str, Any] = {
         "gamma": "root of the characteristic equation",
         "y": "deflection",
     },
-    "source": "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to follower and transversal forces, Eq. (8)",
+    "source": (
+        "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam"
+        " subjected to follower and transversal forces, Eq. (8)"
+    ),
 }
 
 
@@ -150,7 +153,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     phase = (turns + quarter * (place - coarse)) * (np.pi / 4) + basis.delta[:, None] * place
     sine, cosine = np.sin(phase), np.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
-    value = rotated[0] + basis.cosine[:, None] * rotated[1]
+    value: Array = rotated[0] + basis.cosine[:, None] * rotated[1]
     value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
     value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
     value = value * gamma**derivative if derivative else value
@@ -186,7 +189,7 @@ def mass(basis: Basis, rigid: bool = False) -> Array:
     if rigid:
         whole = np.zeros((2 + basis.gamma.size,) * 2)
         whole[2:, 2:] = M
-        whole[:2, :2] = [[1, 0], [0, 1 / 12]]
+        whole[:2, :2] = np.array([[1.0, 0.0], [0.0, 0.08333333333333333]])
         return whole
     return M
 
@@ -231,13 +234,16 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
     deflection_0_gamma4 = deflection_0 * gamma4
     apart = _apart(basis)
     H: Array = -deflection_0_gamma4 * deflection_0_gamma4_times_4[:, None] * (sigma[:, None] * sigma - 1)
-    H = H * apart - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
+    H = (
+        H * apart
+        - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
+    )
     H = H * apart - deflection_0_sigma_times_2[:, None] * gamma_sigma
     H.reshape(-1)[:: basis.gamma.size + 1] = -0.5 * gamma * (deflection_0 + gamma)
     if rigid:
         whole = np.zeros((2 + basis.gamma.size,) * 2)
         whole[2:, 2:] = H
-        whole[:2, :2] = [[0, 1], [0, 0]]
+        whole[:2, :2] = np.array([[0.0, 1.0], [0.0, 0.0]])
         whole[0, 2:] = -2 * gamma * sigma
         whole[1, 2:] = -sigma * (deflection_0 + gamma)
         return whole
@@ -304,7 +310,11 @@ def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> floa
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
     bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2) if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0) else 0
+    bound_3 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+        else 0
+    )
     inverse = max(0.0, bound_2, bound_3)
     return float(1 / inverse) if inverse else np.inf
 
