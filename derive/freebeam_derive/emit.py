@@ -6,6 +6,7 @@ who takes the one file into a code of their own; it imports NumPy and nothing el
 
 from __future__ import annotations
 
+import ast
 import re
 import textwrap
 from collections.abc import Iterable
@@ -14,11 +15,12 @@ from typing import Any
 from sympy import Expr, Inverse, MatMul, Max, Piecewise, Poly, Pow, S, Symbol, cos, cse, numbered_symbols, sin
 from sympy.printing.pycode import PythonCodePrinter
 
-from freebeam_derive.kernel import ColumnKernel, MatrixProgram, RootProgram, delta
+from freebeam_derive.kernel import ColumnKernel, MatrixProgram, delta
 from freebeam_derive.modes import eta
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import NOTATION, gamma, x
 from freebeam_derive.scaling import SCALES, UNITS
+from freebeam_derive.statement import GEOMETRIC, StatementError, jets
 
 INDENT = "    "
 WIDTH = 110
@@ -46,6 +48,13 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
     def _print_Rational(self, e: Expr) -> str:
         return repr(float(e)) if e.q in _EXACT else f"{e.p} / {e.q}"
 
+    def _print_Mul(self, e: Expr) -> str:
+        number, rest = e.as_coeff_Mul()
+        if number.is_Rational and number.q not in (1, *_EXACT):
+            # division rounds once, and is exact in exact numbers
+            return f"{self.parenthesize(number.p * rest, 50)} / {number.q}"
+        return str(super()._print_Mul(e))
+
     def parenthesize(self, item: Expr, level: int, strict: bool = False) -> str:
         if item.is_Rational and item >= 0 and item.q in _EXACT:
             return str(self._print(item))
@@ -59,6 +68,9 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
 
     def _print_Infinity(self, e: Expr) -> str:
         return "np.inf"
+
+    def _print_Pi(self, e: Expr) -> str:
+        return "np.pi"
 
     def _print_Symbol(self, e: Symbol) -> str:
         name = str(e.name)
@@ -192,6 +204,7 @@ def _wrapped(line: str) -> list[str]:
 
 
 def _docstring(text: str, indent: str = INDENT) -> str:
+    text = text.replace("\\", "\\\\").replace('"""', '\\"\\"\\"')  # what a user wrote stays as it was
     paragraphs = [
         textwrap.fill(line, WIDTH - len(indent), subsequent_indent=" " * (len(line) - len(line.lstrip())))
         for line in text.strip().split("\n")
@@ -260,50 +273,80 @@ def _basis(kernel: ColumnKernel) -> str:
     fields = [
         ("gamma", "root of the characteristic equation, Eq. (21)"),
         ("quarter", "asymptote of the root in units of π/4"),
+        *([("delta", "root less its asymptote")] if corrected else []),
+        ("sigma", "sign (−1)^(n−1)"),
+        *((name, meaning) for name, _, meaning in program.fields),
+        ("turn", "π/4"),
     ]
-    if corrected:
-        fields.append(("delta", "root less its asymptote"))
-    fields.append(("sigma", "sign (−1)^(n−1)"))
-    fields += [(name, meaning) for name, _, meaning in program.fields]
     listing = "\n".join(f"{name}: {meaning}" for name, meaning in fields)
-    text = "class Basis(NamedTuple):\n" + _docstring(f"The first N modes, each field of shape (N,).\n\n{listing}\n")
-    text += "\n" + "".join(f"{INDENT}{name}: Array\n" for name, _ in fields)
-
-    lines = ["n = np.arange(N, dtype=float)", f"quarter = {program.roots.first} + 4 * n"]
-    lines.append("sigma = 1 - 2 * np.remainder(n, 2)")
-    lines += _root_lines(program.roots) if corrected else ["gamma = quarter * (np.pi / 4)"]
-    expressions = [value for _, value, _ in program.fields]
-    if any(e.has(eta) for e in expressions) or program.common:
-        lines.append("tail = sigma * np.exp(-gamma)" if not corrected else "tail = sigma * epsilon")
+    text = "class Basis(NamedTuple):\n"
+    text += _docstring(f"The first N modes: each field of shape (N,), but for `turn`.\n\n{listing}\n") + "\n"
+    text += "".join(f"{INDENT}{name}: {'Any' if name == 'turn' else 'Array'}\n" for name, _ in fields)
+    if corrected:
+        text += "\n\n" + _characteristic(kernel)
+    given = (
+        "quarter: Array, sigma: Array, delta: Array, turn: Any"
+        if corrected
+        else "quarter: Array, sigma: Array, turn: Any"
+    )
+    text += f"\n\ndef complete({given}) -> Basis:\n" + _docstring(
+        "All that is known of the modes, from their roots γ = quarter · turn + delta. Eq. (22).\n\n"
+        "The arrays may hold floats, or any numbers that know `exp`, such as intervals: then so does the result.\n"
+        if corrected
+        else "All that is known of the modes, from their roots γ = quarter · turn. Eq. (22).\n"
+    )
+    lines = ["gamma = quarter * turn" + (" + delta" if corrected else "")]
+    if any(e.has(eta) for _, e, _ in program.fields) or program.common:
+        lines.append("tail = sigma * np.exp(-gamma)")
     lines += [f"{name} = {_code(value)}" for name, value in program.common]
     lines += _shared([(name, value) for name, value, _ in program.fields])
-    arguments = ", ".join(name for name, _ in fields)
-    text += "\n\ndef basis(N: int) -> Basis:\n" + _docstring(
-        "The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).\n\n"
-        f"Roots of {_equation(kernel)}: "
-        + (
-            "asymptotes, corrected by Newton's method, so that there is no table to run out of.\n"
-            if corrected
-            else "known in closed form.\n"
-        )
+    lines.append(f"return Basis({', '.join(name for name, _ in fields)})")
+    text += _body(lines) + "\n\ndef basis(N: int) -> Basis:\n"
+    how = (
+        "asymptotes, corrected by Newton's method, so that there is no table to run out of.\n"
+        if corrected
+        else "known in closed form.\n"
     )
-    return text + _body(lines) + f"{INDENT}return Basis({arguments})\n"
+    text += _docstring(
+        f"The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).\n\nRoots of {_equation(kernel)}: {how}"
+    )
+    lines = [
+        "n = np.arange(N, dtype=float)",
+        f"quarter = {program.roots.first} + 4 * n",
+        "sigma = 1 - 2 * np.remainder(n, 2)",
+    ]
+    if not corrected:
+        return text + _body([*lines, "return complete(quarter, sigma, np.pi / 4)"])
+    assert program.roots.start is not None
+    lines += [
+        "asymptote = quarter * (np.pi / 4)",
+        "epsilon = np.exp(-asymptote)",
+        f"delta = {_code(program.roots.start)}",
+        f"for _ in range({program.roots.iterations}):",
+        "    value, slope = characteristic(delta, asymptote, sigma)",
+        "    delta = delta - value / slope",
+        "return complete(quarter, sigma, delta, np.pi / 4)",
+    ]
+    return text + _body(lines)
 
 
-def _root_lines(roots: RootProgram) -> list[str]:
-    assert roots.function is not None and roots.derivative is not None and roots.start is not None
+def _characteristic(kernel: ColumnKernel) -> str:
+    """The characteristic function, which is zero at a root, and its derivative."""
+    roots = kernel.basis.roots
+    assert roots.function is not None and roots.derivative is not None
     sine, cosine = Symbol("sine", real=True), Symbol("cosine", real=True)
     written = [e.subs({sin(delta): sine, cos(delta): cosine}) for e in (roots.function, roots.derivative)]
-    lines = ["asymptote = quarter * (np.pi / 4)", "epsilon = np.exp(-asymptote)", f"delta = {_code(roots.start)}"]
-    lines.append(f"for _ in range({roots.iterations}):")
-    lines.append("    epsilon = np.exp(-asymptote - delta)")
+    lines = ["epsilon = np.exp(-asymptote - delta)"]
     for symbol, name in ((sine, "sin"), (cosine, "cos")):
         if any(e.has(symbol) for e in written):
-            lines.append(f"    {symbol} = np.{name}(delta)")
-    lines += [f"    {line}" for line in _shared([("value", written[0]), ("slope", written[1])])]
-    lines.append("    delta = delta - value / slope")
-    lines += ["gamma = asymptote + delta", "epsilon = np.exp(-gamma)"]
-    return lines
+            lines.append(f"{symbol} = np.{name}(delta)")
+    lines += [*_shared([("value", written[0]), ("slope", written[1])]), "return value, slope"]
+    doc = (
+        f"{_equation(kernel)} at γ = asymptote + delta, written so that no digits cancel, and its slope in delta. "
+        "Eq. (21).\n"
+    )
+    head = "def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array, Array]:\n"
+    return head + _docstring(doc) + _body(lines)
 
 
 def _shapes(kernel: ColumnKernel) -> str:
@@ -339,7 +382,7 @@ def _shapes(kernel: ColumnKernel) -> str:
         "coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact",
         "turns = quarter * coarse",
         "turns = turns - 8 * np.round(turns / 8)",
-        "phase = (turns + quarter * (place - coarse)) * (np.pi / 4)"
+        "phase = (turns + quarter * (place - coarse)) * basis.turn"
         + (" + basis.delta[:, None] * place" if corrected else ""),
         "sine, cosine = np.sin(phase), np.cos(phase)",
         "rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]",
@@ -375,8 +418,7 @@ def _apart(kernel: ColumnKernel) -> str:
     lines = [f"{name} = basis.{name}" for name in ("gamma", "quarter", *(["delta"] if corrected else []))]
     lines += [
         "squares = gamma * gamma",
-        "difference = (quarter[:, None] - quarter) * (np.pi / 4)"
-        + (" + (delta[:, None] - delta)" if corrected else ""),
+        "difference = (quarter[:, None] - quarter) * basis.turn" + (" + (delta[:, None] - delta)" if corrected else ""),
         "difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)",
         "difference.reshape(-1)[:: gamma.size + 1] = np.inf",
         "inverse: Array = 1 / difference",
@@ -541,6 +583,39 @@ def _frequencies(kernel: ColumnKernel) -> str:
     return text + _body(lines)
 
 
+def _equation_of_motion(kernel: ColumnKernel) -> str:
+    """The unforced equation of motion and the end conditions as data, for work without a series."""
+    motion = kernel.motion
+    arguments = f"P: Any, alpha: Any = 0, beta: Any = 0{_own(kernel)}".replace(": float = ", ": Any = ")
+    terms = []
+    for j in jets(motion.strong):
+        powers = Poly(motion.strong.coeff(j), x).all_coeffs()[::-1]
+        terms.append(f"({j.args[1]}, {j.args[2]}): ({', '.join(_code(c) for c in powers)},)")
+    text = f"def equation({arguments}) -> dict[tuple[int, int], tuple[Any, ...]]:\n"
+    text += _docstring(
+        "The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).\n"
+    )
+    text += _body(["return {", *(f"    {term}," for term in terms), "}"]) + "\n\n"
+    conditions = []
+    for end, kind in enumerate(kernel.column.ends):
+        rows = ["{(" + str(order) + ", 0): 1}" for order in GEOMETRIC[kind]]
+        for order in range(2):
+            if (end, order) in motion.natural:
+                natural = motion.natural[end, order]
+                rows.append(
+                    "{"
+                    + ", ".join(f"({j.args[1]}, {j.args[2]}): {_code(natural.coeff(j))}" for j in jets(natural))
+                    + "}"
+                )
+        conditions.append(rows)
+    text += f"def end_conditions({arguments}) -> tuple[Any, Any]:\n"
+    text += _docstring("Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15).\n")
+    lines = ["return ("]
+    for rows in conditions:
+        lines += ["    (", *(f"        {row}," for row in rows), "    ),"]
+    return text + _body([*lines, ")"])
+
+
 def _newmark(newmark: Newmark) -> str:
     text = (
         "def newmark_step(\n"
@@ -584,10 +659,27 @@ def _scales() -> str:
 
 
 def emit(kernel: ColumnKernel) -> str:
-    """The NumPy module of a column, as text. Deterministic to the byte for one version of SymPy."""
+    """The NumPy module of a column, as text. Deterministic to the byte for one version of SymPy.
+
+    Raises StatementError for a parameter whose name the module gives to something else.
+    """
     parts = [_header(kernel), _metadata(kernel), _basis(kernel), _shapes(kernel)]
     if any(len(m.entry) > 1 for m in kernel.matrices):
         parts.append(_apart(kernel))
     parts += [_matrix(kernel, matrix) for matrix in kernel.matrices]
-    parts += [_damping(kernel), _force(kernel), _frequencies(kernel), _newmark(kernel.newmark), _scales()]
-    return "\n\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part)
+    parts += [
+        _damping(kernel),
+        _force(kernel),
+        _equation_of_motion(kernel),
+        _frequencies(kernel),
+        _newmark(kernel.newmark),
+        _scales(),
+    ]
+    text = "\n\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part)
+    nodes = list(ast.walk(ast.parse(text)))
+    assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
+    assigned |= {node.name for node in nodes if isinstance(node, ast.FunctionDef | ast.ClassDef)}
+    for parameter in kernel.column.parameters:
+        if parameter.name in assigned:
+            raise StatementError(f"parameter {parameter.name!r}: emitted code calls something else so; choose another")
+    return text

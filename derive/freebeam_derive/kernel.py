@@ -24,6 +24,7 @@ from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import x
 from freebeam_derive.ritz import Form, RitzSystem, display_form
 from freebeam_derive.statement import Column
+from freebeam_derive.variation import EquationOfMotion
 
 delta = Symbol("delta", real=True)  # root less its asymptote
 APART = 9  # operations that 1 / (γ_i⁴ − γ_j⁴) takes: see _apart in emit.py
@@ -80,6 +81,7 @@ class ColumnKernel:
     """All that is emitted for a column."""
 
     column: Column
+    motion: EquationOfMotion
     beam: ComparisonBeam
     system: RitzSystem
     basis: BasisProgram
@@ -93,7 +95,9 @@ class ColumnKernel:
         return max(matrix.operations for matrix in self.matrices)
 
 
-def build(column: Column, system: RitzSystem, damped: DampedModes | None, newmark: Newmark) -> ColumnKernel:
+def build(
+    column: Column, motion: EquationOfMotion, system: RitzSystem, damped: DampedModes | None, newmark: Newmark
+) -> ColumnKernel:
     """Lower the forms of a column to programs over its comparison modes. Eq. (11)."""
     beam = comparison_beam(column.ends)
     matrices = (
@@ -101,7 +105,7 @@ def build(column: Column, system: RitzSystem, damped: DampedModes | None, newmar
         _matrix("stiffness_elastic", "E", system.E, beam, column, "Eq. (11), third line at zero load"),
         _matrix("stiffness_load", "H", system.H, beam, column, "Eq. (11), third line, divided by the load; Eq. (13)"),
     )
-    return ColumnKernel(column, beam, system, _basis(beam), matrices, damped, newmark)
+    return ColumnKernel(column, motion, beam, system, _basis(beam), matrices, damped, newmark)
 
 
 # --- modes --------------------------------------------------------------------------------------------------

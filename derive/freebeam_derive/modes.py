@@ -1,4 +1,4 @@
-"""The comparison beam: characteristic equation, modes, rigid functions, for any pair of ends. Eqs. (16)-(23).
+"""The comparison beam: characteristic equation, modes, rigid functions, for any pair of ends. Eqs. (14)-(23).
 
 The modes are combinations of sin γx, cos γx, e^(−γx) and e^(−γ(1−x)): the decaying exponentials stand for sinh
 and cosh, whose difference loses all its digits in floating point. With ε = e^(−γ) the characteristic determinant is

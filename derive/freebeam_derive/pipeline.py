@@ -91,7 +91,7 @@ def derive(column: Column) -> Derivation:
     beam = modes.comparison_beam(column.ends)
     damped = modes.damped_modes(motion)
     return Derivation(
-        column, scaled, motion, system, beam, damped, kernel.build(column, system, damped, newmark_method())
+        column, scaled, motion, system, beam, damped, kernel.build(column, motion, system, damped, newmark_method())
     )
 
 
@@ -159,7 +159,7 @@ def generate(
     texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
 
     if check:
-        return Outcome(output, names, (), _difference(output, texts, set(kept)), {})
+        return Outcome(output, names, (), _difference(output, texts, set(kept), bool(targets)), {})
     obsolete = [output / name for name in (before[1] if before else {}) if name not in files]
     written = _write(output, texts, obsolete)
     _report(output, figures)
@@ -218,13 +218,16 @@ def _manifest(output: Path) -> tuple[dict[str, str], dict[str, dict[str, object]
         return None
 
 
-def _difference(output: Path, texts: dict[str, str], kept: set[str]) -> str:
-    """Unified diff of a folder against what it should hold, missing and extra modules included."""
-    present = {path.name for path in output.glob("*.py")} if output.is_dir() else set()
+def _difference(output: Path, texts: dict[str, str], kept: set[str], some: bool) -> str:
+    """Unified diff of a folder against what it should hold, missing and extra modules included.
+
+    some: only some columns were asked for; then a file that was not emitted is nobody's business here.
+    """
+    present = {path.name for path in output.glob("*.py") if not (some and _foreign(path))}
     parts: list[str] = []
     for name in sorted({*texts, *(present - kept)}):
         path = output / name
-        old = path.read_text(encoding="utf-8") if path.is_file() else ""
+        old = path.read_bytes().decode(errors="replace") if path.is_file() else ""
         new = texts.get(name, "")
         parts += difflib.unified_diff(
             old.splitlines(keepends=True),
@@ -235,14 +238,39 @@ def _difference(output: Path, texts: dict[str, str], kept: set[str]) -> str:
     return "".join(parts)
 
 
+def _foreign(path: Path) -> bool:
+    """Whether something stands at a path that this program did not emit."""
+    if path.name in (MANIFEST, REPORT):
+        return path.exists() and _manifest(path.parent) is None
+    return path.is_dir() or (path.exists() and _MARK not in path.read_bytes().decode(errors="replace"))
+
+
 def _write(output: Path, texts: dict[str, str], obsolete: list[Path]) -> tuple[Path, ...]:
-    """Write all files beside their places, then put each in its place."""
-    for name in texts:
-        path = output / name
-        if path.exists() and name != MANIFEST and _MARK not in path.read_text(encoding="utf-8", errors="replace"):
+    """Put the modules in their places, unless a file that was not emitted is in the way, and drop obsolete ones."""
+    for path in (output / name for name in (*texts, REPORT)):
+        if _foreign(path):
             raise StatementError(
                 f"{path} exists and was not emitted by this program; move it, or choose another --output"
             )
+    _put(output, texts)
+    for path in obsolete:
+        if not _foreign(path):
+            path.unlink(missing_ok=True)
+    return tuple(output / name for name in texts)
+
+
+def _report(output: Path, figures: dict[str, tuple[verify.Figure, ...]]) -> None:
+    """The measured errors, beside the kernels; they vary in the last digit from machine to machine."""
+    listed = {name: [vars(figure) for figure in found] for name, found in figures.items()}
+    try:
+        known = dict(json.loads((output / REPORT).read_text(encoding="utf-8")))
+    except (OSError, ValueError, TypeError):
+        known = {}
+    _put(output, {REPORT: json.dumps({**known, **listed}, indent=2, ensure_ascii=False) + "\n"})
+
+
+def _put(output: Path, texts: dict[str, str]) -> None:
+    """Write files beside their places, all of them whole, then put each in its place."""
     try:
         output.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=output, prefix=".new-") as folder:
@@ -252,19 +280,3 @@ def _write(output: Path, texts: dict[str, str], obsolete: list[Path]) -> tuple[P
                 os.replace(Path(folder) / name, output / name)
     except OSError as error:
         raise StatementError(f"{output}: cannot be written to: {error.strerror}; choose another --output") from error
-    for path in obsolete:
-        path.unlink(missing_ok=True)
-    return tuple(output / name for name in texts)
-
-
-def _report(output: Path, figures: dict[str, tuple[verify.Figure, ...]]) -> None:
-    """The measured errors, beside the kernels; they vary in the last digit from machine to machine."""
-    listed = {name: [vars(figure) for figure in found] for name, found in figures.items()}
-    path = output / REPORT
-    try:
-        known = json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        known = {}
-    with tempfile.NamedTemporaryFile("w", dir=output, delete=False, encoding="utf-8") as file:
-        file.write(json.dumps({**known, **listed}, indent=2, ensure_ascii=False) + "\n")
-    os.replace(file.name, path)

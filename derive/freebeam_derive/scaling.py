@@ -68,7 +68,7 @@ def nondimensional(functional: Functional) -> Functional:
 
 
 def derive_scaling(column: Column) -> tuple[Step, ...]:
-    """Derive the nondimensional statement of a column from its dimensional one, term by term. Eqs. (5), (8).
+    """Derive the nondimensional statement of a column from its dimensional one, term by term. Eqs. (1)-(5), (8).
 
     Raises StatementError where the two differ; gives no step where the column has no dimensional statement.
     """

@@ -10,10 +10,12 @@ Inside the program a functional is held in jets: `jet(field, p, r, place)` is d^
 
 from __future__ import annotations
 
+import keyword
+import math
 import re
 import runpy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
 from sympy import (
@@ -30,6 +32,7 @@ from sympy import (
     Subs,
     Symbol,
     expand,
+    nsimplify,
     sympify,
 )
 from sympy.core.function import AppliedUndef
@@ -39,6 +42,8 @@ from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, variation
 # Geometric conditions of each kind of end: the orders of derivative that it holds at zero. The natural ones
 # are derived from the energies (variation.py).
 GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": (1,), "clamped": (0, 1)}
+
+RESERVED = ("np", "basis", "rigid")  # what every emitted function of a matrix knows by these names
 
 ALONG = Symbol("along")  # the place of a jet that is a function of x
 jet = Function("jet")
@@ -202,7 +207,9 @@ def read_functional(expression: Expr, name: str, length: Expr) -> Functional:
     beam nor values at points.
     """
     density, points = [], []
-    for term in Add.make_args(expand(expression)):
+    # 0.5 stands for 1/2: nothing is rounded in a derivation
+    exact = expression.replace(lambda e: e.is_Float, lambda e: nsimplify(e, rational=True))
+    for term in Add.make_args(expand(exact)):
         integrals = [f for f in Mul.make_args(term) if isinstance(f, Integral)]
         rest = Mul(*(f for f in Mul.make_args(term) if not isinstance(f, Integral)))
         if not integrals:
@@ -236,15 +243,16 @@ def read_functional(expression: Expr, name: str, length: Expr) -> Functional:
 
 def show(expression: Expr) -> Expr:
     """A jet expression in derivatives of y(x, t) and delta_y(x, t), for printing."""
+    return expression.replace(jet, _shown)
 
-    def one(which: Expr, p: Expr, r: Expr, place: Expr) -> Expr:
-        f = y if which == 0 else variation_of_y
-        derivative = f.diff((x, int(p)), (t, int(r))) if int(p) or int(r) else f
-        if place == ALONG:
-            return derivative
-        return Subs(derivative, x, place) if int(p) else derivative.subs(x, place)
 
-    return expression.replace(jet, one)
+@cache
+def _shown(which: Expr, p: Expr, r: Expr, place: Expr) -> Expr:
+    f = y if which == 0 else variation_of_y
+    derivative = f.diff((x, int(p)), (t, int(r))) if int(p) or int(r) else f
+    if place == ALONG:
+        return derivative
+    return Subs(derivative, x, place) if int(p) else derivative.subs(x, place)
 
 
 def display(functional: Functional, length: Expr = S.One) -> Expr:
@@ -274,22 +282,53 @@ def _degree(expression: Expr, which: int) -> tuple[int, int]:
     return min(degrees), max(degrees)
 
 
+def _range(parameter: Parameter) -> tuple[float, float, float]:
+    return parameter.default, parameter.low, parameter.high
+
+
+def _refuse_types(column: Column) -> None:
+    """What is not of the kind that a Column holds: refused before anything is computed with it."""
+    if not isinstance(column.name, str) or not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", column.name):
+        raise StatementError(
+            f"name {column.name!r}: lower-case letters, digits and single hyphens, such as 'free-free'"
+        )
+    ends = column.ends
+    if not isinstance(ends, tuple) or len(ends) != 2 or any(not isinstance(e, str) or e not in GEOMETRIC for e in ends):
+        raise StatementError(f"ends {ends!r}: a pair of {', '.join(GEOMETRIC)}, at x = 0 and x = 1")
+    for name in ("T", "V", "W_c", "dW_nc"):
+        value = getattr(column, name)
+        if not isinstance(value, Expr | int | float):
+            raise StatementError(f"{name} = {value!r}: not a SymPy expression; write it with integral(...) and at(...)")
+    if not isinstance(column.parameters, tuple) or not all(isinstance(p, Parameter) for p in column.parameters):
+        raise StatementError("parameters: must be a tuple of Parameter, such as (Parameter(eta, ...),)")
+
+
 def _refuse_unknown(column: Column) -> None:
     own = {p.symbol for p in column.parameters}
     known = {x, t, P, alpha, beta, x_F} | own
     for name in ("T", "V", "W_c", "dW_nc"):
         for symbol in sorted(getattr(column.energies, name).free_symbols - known, key=str):
-            same = [s for s in known if str(s) == str(symbol)]
-            cure = (
-                f"import {symbol} from freebeam_derive.notation"
-                if same or str(symbol) in NOTATION
-                else f"declare it: parameters=(Parameter({symbol}, ...),)"
-            )
+            if str(symbol) in NOTATION and NOTATION[str(symbol)].symbol == symbol:
+                cure = (
+                    "leave it out: a nondimensional statement, Eq. (5), holds x, t, P, alpha, beta, x_F and parameters"
+                )
+            elif str(symbol) in NOTATION:
+                cure = f"import {symbol} from freebeam_derive.notation"
+            else:
+                cure = f"declare it: parameters=(Parameter({symbol}, ...),)"
             raise StatementError(f"{name}: the symbol {symbol} is not known; {cure}")
     for parameter in column.parameters:
-        if parameter.name in NOTATION or not parameter.name.isidentifier():
+        taken = parameter.name in NOTATION or parameter.name in RESERVED or keyword.iskeyword(parameter.name)
+        # f_i and f_j are the values of f in the two modes of a pair
+        if taken or not parameter.name.isidentifier() or parameter.name.endswith(("_i", "_j")):
             raise StatementError(
-                f"parameter {parameter.name!r}: the name must be an identifier that the notation does not use"
+                f"parameter {parameter.name!r}: the name is taken or not usable in code; choose another, such as kappa"
+            )
+        if [p.name for p in column.parameters].count(parameter.name) > 1:
+            raise StatementError(f"parameter {parameter.name}: declared twice; declare it once")
+        if not all(isinstance(v, int | float) and math.isfinite(v) for v in _range(parameter)):
+            raise StatementError(
+                f"parameter {parameter.name}: default, low and high are {_range(parameter)}; give finite numbers"
             )
         if not parameter.low <= parameter.default <= parameter.high:
             raise StatementError(
@@ -301,6 +340,10 @@ def _refuse_unknown(column: Column) -> None:
 def _refuse_degrees(works: dict[str, Functional]) -> None:
     for name, work in works.items():
         for part in (work.density, work.points):
+            if part.xreplace({F_0: S.One}).has(t):
+                raise StatementError(
+                    f"{name}: time t stands in {show(part)} by itself; only y and F_0 may depend on time here"
+                )
             if name == "dW_nc":
                 if part != 0 and _degree(part, 1) != (1, 1):
                     raise StatementError(
@@ -315,6 +358,14 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
                     raise StatementError(
                         "dW_nc: the virtual work is not linear in y; a linear stability analysis needs it linearised"
                     )
+                for j in jets(part, 0):
+                    if int(j.args[2]) > 2:
+                        raise StatementError(f"dW_nc: holds {show(j)}; rates of y up to the second are known")
+                    if int(j.args[2]) == 1 and part.coeff(j).has(P):
+                        raise StatementError(f"dW_nc: the load P multiplies {show(j)}; a load does no work on a rate")
+                undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) == 1})
+                if undamped.has(alpha, beta):
+                    raise StatementError("dW_nc: alpha and beta are dampings; they multiply first rates of y alone")
                 continue
             if jets(part, 1):
                 raise StatementError(f"{name}: an energy holds no delta(...); virtual work goes into dW_nc")
@@ -328,20 +379,27 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
                     f"{name}: F_0 must not multiply a square of y; it is a transversal force, not a load"
                 )
             for j in jets(part, 0):
-                if (j.args[2] != 0) != (name == "T"):
-                    kind = "rates of y only" if name == "T" else "y without rates"
+                if int(j.args[2]) != (1 if name == "T" else 0):
+                    kind = "first rates of y only" if name == "T" else "y without rates"
                     raise StatementError(f"{name}: holds {show(j)}; it must be made of {kind}")
             if name == "T" and low < 2 and part != 0:
                 raise StatementError("T: must be quadratic in the rates of y")
-    if not works["T"]:
+    if works["T"].density == 0:
         raise StatementError(
-            "T: the kinetic energy does not contain y, so the field is never set in motion; state T with y.diff(t)**2"
+            "T: no kinetic energy along the beam, so the field is never set in motion; state T with y.diff(t)**2"
         )
-    if not any(j.args[1] == 2 for j in jets(works["V"].density, 0)):
-        raise StatementError("V: the bending energy does not contain y''; a beam needs y.diff(x, 2)**2 in V")
-    for name in ("T", "V"):
-        if works[name].density.has(P) or works[name].points.has(P):
-            raise StatementError(f"{name}: the load P does its work in W_c or dW_nc, not in {name}")
+    bending = works["V"].density.coeff(jet(Integer(0), Integer(2), Integer(0), ALONG), 2)
+    if bending == 0:
+        raise StatementError("V: the bending energy does not contain y'' squared; a beam needs y.diff(x, 2)**2 in V")
+    inertia = works["T"].density.coeff(jet(Integer(0), Integer(0), Integer(1), ALONG), 2)
+    for name, size in (("T", inertia), ("V", bending)):
+        if size.is_negative:
+            raise StatementError(f"{name}: the energy {display(works[name])} is negative; change its sign")
+    for name in ("T", "V", "W_c"):
+        for symbol in (P, alpha, beta) if name != "W_c" else (alpha, beta):
+            if works[name].density.has(symbol) or works[name].points.has(symbol):
+                what = "load P does its work in W_c or dW_nc" if symbol == P else f"damping {symbol} acts in dW_nc"
+                raise StatementError(f"{name}: the {what}, not in {name}")
     for name in ("W_c", "dW_nc"):
         for part in (works[name].density, works[name].points):
             if part.has(P) and (part.diff(P, 2) != 0 or part.subs(P, 0).has(P)):
@@ -350,12 +408,7 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
 
 def check(column: Column) -> None:
     """Refuse a statement that makes no sense; further checks need the variation (variation.py)."""
-    if not isinstance(column.name, str) or not re.fullmatch(r"[a-z][a-z0-9]*(-[a-z0-9]+)*", column.name):
-        raise StatementError(
-            f"name {column.name!r}: lower-case letters, digits and single hyphens, such as 'free-free'"
-        )
-    if len(column.ends) != 2 or any(end not in GEOMETRIC for end in column.ends):
-        raise StatementError(f"ends {column.ends!r}: two of {', '.join(GEOMETRIC)}, at x = 0 and x = 1")
+    _refuse_types(column)
     _refuse_unknown(column)
     works = {name: column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc")}
     _refuse_degrees(works)
@@ -373,17 +426,20 @@ def load_column(path: Path | str) -> Column:
     one that makes no sense.
     """
     path = Path(path)
+    if path.is_dir():
+        raise StatementError(f"{path}: is a folder; give the file of a column, such as column.py")
     try:
         found = runpy.run_path(str(path)).get("column")
     except StatementError as error:
         raise StatementError(f"{path}: {error}") from error
     except SyntaxError as error:
-        raise StatementError(f"{path}, line {error.lineno}: does not parse as Python: {error.msg}") from error
+        line = f", line {error.lineno}" if error.lineno else ""
+        raise StatementError(f"{path}{line}: does not parse as Python: {error.msg}") from error
     except OSError as error:
         raise StatementError(
             f"{path}: cannot be read: {error.strerror}; give the file of a column, such as column.py"
         ) from error
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise StatementError(f"{path}: fails with {type(error).__name__}: {' '.join(str(error).split())}") from error
     if not isinstance(found, Column):
         raise StatementError(f"{path}: states no column; it must end in `column = Column(...)`")

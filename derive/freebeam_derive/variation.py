@@ -247,22 +247,41 @@ def _named(*works: Functional) -> list[tuple[Expr, Functional]]:
 
 
 def _refuse_double_work(W_c: Functional, dW_nc: Functional) -> None:
-    """The same force in W_c and in δW_nc: a term of both alike, or the same force along the beam after parts."""
+    """The same force in W_c and in δW_nc: a term of both alike, or all of W_c's again in δW_nc after parts.
+
+    A part of W_c's may well return: Beck's tip force takes back an end term, Leipholz's load a slope.
+    """
     for force in (P, F_0):
         conservative = first_variation(W_c.coefficient(force))
         other = dW_nc.coefficient(force)
         if not conservative or not other:
             continue
-        common = _terms(conservative.density) & _terms(other.density) | _terms(conservative.points) & _terms(
-            other.points
-        )
-        inside, twice = by_parts(conservative.density)[0], by_parts(other.density)[0]
-        ratio = (inside / twice).cancel() if inside != 0 and twice != 0 else x
-        if common or not (ratio.has(jet) or ratio.has(x)):
+        inside, twice = by_parts(conservative.density), by_parts(other.density)
+        alike = _terms(conservative.points) & _terms(other.points)
+        if _terms(inside[0]) & _terms(twice[0]):
+            alike |= _terms(conservative.density) & _terms(other.density)
+        if inside[0] != 0:
+            again = _contains(twice[0], inside[0])
+        else:  # it works at the ends alone
+            ends = [
+                w.points + at_end(b, S.One) - at_end(b, S.Zero)
+                for w, b in ((other, twice[1]), (conservative, inside[1]))
+            ]
+            again = _contains(*map(expand, ends))
+        if alike or again:
             raise StatementError(
                 f"the force {force} does the same work in W_c and in dW_nc, so it is counted twice; "
                 f"keep it in W_c where it has a potential, else in dW_nc"
             )
+
+
+def _contains(whole: Expr, part: Expr) -> bool:
+    """Whether an expression in jets and x holds every term of another, all times the same constant."""
+    lead = Add.make_args(part)[0].as_independent(jet, x)
+    same = [
+        term.as_independent(jet, x)[0] for term in Add.make_args(whole) if term.as_independent(jet, x)[1] == lead[1]
+    ]
+    return bool(same) and not _terms(part) & _terms(expand(whole - Add(*same) / lead[0] * part))
 
 
 def _terms(expression: Expr) -> set[Expr]:

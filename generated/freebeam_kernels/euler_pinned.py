@@ -62,16 +62,24 @@ COLUMN: dict[str, Any] = {
 
 
 class Basis(NamedTuple):
-    """The first N modes, each field of shape (N,).
+    """The first N modes: each field of shape (N,), but for `turn`.
 
     gamma: root of the characteristic equation, Eq. (21)
     quarter: asymptote of the root in units of π/4
     sigma: sign (−1)^(n−1)
+    turn: π/4
     """
 
     gamma: Array
     quarter: Array
     sigma: Array
+    turn: Any
+
+
+def complete(quarter: Array, sigma: Array, turn: Any) -> Basis:
+    """All that is known of the modes, from their roots γ = quarter · turn. Eq. (22)."""
+    gamma = quarter * turn
+    return Basis(gamma, quarter, sigma, turn)
 
 
 def basis(N: int) -> Basis:
@@ -82,8 +90,7 @@ def basis(N: int) -> Basis:
     n = np.arange(N, dtype=float)
     quarter = 4 + 4 * n
     sigma = 1 - 2 * np.remainder(n, 2)
-    gamma = quarter * (np.pi / 4)
-    return Basis(gamma, quarter, sigma)
+    return complete(quarter, sigma, np.pi / 4)
 
 
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
@@ -101,7 +108,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
     turns = turns - 8 * np.round(turns / 8)
-    phase = (turns + quarter * (place - coarse)) * (np.pi / 4)
+    phase = (turns + quarter * (place - coarse)) * basis.turn
     sine, cosine = np.sin(phase), np.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
     value: Array = rotated[0]
@@ -163,6 +170,32 @@ def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
     x_F: place of the transversal force, 0 to 1.
     """
     return shapes(basis, x_F, rigid=rigid)
+
+
+def equation(P: Any, alpha: Any = 0, beta: Any = 0) -> dict[tuple[int, int], tuple[Any, ...]]:
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
+    """
+    return {
+        (0, 1): (beta,),
+        (0, 2): (1,),
+        (2, 0): (P,),
+        (4, 0): (1,),
+        (4, 1): (alpha,),
+    }
+
+
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0) -> tuple[Any, Any]:
+    """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
+    return (
+        (
+            {(0, 0): 1},
+            {(2, 0): -1, (2, 1): -alpha},
+        ),
+        (
+            {(0, 0): 1},
+            {(2, 0): 1, (2, 1): alpha},
+        ),
+    )
 
 
 def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:

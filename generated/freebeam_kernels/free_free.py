@@ -70,7 +70,7 @@ COLUMN: dict[str, Any] = {
 
 
 class Basis(NamedTuple):
-    """The first N modes, each field of shape (N,).
+    """The first N modes: each field of shape (N,), but for `turn`.
 
     gamma: root of the characteristic equation, Eq. (21)
     quarter: asymptote of the root in units of π/4
@@ -80,6 +80,7 @@ class Basis(NamedTuple):
     left: coefficient of e^(−γx)
     right: coefficient of e^(−γ(1−x))
     deflection_0: φ(0)
+    turn: π/4
     """
 
     gamma: Array
@@ -90,6 +91,37 @@ class Basis(NamedTuple):
     left: Array
     right: Array
     deflection_0: Array
+    turn: Any
+
+
+def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array, Array]:
+    """cos(γ) cosh(γ) = 1 at γ = asymptote + delta, written so that no digits cancel, and its slope in delta. Eq.
+    (21).
+    """
+    epsilon = np.exp(-asymptote - delta)
+    sine = np.sin(delta)
+    cosine = np.cos(delta)
+    shared_1 = 2 * sigma
+    shared_2 = epsilon**2 + 1
+    value = -epsilon * shared_1 + shared_2 * sine
+    slope = cosine * shared_2 - epsilon * (2 * epsilon * sine - shared_1)
+    return value, slope
+
+
+def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
+    """All that is known of the modes, from their roots γ = quarter · turn + delta. Eq. (22).
+
+    The arrays may hold floats, or any numbers that know `exp`, such as intervals: then so does the result.
+    """
+    gamma = quarter * turn + delta
+    tail = sigma * np.exp(-gamma)
+    shared_1 = 1 / (tail - 1)
+    shared_2 = shared_1 * (tail + 1)
+    cosine = shared_2
+    left = shared_1
+    right = shared_1 * sigma
+    deflection_0 = 2 * shared_2
+    return Basis(gamma, quarter, delta, sigma, cosine, left, right, deflection_0, turn)
 
 
 def basis(N: int) -> Basis:
@@ -105,24 +137,9 @@ def basis(N: int) -> Basis:
     epsilon = np.exp(-asymptote)
     delta = 2 * epsilon * sigma
     for _ in range(2):
-        epsilon = np.exp(-asymptote - delta)
-        sine = np.sin(delta)
-        cosine = np.cos(delta)
-        shared_1 = 2 * sigma
-        shared_2 = epsilon**2 + 1
-        value = -epsilon * shared_1 + shared_2 * sine
-        slope = cosine * shared_2 - epsilon * (2 * epsilon * sine - shared_1)
+        value, slope = characteristic(delta, asymptote, sigma)
         delta = delta - value / slope
-    gamma = asymptote + delta
-    epsilon = np.exp(-gamma)
-    tail = sigma * epsilon
-    shared_1 = 1 / (tail - 1)
-    shared_2 = shared_1 * (tail + 1)
-    cosine = shared_2
-    left = shared_1
-    right = shared_1 * sigma
-    deflection_0 = 2 * shared_2
-    return Basis(gamma, quarter, delta, sigma, cosine, left, right, deflection_0)
+    return complete(quarter, sigma, delta, np.pi / 4)
 
 
 RIGID = ((1.0,), (-0.5, 1.0))  # coefficients of 1, x, …: roots γ = 0
@@ -150,7 +167,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
     turns = turns - 8 * np.round(turns / 8)
-    phase = (turns + quarter * (place - coarse)) * (np.pi / 4) + basis.delta[:, None] * place
+    phase = (turns + quarter * (place - coarse)) * basis.turn + basis.delta[:, None] * place
     sine, cosine = np.sin(phase), np.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
     value: Array = rotated[0] + basis.cosine[:, None] * rotated[1]
@@ -171,7 +188,7 @@ def _apart(basis: Basis) -> Array:
     quarter = basis.quarter
     delta = basis.delta
     squares = gamma * gamma
-    difference = (quarter[:, None] - quarter) * (np.pi / 4) + (delta[:, None] - delta)
+    difference = (quarter[:, None] - quarter) * basis.turn + (delta[:, None] - delta)
     difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
     difference.reshape(-1)[:: gamma.size + 1] = np.inf
     inverse: Array = 1 / difference
@@ -270,6 +287,33 @@ def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
     x_F: place of the transversal force, 0 to 1.
     """
     return shapes(basis, x_F, rigid=rigid)
+
+
+def equation(P: Any, alpha: Any = 0, beta: Any = 0) -> dict[tuple[int, int], tuple[Any, ...]]:
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
+    """
+    return {
+        (0, 1): (beta,),
+        (0, 2): (1,),
+        (1, 0): (P,),
+        (2, 0): (0, P,),
+        (4, 0): (1,),
+        (4, 1): (alpha,),
+    }
+
+
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0) -> tuple[Any, Any]:
+    """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
+    return (
+        (
+            {(3, 0): 1, (3, 1): alpha},
+            {(2, 0): -1, (2, 1): -alpha},
+        ),
+        (
+            {(3, 0): -1, (3, 1): -alpha},
+            {(2, 0): 1, (2, 1): alpha},
+        ),
+    )
 
 
 def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:

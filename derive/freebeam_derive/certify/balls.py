@@ -1,0 +1,176 @@
+"""Ball arithmetic (Arb) on the emitted kernels: roots and matrices with rigorous error bounds. Eqs. (11), (21).
+
+The kernels are not rewritten: NumPy carries them out on arrays of balls. The floats that they hold are exact binary
+fractions, and π/4 is handed to them as a ball.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
+from fractions import Fraction
+from functools import lru_cache
+from types import ModuleType
+from typing import Any
+
+import flint
+import numpy as np
+from flint import arb, arb_mat, arb_series, fmpq
+
+
+class Unproven(ArithmeticError):
+    """What was asked for could not be proven at the precision in hand; more bits may do."""
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Work with balls of so many bits, and put back what was."""
+    before = flint.ctx.prec
+    flint.ctx.prec = bits
+    try:
+        yield
+    finally:
+        flint.ctx.prec = before
+
+
+def exact(value: Fraction | int) -> arb:
+    """The ball of a rational number."""
+    value = Fraction(value)
+    return arb(fmpq(value.numerator, value.denominator))
+
+
+def array(balls: list[Any]) -> Any:
+    """A NumPy array of balls."""
+    result = np.empty(len(balls), dtype=object)
+    result[:] = balls
+    return result
+
+
+def one(found: Any) -> arb:
+    """The only entry of an array of balls."""
+    only: arb = np.asarray(found, dtype=object).reshape(-1)[0]
+    return only
+
+
+def roots(kernel: ModuleType, modes: int) -> tuple[Any, Any, Any]:
+    """quarter, sigma (integers) and delta (balls) of the first `modes` roots γ = quarter π/4 + delta, each (modes,).
+
+    Proven: each ball holds exactly one root of the characteristic equation, there is none besides up to the last,
+    and none is counted twice. Raises Unproven where the precision does not carry that.
+    """
+    floats = kernel.basis(modes)
+    quarter = [int(q) for q in floats.quarter]
+    sigma = [int(s) for s in floats.sigma]
+    if not hasattr(kernel, "characteristic"):
+        # sin γ = 0 or cos γ = 0 (times a factor without zeros): the asymptotes are the roots
+        return array(quarter), array(sigma), array([arb(0)] * modes)
+    _isolated(kernel, modes)
+    found = [_root(kernel, q, s, float(d)) for q, s, d in zip(quarter, sigma, floats.delta, strict=True)]
+    if not all(abs(delta) < arb.pi() / 4 for delta in found):
+        raise Unproven("a root does not lie near its asymptote")
+    return array(quarter), array(sigma), array(found)
+
+
+@lru_cache(maxsize=64)
+def _isolated(kernel: ModuleType, modes: int) -> None:
+    """One root within a quarter period of each asymptote, none elsewhere up to there. Digits do not matter here."""
+    floats = kernel.basis(modes)
+    with precision(80):
+        pi = arb.pi()
+        for n, (q, s) in enumerate(zip(floats.quarter, floats.sigma, strict=True)):
+            if not _slope(kernel, arb(0, 1) * pi / 4, int(q), int(s)) > 0:
+                raise Unproven(f"root {n + 1} is not known to be the only one near its asymptote")
+            _no_zero(kernel, pi / 4, 3 * pi / 4, int(q), int(s))
+        _none_before(kernel, int(floats.quarter[0]), int(floats.sigma[0]))
+
+
+def _value(kernel: ModuleType, delta: arb, quarter: int, sigma: int) -> arb:
+    return one(kernel.characteristic(array([delta]), array([quarter * arb.pi() / 4]), array([sigma]))[0])
+
+
+def _slope(kernel: ModuleType, delta: arb, quarter: int, sigma: int) -> arb:
+    return one(kernel.characteristic(array([delta]), array([quarter * arb.pi() / 4]), array([sigma]))[1])
+
+
+def _root(kernel: ModuleType, quarter: int, sigma: int, start: float) -> arb:
+    """Interval Newton around a float: the result is inside the trial ball, so it holds one root and only one."""
+    bits = flint.ctx.prec
+    middle, reached = arb(start), 40
+    while True:
+        # plain Newton with twice the digits each time
+        with precision(min(2 * reached, bits) + 20):
+            middle = (middle - _value(kernel, middle, quarter, sigma) / _slope(kernel, middle, quarter, sigma)).mid()
+        if reached >= bits:
+            break
+        reached *= 2
+    for wider in range(4, bits // 2, 8):
+        trial = middle + arb(0, 1) * arb(2) ** (wider - bits)
+        image = middle - _value(kernel, middle, quarter, sigma) / _slope(kernel, trial, quarter, sigma)
+        if trial.contains_interior(image):
+            return image
+    raise Unproven("a root of the characteristic equation could not be enclosed")
+
+
+def _no_zero(kernel: ModuleType, low: arb, high: arb, quarter: int, sigma: int, depth: int = 0) -> None:
+    """No zero of the characteristic function for low ≤ δ ≤ high, by bisection."""
+    between = low.union(high)
+    if not _value(kernel, between, quarter, sigma).contains(0):
+        return
+    if depth > 30:
+        raise Unproven("a stretch between two roots could not be shown to hold none")
+    middle = (low + high) / 2
+    _no_zero(kernel, low, middle, quarter, sigma, depth + 1)
+    _no_zero(kernel, middle, high, quarter, sigma, depth + 1)
+
+
+def _none_before(kernel: ModuleType, quarter: int, sigma: int) -> None:
+    """No root between γ = 0, which may be one itself, and a quarter period before the first asymptote."""
+    pi = arb.pi()
+    start = -quarter * pi / 4  # δ at γ = 0
+    pieces, width = 256, arb(1) / 256
+    if quarter > 2:
+        _no_zero(kernel, start + 1, -pi / 4, quarter, sigma)
+    # Of the function times e^γ (cosh and sinh in place of ε) all derivatives below the order of its zero at γ = 0
+    # vanish there; the next keeps its sign up to γ = 1, so all below do. (π/4 < 1, where the first root is beyond.)
+    at_zero = _series(kernel, start, quarter, sigma, 5)
+    order = next(k for k in range(6) if not at_zero[k].contains(0))
+    signs = set()
+    for piece in range(pieces):
+        around = start + width * piece + width / 2 + arb(0, 1) * width / 2
+        coefficient = _series(kernel, around, quarter, sigma, order)[order]
+        signs.add(1 if coefficient > 0 else -1 if coefficient < 0 else 0)
+    if len(signs) != 1 or 0 in signs:
+        raise Unproven("the neighbourhood of γ = 0 could not be shown to hold no root")
+
+
+def _series(kernel: ModuleType, delta: arb, quarter: int, sigma: int, order: int) -> list[arb]:
+    """Taylor coefficients at δ, up to an order, of the characteristic function times e^γ."""
+    before = flint.ctx.cap
+    flint.ctx.cap = order + 1
+    try:
+        variable = arb_series([delta, arb(1)])
+        asymptote = arb_series([quarter * arb.pi() / 4])
+        value = kernel.characteristic(array([variable]), array([asymptote]), array([arb_series([arb(sigma)])]))[0]
+        series = one(value) * (variable + asymptote).exp()
+        return [series[k] for k in range(order + 1)]
+    finally:
+        flint.ctx.cap = before
+
+
+def matrices(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction] | None = None
+) -> tuple[arb_mat, arb_mat, arb_mat]:
+    """M, E, H of the elastic modes as ball matrices, at the precision in hand. Eq. (11).
+
+    own: the column's own parameters as rational numbers, defaults where left out. Raises Unproven.
+    """
+    quarter, sigma, delta = roots(kernel, modes)
+    turn = arb.pi() / 4
+    if hasattr(kernel, "characteristic"):
+        basis = kernel.complete(quarter, sigma, delta, turn)
+    else:
+        basis = kernel.complete(quarter, sigma, turn)
+    defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
+    given = {name: exact(value) for name, value in (defaults | dict(own or {})).items()}
+    found = [f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)]
+    return tuple(arb_mat([[arb(v) for v in row] for row in matrix.tolist()]) for matrix in found)  # type: ignore[return-value]

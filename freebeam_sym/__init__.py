@@ -1,0 +1,66 @@
+"""Stability of columns under follower forces: spectra, critical loads and responses.
+
+    import freebeam_sym as fb
+    column = fb.column("free-free")
+    fb.critical_load(column, modes=8, alpha=1e-3, beta=0.1).load
+
+Each name loads its module when it is first used, so that importing this package costs next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from freebeam_sym.checks import InputError
+    from freebeam_sym.columns import Column, System, column
+    from freebeam_sym.columns import names as column_names
+    from freebeam_sym.critical import CriticalLoad, critical_load
+    from freebeam_sym.response import Response, respond, state_space
+    from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
+
+__all__ = [
+    "column", "column_names", "Column", "System",
+    "spectrum", "branches", "Spectrum", "Branches",
+    "critical_load", "CriticalLoad",
+    "respond", "state_space", "Response",
+    "InputError",
+    "__version__",
+]  # fmt: skip
+
+# Where each name lives: a module of this package and the name there. No name may be that of a module, because
+# importing the module would put it in the name's place.
+_HOMES = {
+    "column": ("columns", "column"),
+    "column_names": ("columns", "names"),
+    "Column": ("columns", "Column"),
+    "System": ("columns", "System"),
+    "spectrum": ("spectra", "spectrum"),
+    "branches": ("spectra", "branches"),
+    "Spectrum": ("spectra", "Spectrum"),
+    "Branches": ("spectra", "Branches"),
+    "critical_load": ("critical", "critical_load"),
+    "CriticalLoad": ("critical", "CriticalLoad"),
+    "respond": ("response", "respond"),
+    "state_space": ("response", "state_space"),
+    "Response": ("response", "Response"),
+    "InputError": ("checks", "InputError"),
+}
+
+
+def __getattr__(name: str) -> object:
+    value: object
+    if name == "__version__":
+        value = import_module("importlib.metadata").version("freebeam")
+    elif name in _HOMES:
+        module, attribute = _HOMES[name]
+        value = getattr(import_module(f"{__name__}.{module}"), attribute)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*globals(), *__all__})

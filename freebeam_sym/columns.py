@@ -1,0 +1,294 @@
+"""Columns and their matrices, from the emitted kernels."""
+
+from __future__ import annotations
+
+import difflib
+import os
+from collections import OrderedDict
+from dataclasses import dataclass, field
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebeam_sym.checks import InputError, count, finite, nonnegative, positions, positive
+
+__all__ = ["Column", "Parameter", "System", "column", "names"]
+
+Array = NDArray[np.float64]
+_KEPT = 64  # systems of matrices that a column remembers
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A parameter of a column's own, nondimensional. low, high: where it is of interest, not limits."""
+
+    name: str
+    latex: str
+    meaning: str
+    default: float
+    low: float
+    high: float
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """A column: name, ends, parameters and the emitted kernels that compute its matrices."""
+
+    kernel: ModuleType
+    _cache: OrderedDict[Any, Any] = field(default_factory=OrderedDict, repr=False)
+
+    @property
+    def name(self) -> str:
+        """Name, such as "free-free"."""
+        return str(self.kernel.COLUMN["name"])
+
+    @property
+    def title(self) -> str:
+        """What the column is, in one line."""
+        return str(self.kernel.COLUMN["title"])
+
+    @property
+    def ends(self) -> tuple[str, str]:
+        """Kinds of the ends at x = 0 and x = 1."""
+        first, second = self.kernel.COLUMN["ends"]
+        return first, second
+
+    @property
+    def rigid_count(self) -> int:
+        """Number of rigid functions that the ends allow."""
+        return int(self.kernel.COLUMN["rigid"])
+
+    @property
+    def damping(self) -> tuple[str, ...]:
+        """The dampings that the column's virtual work holds, of "alpha" and "beta"."""
+        return tuple(self.kernel.COLUMN["damping"])
+
+    @property
+    def forced(self) -> bool:
+        """Whether a transversal force F₀ at x_F is part of the column."""
+        return bool(self.kernel.COLUMN["force"])
+
+    @cached_property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """The column's own parameters, beside load and dampings."""
+        return tuple(Parameter(**p) for p in self.kernel.COLUMN["parameters"])
+
+    def own_parameters(self, given: dict[str, Any]) -> dict[str, float]:
+        """All own parameters, those not given at their default. Raises InputError for an unknown or non-finite one."""
+        known = {p.name: p.default for p in self.parameters}
+        for name, value in given.items():
+            if name not in known:
+                listing = ", ".join(known) or "none"
+                raise InputError(f"{name} = {value}: {self.name} has no such parameter; its own parameters: {listing}")
+            known[name] = finite(name, value)
+        return known
+
+    def dampings(self, alpha: float, beta: float) -> tuple[float, float]:
+        """alpha and beta, checked. Raises InputError where one is negative or the column has no such damping."""
+        checked = nonnegative("alpha", alpha, "internal damping"), nonnegative("beta", beta, "external damping")
+        for name, value in zip(("alpha", "beta"), checked, strict=True):
+            if value and name not in self.damping:
+                raise InputError(f"{name} = {value}: {self.name} states no such damping; leave it at 0")
+        return checked
+
+    def basis(self, modes: int) -> Any:
+        """The first `modes` comparison modes, Eq. (22), as the kernel's named tuple of vectors of shape (modes,)."""
+        modes = _modes(modes)
+
+        def build() -> Any:
+            basis = self.kernel.basis(modes)
+            for vector in basis:
+                if isinstance(vector, np.ndarray):
+                    vector.flags.writeable = False
+            return basis
+
+        return self._remembered(("basis", modes), build)
+
+    def matrices(self, modes: int, rigid: bool = False, **parameters: float) -> tuple[Array, Array, Array]:
+        """M, E, H of M q̈ + C q̇ + (E + P H) q = Q, each (n, n), nondimensional. Eq. (11).
+
+        n = modes, or the number of rigid functions more with `rigid`, which then come first. The arrays are kept and
+        shared: they cannot be written to. Raises InputError for a number of modes below 1 or beyond the memory.
+        """
+        own, modes = self.own_parameters(parameters), _modes(modes)
+
+        def build() -> tuple[Array, Array, Array]:
+            basis, kernel = self.basis(modes), self.kernel
+            found = tuple(
+                f(basis, rigid, **own) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)
+            )
+            for array in found:
+                array.flags.writeable = False
+            M, E, H = found
+            return M, E, H
+
+        result: tuple[Array, Array, Array] = self._remembered((modes, rigid, *own.values()), build)
+        return result
+
+    def _remembered(self, key: Any, build: Any) -> Any:
+        if key not in self._cache:
+            self._cache[key] = build()
+            while len(self._cache) > _KEPT:
+                self._cache.popitem(last=False)
+        return self._cache[key]
+
+    def damping_factors(self, alpha: float, beta: float, **parameters: float) -> tuple[float, float]:
+        """c_M and c_E of C = c_M M + c_E E, Eq. (12): beta and alpha, unless the column's energies shift them."""
+        c_M, c_E = self.kernel.damping_factors(alpha, beta, **self.own_parameters(parameters))
+        return float(c_M), float(c_E)
+
+    def scales(self, bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+        """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
+
+        Keys: length (m), time (s), load (N), force (N), alpha (s), beta (kg/(m s)), frequency (rad/s), velocity
+        (m/s), acceleration (m/s²), energy (J). An SI value is the nondimensional one times its size.
+
+        >>> beam = column("free-free").scales(bending_stiffness=2e6, mass_per_length=50, length=20)
+        >>> beam["load"]  # newtons in one unit of P
+        5000.0
+
+        Raises InputError where one is not positive and finite.
+        """
+        sizes: dict[str, float] = self.kernel.scales(
+            positive("bending_stiffness", bending_stiffness, "EI in N m²"),
+            positive("mass_per_length", mass_per_length, "m in kg/m"),
+            positive("length", length, "L in m"),
+        )
+        return sizes
+
+    def system(
+        self,
+        modes: int = 8,
+        load: float = 0.0,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        rigid: bool = False,
+        **parameters: float,
+    ) -> System:
+        """The system M q̈ + C q̇ + K q = Q F₀(t) at a load, nondimensional. Eqs. (10), (11).
+
+        modes: number N of elastic functions. load: P. rigid: with the rigid functions, first; stability is a
+        question of the elastic spectrum and leaves them out. parameters: the column's own, such as eta = 0.7.
+
+        Raises InputError for values that are not finite, negative damping, and unknown parameters.
+        """
+        own, modes = self.own_parameters(parameters), _modes(modes)
+        if not isinstance(rigid, bool | np.bool_):
+            raise InputError(f"rigid = {rigid!r}: must be True or False")
+        load = finite("load", load, "nondimensional load P")
+        alpha, beta = self.dampings(alpha, beta)
+        M, E, H = self.matrices(modes, rigid, **own)
+        c_M, c_E = self.damping_factors(alpha, beta, **own)
+        return System(self, modes, load, alpha, beta, bool(rigid), own, M, c_M * M + c_E * E, E + load * H, E, H)
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """M q̈ + C q̇ + K q = Q F₀(t) of a column at one load: matrices (n, n), nondimensional. Eqs. (10)-(13).
+
+    n = modes + rigid_count; the rigid functions come first. K = E + load H.
+    """
+
+    column: Column
+    modes: int
+    load: float
+    alpha: float
+    beta: float
+    rigid: bool
+    parameters: dict[str, float]
+    M: Array
+    C: Array
+    K: Array
+    E: Array
+    H: Array
+
+    @property
+    def rigid_count(self) -> int:
+        """Number of leading rows that belong to rigid functions."""
+        return self.column.rigid_count if self.rigid else 0
+
+    @property
+    def basis(self) -> Any:
+        """The comparison modes that the system is written in."""
+        return self.column.basis(self.modes)
+
+    @property
+    def gamma(self) -> Array:
+        """Roots of the characteristic equation, (modes,). Eq. (21)."""
+        gamma: Array = self.basis.gamma
+        return gamma
+
+    def Q(self, x_F: float) -> Array:
+        """Generalised force of a unit transversal force at x_F, (n,). Eq. (11), last line.
+
+        Raises InputError where the column has no transversal force or x_F lies off the beam.
+        """
+        if not self.column.forced:
+            raise InputError(f"x_F = {x_F}: {self.column.name} states no transversal force F_0")
+        place = positions("x_F", x_F)
+        if np.ndim(x_F) or len(place) != 1:
+            raise InputError(f"x_F has {len(place)} places: a transversal force acts at one")
+        force: Array = self.column.kernel.force(self.basis, float(place[0]), self.rigid)
+        return force
+
+    def shapes(self, x: ArrayLike, derivative: int = 0) -> Array:
+        """The trial functions or a derivative of them at places x, shape (n, *x.shape). Eq. (22).
+
+        Raises InputError for places off the beam and an order that is no whole number.
+        """
+        places = np.asarray(x, dtype=float)
+        positions("x", places.ravel())
+        derivative = count("derivative", derivative, 0)
+        shapes: Array = self.column.kernel.shapes(self.basis, places, derivative, self.rigid)
+        return shapes
+
+
+def names() -> tuple[str, ...]:
+    """Names of the columns that come with the package."""
+    return tuple(import_module("freebeam_kernels").COLUMNS)
+
+
+def column(name: str | os.PathLike[str]) -> Column:
+    """A column by its name, or by the path of a user's own column file (or of a kernel emitted from one).
+
+    A column file is derived, emitted and verified when it is first used, and kept for later.
+
+    Raises InputError for a name that no column has and for a file that makes no sense.
+    """
+    known = import_module("freebeam_kernels").COLUMNS
+    if not isinstance(name, str | os.PathLike):
+        raise InputError(
+            f"column = {name!r}: must be a name, one of {', '.join(known)}, or the path of a column's file"
+        )
+    text = os.fspath(name)
+    if text in known:
+        if text not in _LOADED:
+            _LOADED[text] = Column(import_module(f"freebeam_kernels.{known[text]}"))
+        return _LOADED[text]
+    if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
+        from freebeam_sym.own import kernel_of
+
+        return Column(kernel_of(Path(name)))
+    near = difflib.get_close_matches(text, known, 1)
+    raise InputError(
+        f"column {text if len(text) < 60 else text[:57] + '...'!r} is not known; there are {', '.join(known)}"
+        + (f" (did you mean {near[0]}?)" if near else "")
+        + "; a column of your own is named by its file, such as path/to/column.py"
+    )
+
+
+_LOADED: dict[str, Column] = {}
+
+
+def _modes(modes: int) -> int:
+    """A number of modes that memory has room for: a spectrum takes some twelve matrices of twice the size."""
+    pages, size = (
+        (os.sysconf(key) for key in ("SC_PHYS_PAGES", "SC_PAGE_SIZE")) if hasattr(os, "sysconf") else (2**21, 4096)
+    )
+    largest = int((pages * size / (12 * 4 * 8)) ** 0.5)
+    return count("modes", modes, 1, largest, "number N of elastic functions that this machine's memory has room for")

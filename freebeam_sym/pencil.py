@@ -1,0 +1,307 @@
+"""The pencil E + P H − s M of a column: undamped branches, boundary equations and their Newton iteration.
+
+On the boundary λ = iω the equations are real and regular down to vanishing damping (`newton`), so that the limit is
+no special case. All damping of the kind of Eq. (12) is served by one pencil. Eqs. (12), (24), (25).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.checks import InputError
+
+__all__ = ["Crossing", "Damping", "Pencil", "inverse", "newton", "pencil_of"]
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+Kind = Literal["flutter", "divergence", "none"]
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """A load at which an eigenvalue λ = iω stands on the imaginary axis. All nondimensional.
+
+    `vector` (N,) complex are the generalised coordinates of the motion, largest entry 1.
+    """
+
+    load: float
+    frequency: float
+    vector: Complex
+
+    @property
+    def kind(self) -> Kind:
+        """Divergence where the frequency is zero, else flutter."""
+        return "divergence" if self.frequency == 0 else "flutter"
+
+
+@dataclass(frozen=True)
+class Damping:
+    """C = size · diag(shape) in the basis of `Pencil`. A limit (size 0) still has a shape: the ratio it is taken
+    at."""
+
+    size: float
+    shape: Real
+
+    @staticmethod
+    def of(e: Real, alpha: float, beta: float, kappa: float | None) -> Damping:
+        """alpha = beta = 0 is the limit at β = κα; κ = None is no damping at all, whose fold is that of κ = ∞."""
+        if alpha or beta:
+            top = max(alpha, abs(beta))
+            a, b = alpha / top, beta / top
+            if a < 0 or not a * e[0] + b > 0:
+                raise InputError(f"damping {alpha} E + {beta} M: must take energy from every mode")
+            return Damping(top * float(a * e[0] + b), (a * e + b) / (a * e[0] + b))
+        if kappa is None or math.isinf(kappa):
+            return Damping(0.0, np.ones_like(e))
+        return Damping(0.0, (e + kappa) / (e[0] + kappa))
+
+
+class Pencil:
+    """det(E + P H − s M) in the basis where M = I and E = diag(e): all that does not depend on the damping.
+
+    M, E symmetric positive definite and H any, each (N, N). Attributes: `e` (N,) ascending, squared frequencies
+    at P = 0; `H` (N, N), `basis` (N, N) whose columns are the new basis in the old coordinates. Raises InputError
+    where M or E is not positive definite: the unloaded column is then not stable, and there is no first loss of
+    stability.
+    """
+
+    def __init__(self, M: Real, E: Real, H: Real) -> None:
+        M, E, H = (np.asarray(a, dtype=float) for a in (M, E, H))
+        if not (np.isfinite(M).all() and np.isfinite(E).all() and np.isfinite(H).all()):
+            raise InputError("M, E, H: must be finite; fewer modes keep them within a float's range")
+        e, basis = _diagonalise(M, E)
+        self.e: Real = e
+        self.basis: Real = basis
+        self.H: Real = np.ascontiguousarray(basis.T @ H @ basis)
+        self.size = len(e)
+        # the load matrix relative to the elastic energies; its norm decides what counts as rounding
+        root = np.sqrt(e)
+        self._relative: Real = self.H / np.outer(root, root)
+        self._off = np.abs(self.H)
+        np.fill_diagonal(self._off, 0.0)
+
+    @cached_property
+    def conservative(self) -> bool:
+        """H symmetric to rounding: the load has a potential, and damping or not, only divergence can come."""
+        R = self._relative
+        return bool(np.abs(R - R.T).max() <= 1e-13 * np.abs(R).max())
+
+    @cached_property
+    def divergence_loads(self) -> Real:
+        """Real positive roots of det(E + P H), ascending, with no regard to what happens before."""
+        R = self._relative
+        mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
+        real = mu.real[(mu.imag == 0) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
+        return np.sort(1 / real)
+
+    def divergence(self, load: float) -> Crossing:
+        """The crossing at ω = 0 whose load is near `load` (one of `divergence_loads`)."""
+        A = np.eye(self.size) + load * self._relative
+        left, _, right = np.linalg.svd(A)
+        u, v = left[:, -1], right[-1]
+        # one step of Newton's method: the eigenvalue of the whole pencil knew the load to the norm of H only
+        slope = u @ self._relative @ v
+        if slope != 0:
+            load = float(load - u @ A @ v / slope)
+        return Crossing(float(load), 0.0, self.vector(v / np.sqrt(self.e)))
+
+    def vector(self, v: Real | Complex) -> Complex:
+        """v of this basis in the column's own coordinates, largest entry 1."""
+        q = (self.basis @ v).astype(complex)
+        return np.asarray(q / q[np.abs(q).argmax()])
+
+    @cached_property
+    def _ladder(self) -> tuple[Real, Real, Real, Real]:
+        """Undamped branches at loads up the ladder P = 0 … while all squared frequencies are real and positive:
+        P (m,), s (m, N) ascending, right vectors (m, N, N) in columns, left ones (m, N, N) in rows, U V = I."""
+        loads = [np.zeros(1)]
+        kept: list[tuple[Any, ...]] = [self._branches(loads[0])]
+        load, ratio = 0.15 / np.linalg.norm(self._relative, 2), 1.2
+        while load < 1e9:
+            P = load * ratio ** np.arange(12.0)
+            branches = self._branches(P)
+            steady = int(np.argmin(np.append(branches[3], False)))
+            loads.append(P[:steady])
+            kept.append(tuple(a[:steady] for a in branches))
+            if steady < 12:
+                break
+            load = P[-1] * ratio
+        else:
+            return self._joined(loads, kept)
+        low, high = float(loads[-1][-1] if steady else loads[-2][-1]), float(P[steady])
+        spare = 4
+        while spare and high > 1e-6 * load:
+            middle = np.array([(low + high) / 2])
+            branches = self._branches(middle)
+            if branches[3][0]:
+                low, spare = middle[0], spare - 1
+                loads.append(middle)
+                kept.append(branches)
+            else:
+                high = middle[0]
+                spare -= low > 0
+        return self._joined(loads, kept)
+
+    @staticmethod
+    def _joined(loads: list[Real], kept: list[tuple[Any, ...]]) -> tuple[Real, Real, Real, Real]:
+        s, V, U = (np.concatenate([one[k] for one in kept]).real for k in range(3))
+        return np.concatenate(loads), s, V, U
+
+    def _branches(self, P: Real) -> tuple[Any, Any, Any, NDArray[np.bool_]]:
+        """s (m, N), V, U of diag(e) + P H, and whether all s are real and positive (m,)."""
+        s, V = np.linalg.eig(np.diag(self.e) + P[:, None, None] * self.H)
+        order = np.argsort(s.real, axis=1)
+        s = np.take_along_axis(s, order, 1)
+        V = np.take_along_axis(V, order[:, None, :], 2)
+        steady = (s.imag == 0).all(axis=1) & (s.real > 0).all(axis=1)
+        V = np.where(steady[:, None, None], V, np.eye(self.size))
+        return s, V, inverse(V), steady
+
+    def guess(self, shape: Real) -> tuple[float, float, Real, Real] | None:
+        """Starting point (ω², P, a, b) of `newton`: where damping of this shape, as small as one likes, first
+        gives energy to a branch instead of taking it. None where no branch of the ladder comes to that."""
+        P, s, V, U = self._ladder
+        power = np.einsum("mjn,n,mnj->mj", U, shape, V)
+        node, branch = np.nonzero(power < 0)
+        if len(node) and node[0] > 0:
+            m, j = int(node[0]), int(branch[0])
+            t = power[m - 1, j] / (power[m - 1, j] - power[m, j])
+            w, load = s[m - 1, j] + t * (s[m, j] - s[m - 1, j]), P[m - 1] + t * (P[m] - P[m - 1])
+            k = m if t > 0.5 else m - 1
+            return (float(w), float(load), *_start(self, shape, w, load, V[k, :, j]))
+        fold = self._fold
+        return None if fold is None else (fold[0], fold[1], fold[2], fold[3])
+
+    @cached_property
+    def _fold(self) -> tuple[float, float, Real, Real] | None:
+        """(ω², P, a, b) of the first coalescence, by Newton's method from the top of the ladder."""
+        P, s, V, U = self._ladder
+        if self.size == 1:
+            return None
+        slope = np.einsum("jn,nk,kj->j", U[-1], self.H, V[-1])
+        gap, closing = np.diff(s[-1]), slope[:-1] - slope[1:]
+        with np.errstate(divide="ignore"):
+            ahead = np.where(closing > 0, gap / (2 * closing), np.inf)
+        j = int(np.argmin(ahead))
+        if not np.isfinite(ahead[j]):
+            return None
+        v, u = V[-1, :, j], V[-1, :, j + 1]
+        u = u if v @ u > 0 else -u
+        w = float(s[-1, j] + s[-1, j + 1]) / 2
+        return newton(
+            self, Damping.of(self.e, 0.0, 0.0, None), w, float(P[-1] + ahead[j]), v + u, -2 * (v - u) / gap[j]
+        )
+
+
+def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
+    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e)."""
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        raise InputError("M is not positive definite: the trial functions must be independent") from None
+    m, k = np.sqrt(np.diag(M)), np.diag(E)
+    if (k > 0).all():
+        rest_M = np.abs(M / np.outer(m, m) - np.eye(len(m))).max()
+        rest_E = np.abs(E / np.sqrt(np.outer(k, k)) - np.eye(len(m))).max()
+        if max(rest_M, rest_E) <= 1e-13:  # comparison modes: a scaling, with no rounding of the lowest by the highest
+            order = np.argsort(k / m**2)
+            return (k / m**2)[order], np.diag(1 / m)[:, order]
+    # 1/e from the elastic energy's side: the low modes, which decide, keep their relative accuracy
+    try:
+        L = np.linalg.cholesky(E)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "E is not positive definite: the column is not stable at load 0, so it has no first loss of stability"
+        ) from None
+    half = np.linalg.solve(L, M)
+    inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
+    e = 1 / inverse[::-1]
+    return e, np.linalg.solve(L.T, Y[:, ::-1]) * np.sqrt(e)
+
+
+def _start(pencil: Pencil, shape: Real, w: float, P: float, a: Real) -> tuple[Real, Real]:
+    """(a, b) for `newton` from a real eigenvector a at (w, P): b solves A b = −D a but for what only the root
+    removes."""
+    n, scale = pencil.size, 1 / (pencil.e + abs(w))
+    J = np.zeros((n + 1, n + 1))
+    J[:n, :n] = (P * pencil.H + np.diag(pencil.e - w)) * scale[:, None]
+    J[:n, n] = (pencil.H @ a) * scale
+    J[n, :n] = a
+    try:
+        return a, np.linalg.solve(J, np.append(-shape * a * scale, 0.0))[:n]
+    except np.linalg.LinAlgError:
+        return a, np.zeros(n)
+
+
+def newton(
+    pencil: Pencil, damping: Damping, w: float, P: float, a: Real, b: Real, steps: int = 25
+) -> tuple[float, float, Real, Real] | None:
+    """Root of the boundary equations near (w = ω², P, a, b), to rounding; None where the iteration does not settle.
+
+    With v = a + iω·size·b, A = diag(e − w) + P H and D = diag(shape), (A + iω·size·D) v = 0 reads
+
+        A a − w size² D b = 0,    A b + D a = 0,    c·a = 1,  c·b = 0
+
+    real, polynomial, and regular down to size = 0, where it is the limit of vanishing damping: uᵀ D a = 0 with u
+    the left null vector of A (D = I: the coalescence; D = E: the tangent rule P s′ = s).
+    """
+    n, e, D = pencil.size, pencil.e, damping.shape
+    m, i = 2 * n, np.arange(n)
+    c = a / (a @ a)
+    x = np.concatenate([a, b - (c @ b) * a])
+    # all equations at once are (F + w G + P L) x = (0, …, 0, 1, 0), rows scaled to the size of their mode
+    F, G, L = (np.zeros((m + 2, m)) for _ in range(3))
+    scale = 1 / (e + abs(w))
+    F[i, i] = F[n + i, n + i] = scale * e
+    F[n + i, i] = scale * D
+    F[m, :n] = F[m + 1, n:] = c
+    G[i, i] = G[n + i, n + i] = -scale
+    G[i, n + i] = -scale * damping.size**2 * D
+    L[:n, :n] = L[n:m, n:] = scale[:, None] * pencil.H
+    J = np.empty((m + 2, m + 2))
+    before, astray = math.inf, 0
+    for _ in range(steps):
+        J[:, :m] = F + w * G + P * L
+        r = J[:, :m] @ x
+        r[m] -= 1
+        J[:, m], J[:, m + 1] = G @ x, L @ x
+        try:
+            change = np.linalg.solve(J, r)
+        except np.linalg.LinAlgError:
+            return None
+        x = x - change[:m]
+        w, P = w - float(change[m]), P - float(change[m + 1])
+        astray = 0 if w > 0 and P > 0 else astray + 1
+        step = abs(change[m] / w) + abs(change[m + 1] / P) if w and P else math.inf
+        if astray > 3 or not step < 1e6:
+            return None
+        if step < 1e-9 and (step < 1e-15 or step > before / 4):  # rounding reached: steps no longer shrink
+            return w, P, x[:n], x[n:]
+        before = step
+    return None
+
+
+def pencil_of(M: Real, E: Real, H: Real) -> Pencil:
+    """The pencil of these matrices, kept from earlier calls: by value, so that no one's change of an array is
+    missed."""
+    return _kept(len(M), *(np.asarray(a, dtype=float).tobytes() for a in (M, E, H)))
+
+
+@lru_cache(maxsize=64)
+def _kept(n: int, *matrices: bytes) -> Pencil:
+    return Pencil(*(np.frombuffer(a).reshape(n, n) for a in matrices))
+
+
+def inverse(Y: Any) -> Any:
+    """Left eigenvectors (rows) to right ones (columns). A singular H is often defective at μ = 0, a load at
+    infinity that does not matter; the pseudo-inverse still has the rows of all other eigenvalues."""
+    try:
+        return np.linalg.inv(Y)
+    except np.linalg.LinAlgError:
+        return np.linalg.pinv(Y, rcond=1e-13)

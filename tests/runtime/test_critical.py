@@ -1,0 +1,359 @@
+"""Critical loads against routes that share nothing with them: matrices by quadrature, scans in P, exact formulas."""
+
+from __future__ import annotations
+
+import math
+from functools import cache
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import freebeam_sym as fb
+from freebeam_sym.critical import critical_load
+from freebeam_sym.crossings import first_crossing, reference_crossing, unstable_count
+from freebeam_sym.pencil import Pencil
+
+NAMES = ("free-free", "beck", "euler-pinned")
+
+
+# --- an independent assembly: modes in decaying exponentials, Gauss-Legendre quadrature ----------------------------
+
+
+def comparison_modes(free: bool, modes: int, x: np.ndarray, derivative: int) -> np.ndarray:
+    """Free-free or clamped-free modes (scaled freely) or a derivative of them, shape (modes, x.size)."""
+    sign = 1.0 if free else -1.0  # cos γ cosh γ = ±1
+    g = (np.arange(1, modes + 1) + 0.5 * sign) * np.pi
+    for _ in range(30):
+        g = g - (np.cos(g) - sign / np.cosh(g)) / (-np.sin(g) + sign * np.tanh(g) / np.cosh(g))
+    g = g[:, None]
+    s, c, q = np.sin(g), np.cos(g), np.exp(-g)
+    turn = derivative * np.pi / 2
+    decay = (-1.0) ** derivative
+    if free:
+        sigma, tail = (c - np.cosh(g)) / (s + np.sinh(g)), (s + c - q) / (2 * q * s + 1 - q * q)
+    else:
+        sigma, tail = -(s + np.sinh(g)) / (c + np.cosh(g)), (s - c - q) / (2 * q * c + 1 + q * q)
+    shape = np.sin(g * x + turn) + sigma * np.cos(g * x + turn) - sign * decay * np.exp(-g * x)
+    shape += tail * (np.exp(-g * (1 - x)) + decay * np.exp(-g * (1 + x)))
+    return shape * g**derivative
+
+
+@cache
+def matrices(name: str, modes: int, eta: float = 1.0) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """M, E, H of a column by quadrature of its energies."""
+    if name == "euler-pinned":
+        n = np.pi * np.arange(1, modes + 1)
+        return np.eye(modes) / 2, np.diag(n**4) / 2, -np.diag(n**2) / 2
+    x, weight = np.polynomial.legendre.leggauss(40 + 6 * modes)
+    x, weight = (x + 1) / 2, weight / 2
+    f, slope, curvature = (comparison_modes(name == "free-free", modes, x, d) for d in range(3))
+    tip, tip_slope = (comparison_modes(name == "free-free", modes, np.ones(1), d)[:, 0] for d in range(2))
+    axial = x if name == "free-free" else np.ones_like(x)
+    H = -(slope * weight * axial) @ slope.T + eta * np.outer(tip, tip_slope)
+    return (f * weight) @ f.T, (curvature * weight) @ curvature.T, H
+
+
+@cache
+def pencil(name: str, modes: int, eta: float = 1.0) -> Pencil:
+    return Pencil(*matrices(name, modes, eta))
+
+
+def growth(name: str, modes: int, eta: float, alpha: float, beta: float, loads: np.ndarray) -> np.ndarray:
+    """Largest Re λ of the 2N eigenvalues at each load."""
+    M, E, H = matrices(name, modes, eta)
+    m = np.sqrt(np.diag(M))
+    E, H = E / np.outer(m, m), H / np.outer(m, m)
+    A = np.zeros((len(loads), 2 * modes, 2 * modes))
+    A[:, :modes, modes:] = np.eye(modes)
+    A[:, modes:, :modes] = -(E + loads[:, None, None] * H)
+    A[:, modes:, modes:] = -(alpha * E + beta * np.eye(modes))
+    return np.linalg.eigvals(A).real.max(axis=1)
+
+
+def scan(name: str, modes: int, eta: float, alpha: float, beta: float, load_max: float) -> float | None:
+    """First load with a growing eigenvalue, by steps and bisection."""
+    loads = np.concatenate([np.linspace(0, load_max / 20, 300)[1:], np.linspace(load_max / 20, load_max, 900)])
+    previous = 0.0
+    for start in range(0, len(loads), 100):
+        part = loads[start : start + 100]
+        bad = growth(name, modes, eta, alpha, beta, part) > 0
+        if bad.any():
+            k = int(bad.argmax())
+            low, high = (part[k - 1] if k else previous), part[k]
+            for _ in range(45):
+                middle = (low + high) / 2
+                if growth(name, modes, eta, alpha, beta, np.array([middle]))[0] > 0:
+                    high = middle
+                else:
+                    low = middle
+            return float(high)
+        previous = part[-1]
+    return None
+
+
+# --- first crossings ----------------------------------------------------------------------------------------
+
+
+def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+@settings(max_examples=250, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(NAMES),
+    modes=st.integers(1, 12),
+    eta=st.floats(0.0, 1.2),
+    alpha=st.one_of(st.just(0.0), log_uniform(1e-6, 10.0)),
+    beta=st.one_of(st.just(0.0), log_uniform(1e-3, 1000.0)),
+)
+def test_first_crossing_agrees_with_a_scan(name: str, modes: int, eta: float, alpha: float, beta: float) -> None:
+    if alpha == beta == 0:
+        alpha = 1e-3
+    eta = eta if name == "beck" else 1.0
+    found = first_crossing(pencil(name, modes, eta), alpha, beta, 400.0)
+    expected = scan(name, modes, eta, alpha, beta, 400.0)
+    if expected is None:
+        assert found is None
+    else:
+        assert found is not None and found.load == pytest.approx(expected, rel=1e-6)
+
+
+@settings(max_examples=250, deadline=None, derandomize=True)
+@given(data=st.data(), modes=st.integers(2, 6), seed=st.integers(0, 10**6))
+def test_first_crossing_of_any_matrices(data: st.DataObject, modes: int, seed: int) -> None:
+    """H without symmetry, of rank one or full: flutter of weakly coupled modes over a short interval of loads too."""
+    rng = np.random.default_rng(seed)
+    e = np.sort(10 ** rng.uniform(0, 2, modes))
+    H = rng.normal(size=(modes, modes)) * np.sqrt(np.outer(e, e))
+    if data.draw(st.booleans()):
+        H = np.outer(rng.normal(size=modes), rng.normal(size=modes))
+    alpha, beta = data.draw(log_uniform(1e-5, 1.0)), data.draw(log_uniform(1e-3, 10.0))
+    root = np.sqrt(np.outer(e, e))
+    load_max = 20 / np.linalg.norm(H / root, 2)
+    any_pencil = Pencil(np.eye(modes), np.diag(e), H)
+    found = first_crossing(any_pencil, alpha, beta, load_max)
+    slow = reference_crossing(any_pencil, alpha, beta, load_max, step=load_max / 500)
+    if slow is None:
+        assert found is None
+    else:
+        assert found is not None and found.load <= slow.load * (1 + 1e-9)
+        assert unstable_count(any_pencil, alpha, beta, found.load * (1 + 1e-6)) > 0
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(NAMES[:2]),
+    modes=st.integers(2, 12),
+    alpha=st.one_of(st.just(0.0), log_uniform(1e-12, 10.0)),
+    beta=st.one_of(st.just(0.0), log_uniform(1e-3, 1000.0)),
+)
+def test_the_crossing_is_an_eigenvalue_on_the_axis(name: str, modes: int, alpha: float, beta: float) -> None:
+    """(K − ω² M + iω C) q̂ = 0 at the load found, for the vector found."""
+    alpha = alpha if alpha or beta else 1e-12
+    M, E, H = matrices(name, modes)
+    found = first_crossing(pencil(name, modes), alpha, beta, 1000.0)
+    if found is None:
+        return
+    terms = [
+        (E + found.load * H) @ found.vector,
+        -(found.frequency**2) * M @ found.vector,
+        1j * found.frequency * (alpha * E + beta * M) @ found.vector,
+    ]
+    size = np.sqrt(np.diag(M)) * sum(np.abs(t / np.sqrt(np.diag(M))).max() for t in terms)
+    assert np.abs(sum(terms) / size).max() < 1e-11
+
+
+# --- values known otherwise ---------------------------------------------------------------------------------
+
+
+def test_paper_scan_steps_at_eight_modes() -> None:
+    """The printed loads are the first scan step at or above the value."""
+    p = pencil("free-free", 8)
+
+    def step_above(load: float, step: float) -> float:
+        return math.ceil(load / step) * step
+
+    undamped, light = first_crossing(p), first_crossing(p, 1e-6)
+    both = first_crossing(p, 1e-3, 0.1)
+    assert undamped is not None and light is not None and both is not None
+    assert step_above(undamped.load, 0.01) == pytest.approx(109.73)
+    assert step_above(undamped.load, 0.1) == pytest.approx(109.8)
+    assert step_above(light.load, 0.1) == pytest.approx(88.2)
+    assert step_above(both.load, 0.1) == pytest.approx(90.9)
+
+
+@pytest.mark.parametrize("modes", [1, 3, 8])
+def test_euler_load_of_the_pinned_column_is_pi_squared(modes: int) -> None:
+    for alpha, beta in [(0.0, 0.0), (1e-3, 0.1), (10.0, 1000.0)]:
+        found = first_crossing(pencil("euler-pinned", modes), alpha, beta)
+        assert found is not None and found.kind == "divergence"
+        assert found.load == pytest.approx(math.pi**2, rel=1e-13)
+
+
+def test_dead_load_on_the_cantilever_tends_to_a_quarter_pi_squared_from_above() -> None:
+    """A conservative column: the Ritz series bounds the load from above and converges."""
+    loads = [found.load for n in (2, 4, 8, 16, 32) if (found := first_crossing(pencil("beck", n, 0.0)))]
+    errors = np.array(loads) / (math.pi**2 / 4) - 1
+    assert (errors > 0).all() and (errors[1:] < 0.6 * errors[:-1]).all() and errors[-1] < 3e-5
+
+
+def test_the_follower_share_of_one_half_parts_divergence_from_flutter() -> None:
+    """Divergence below a share that tends to ½ with N, flutter above it."""
+
+    def change_of_kind(modes: int) -> float:
+        low, high = 0.4, 0.6
+        while high - low > 1e-6:
+            middle = (low + high) / 2
+            found = first_crossing(Pencil(*matrices.__wrapped__("beck", modes, middle)), 0.0, 0.0, 60.0)
+            assert found is not None
+            low, high = (middle, high) if found.kind == "divergence" else (low, middle)
+        return low
+
+    off = [abs(change_of_kind(n) - 0.5) for n in (4, 8, 16)]
+    assert off[0] < 0.03 and off[1] < 0.6 * off[0] and off[2] < 0.6 * off[1]
+
+
+def test_divergence_roots_of_the_free_beam_are_artefacts_that_wander_with_modes() -> None:
+    loads = [pencil("free-free", n).divergence_loads[0] for n in (1, 3, 8)]
+    for n, load in zip((1, 3, 8), loads, strict=True):
+        _, E, H = matrices("free-free", n)
+        assert abs(np.linalg.det(np.linalg.solve(E, E + load * H))) < 1e-9
+    assert loads[1] > 4 * loads[0] and loads[2] > 4 * loads[1]
+
+
+def test_the_first_crossing_of_becks_column_jumps_between_frequencies() -> None:
+    """Internal damping 1.05 to 1.1: another crossing of the same branch comes first, which no continuation sees."""
+    before, after = (first_crossing(pencil("beck", 8), alpha) for alpha in (1.05, 1.1))
+    assert before is not None and after is not None
+    assert before.frequency > 10 * after.frequency
+    for alpha, found in ((1.05, before), (1.1, after), (10.0, first_crossing(pencil("beck", 8), 10.0))):
+        assert found is not None and found.load == pytest.approx(scan("beck", 8, 1.0, alpha, 0.0, 400.0), rel=1e-8)
+
+
+def test_restabilisation_is_not_taken_for_stability() -> None:
+    """The free beam is stable again above 406 (N = 8, undamped): the first loss is still the coalescence."""
+    p = pencil("free-free", 8)
+    assert unstable_count(p, 0.0, 0.0, 400.0) > 0
+    found = first_crossing(p, 0.0, 0.0, 420.0)
+    assert found is not None and found.load < 110
+
+
+# --- limits of vanishing damping ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+@pytest.mark.parametrize("kappa", [0.0, 3.0, 500.0])
+def test_small_damping_tends_to_its_limit_with_the_square(name: str, kappa: float) -> None:
+    p = pencil(name, 8)
+    limit = first_crossing(p, kappa=kappa)
+    assert limit is not None
+    off = []
+    for alpha in (4e-5, 2e-5, 1e-12):
+        found = first_crossing(p, alpha, kappa * alpha)
+        assert found is not None
+        off.append(found.load / limit.load - 1)
+    assert off[0] / off[1] == pytest.approx(4, rel=1e-2)
+    assert abs(off[2]) < 1e-13
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+def test_tangent_rule_and_coalescence(name: str) -> None:
+    """The limit κ = 0 is where d ln s/d ln P = 1, by finite differences; κ = ∞ is where two s meet."""
+    M, E, H = matrices(name, 8)
+
+    def squares(load: float) -> np.ndarray:
+        return np.sort(np.linalg.eigvals(np.linalg.solve(M, E + load * H)).real)
+
+    tangent, fold = (first_crossing(pencil(name, 8), kappa=k) for k in (0.0, math.inf))
+    undamped = first_crossing(pencil(name, 8))
+    assert tangent is not None and fold is not None and undamped is not None
+    j = int(np.abs(squares(tangent.load) - tangent.frequency**2).argmin())
+    h = 1e-4 * tangent.load
+    slope = (squares(tangent.load + h)[j] - squares(tangent.load - h)[j]) / (2 * h)
+    assert tangent.load * slope == pytest.approx(tangent.frequency**2, rel=1e-5)
+    assert fold.load == pytest.approx(undamped.load, rel=1e-13)
+    below = squares(fold.load * (1 - 1e-8))
+    assert np.abs(below[:2] - fold.frequency**2).max() < 1e-3 * fold.frequency**2
+    assert np.abs(np.linalg.eigvals(np.linalg.solve(M, E + fold.load * (1 + 1e-8) * H)).imag).max() > 0
+
+
+def test_limits_join_internal_and_external_damping() -> None:
+    """The limit grows with κ from the tangent point to the coalescence."""
+    p = pencil("free-free", 8)
+    loads = [found.load for k in (0.0, 1.0, 1e2, 1e4, 1e6, math.inf) if (found := first_crossing(p, kappa=k))]
+    assert len(loads) == 6 and (np.diff(loads) > 0).all()
+    assert loads[-2] == pytest.approx(loads[-1], rel=1e-4)
+
+
+# --- the front door -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.parametrize(("alpha", "beta"), [(0.0, 0.0), (1e-3, 0.1), (10.0, 0.0), (1e-3, 1000.0)])
+def test_emitted_kernels_give_the_load_of_the_quadrature(name: str, alpha: float, beta: float) -> None:
+    found = fb.critical_load(fb.column(name), 8, alpha, beta)
+    other = first_crossing(pencil(name, 8), alpha, beta)
+    assert other is not None and found.kind == other.kind
+    assert found.load == pytest.approx(other.load, rel=1e-11)
+    assert found.frequency == pytest.approx(other.frequency, rel=1e-10)
+
+
+def test_another_basis_gives_the_same_load() -> None:
+    """Any independent combination of the modes: E and M are then full."""
+    rng = np.random.default_rng(3)
+    T = np.linalg.qr(rng.normal(size=(8, 8)))[0] + 0.1 * rng.normal(size=(8, 8))
+    for alpha, beta in [(0.0, 0.0), (1e-3, 0.1), (1.0, 0.0)]:
+        M, E, H = matrices("beck", 8)
+        mixed = first_crossing(Pencil(T.T @ M @ T, T.T @ E @ T, T.T @ H @ T), alpha, beta)
+        plain = first_crossing(pencil("beck", 8), alpha, beta)
+        assert mixed is not None and plain is not None
+        assert mixed.load == pytest.approx(plain.load, rel=1e-10)
+        vector = T @ mixed.vector
+        assert np.abs(vector / vector[np.abs(vector).argmax()] - plain.vector).max() < 1e-8
+
+
+def test_verdict_on_convergence() -> None:
+    beck = fb.column("beck")
+    assert fb.critical_load(fb.column("free-free")).converged
+    assert not fb.critical_load(fb.column("free-free"), 1).converged  # divergence at one mode, flutter at nine
+    artefact = fb.critical_load(beck, 8, 10.0)
+    assert artefact.kind == "flutter" and not artefact.converged
+    none = fb.critical_load(beck, 8, load_max=5.0)
+    assert (none.load, none.kind, none.frequency, none.mode) == (None, "none", None, None) and none.converged
+    assert none.convergence.modes > 8
+
+
+def test_a_load_max_just_below_finds_nothing_and_just_above_finds_it() -> None:
+    for name in NAMES:
+        column = fb.column(name)
+        load = critical_load(column, 6, 1e-3, 0.1).load
+        assert load is not None
+        assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 - 1e-9)).kind == "none"
+        assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 + 1e-9)).load == pytest.approx(load, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"alpha": -0.1}, "alpha"),
+        ({"beta": math.nan}, "beta"),
+        ({"load_max": 0.0}, "load_max"),
+        ({"kappa": -1.0}, "kappa"),
+        ({"kappa": 1.0, "alpha": 1e-3}, "kappa"),
+        ({"modes": 0}, "modes"),
+        ({"alpha": 1e200}, "alpha"),
+        ({"zeta": 1.0}, "zeta"),
+    ],
+)
+def test_bad_input_is_refused_by_name(arguments: dict[str, float], words: str) -> None:
+    with pytest.raises(fb.InputError, match=words):
+        fb.critical_load(fb.column("beck"), **arguments)
+
+
+def test_a_column_unstable_without_load_is_refused() -> None:
+    with pytest.raises(fb.InputError, match="load 0"):
+        Pencil(np.eye(2), np.diag([-1.0, 2.0]), np.eye(2))
+    with pytest.raises(fb.InputError, match="independent"):
+        Pencil(np.ones((2, 2)), np.eye(2), np.eye(2))
