@@ -1,11 +1,11 @@
 # make         sets everything up, derives, emits and verifies the kernels, prints the paper's critical loads
 # make test    runs the tests
-# Other targets: lint, venv, clean. Choose an interpreter with PYTHON=/path/to/python3.
+# Other targets: bench, lint, venv, clean. Choose an interpreter with PYTHON=/path/to/python3.
 
 MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
-.PHONY: all venv test lint clean FORCE
+.PHONY: all venv test bench lint clean FORCE
 
 # A user's own Python or pip settings must not reach into the environment made here.
 unexport PYTHONPATH PYTHONHOME PYTHONSTARTUP VIRTUAL_ENV PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIRE_VIRTUALENV
@@ -55,6 +55,9 @@ endef
 
 test: venv
 	$(BIN)/python -m pytest -n $(JOBS)
+
+bench: venv
+	$(BIN)/python benchmarks/table.py
 
 lint: venv
 	$(BIN)/ruff check

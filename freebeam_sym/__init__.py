@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.critical import CriticalLoad, critical_load
+    from freebeam_sym.proofs import Certified, certified_load, verify_certificate
     from freebeam_sym.response import Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
 
@@ -24,6 +25,7 @@ __all__ = [
     "column", "column_names", "Column", "System",
     "spectrum", "branches", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
+    "certified_load", "Certified", "verify_certificate",
     "respond", "state_space", "Response",
     "InputError",
     "__version__",
@@ -42,6 +44,9 @@ _HOMES = {
     "Branches": ("spectra", "Branches"),
     "critical_load": ("critical", "critical_load"),
     "CriticalLoad": ("critical", "CriticalLoad"),
+    "certified_load": ("proofs", "certified_load"),
+    "Certified": ("proofs", "Certified"),
+    "verify_certificate": ("proofs", "verify_certificate"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
     "Response": ("response", "Response"),

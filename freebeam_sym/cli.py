@@ -244,6 +244,10 @@ ModesOption = Annotated[int, typer.Option("--modes", "-N", help="Number of elast
 AlphaOption = Annotated[Number, typer.Option("--alpha", parser=number, metavar="X", help="Internal damping.")]
 BetaOption = Annotated[Number, typer.Option("--beta", parser=number, metavar="X", help="External damping.")]
 LoadOption = Annotated[Number, typer.Option("--load", parser=number, metavar="P", help="The load P0.")]
+BasisOption = Annotated[
+    str | None,
+    typer.Option("--basis", metavar="modes|legendre", help="Trial functions: modes of the beam, or polynomials."),
+]
 RigidOption = Annotated[bool, typer.Option("--rigid", help="With the rigid-body functions.")]
 SetOption = Annotated[
     list[str] | None,
@@ -285,6 +289,7 @@ class Case:
         """What was asked, in the units in which it was asked: the head of each command's JSON object."""
         return {
             "column": self.column.name,
+            "basis": self.column.basis_name,
             "modes": self.modes,
             **self.typed,
             "parameters": self.own,
@@ -293,7 +298,10 @@ class Case:
         }
 
     def title(self, **more: str) -> str:
-        words = {"N": str(self.modes), **{k: f"{v}{self.units.of(k)}" for k, v in self.typed.items()}, **more}
+        words = {"N": str(self.modes)}
+        if self.column.basis_name != "modes":
+            words["basis"] = self.column.basis_name
+        words |= {k: f"{v}{self.units.of(k)}" for k, v in self.typed.items()} | more
         words |= {name: f"{value:g}" for name, value in self.own.items()}
         return ", ".join([self.column.name, *(f"{key} = {value}" for key, value in words.items())])
 
@@ -305,12 +313,13 @@ def case_of(
     beta: Number,
     pairs: list[str] | None,
     beam: tuple[Number | None, Number | None, Number | None],
+    basis: str | None = None,
 ) -> Case:
     """The column that is named, and a command's parameters for it."""
     import freebeam_sym as fb
     from freebeam_sym.checks import nonnegative
 
-    column = fb.column(name)
+    column = fb.column(name, basis)
     own = column.own_parameters(assignments(pairs))
     units = units_of(column, *beam)
     # Checked as typed, so that a message names the value that the user knows.
@@ -434,6 +443,7 @@ def generate(
 @app.command(epilog="Example: freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
 def critical(
     column: ColumnOption = "free-free",
+    basis: BasisOption = None,
     modes: ModesOption = 8,
     alpha: AlphaOption = ZERO,
     beta: BetaOption = ZERO,
@@ -449,7 +459,7 @@ def critical(
     """Find the lowest load at which the column flutters or diverges."""
     import freebeam_sym as fb
 
-    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length))
+    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
     units = case.units
     limit = {} if load_max is None else {"load_max": units.into("load", load_max)}
     with working("critical load") as report, nondimensional(units):
@@ -486,6 +496,7 @@ def critical(
 def spectrum(
     load: LoadOption,
     column: ColumnOption = "free-free",
+    basis: BasisOption = None,
     modes: ModesOption = 8,
     alpha: AlphaOption = ZERO,
     beta: BetaOption = ZERO,
@@ -499,7 +510,7 @@ def spectrum(
     """Print the eigenvalues at a load, sorted by |Im|, then Re."""
     import freebeam_sym as fb
 
-    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length))
+    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
     units = case.units
     found = fb.spectrum(case.system(units.into("load", load), rigid))
     record = case.record(

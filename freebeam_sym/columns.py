@@ -20,6 +20,8 @@ from freebeam_sym.checks import InputError, count, finite, nonnegative, position
 __all__ = ["Column", "Parameter", "System", "column", "names"]
 
 Array = NDArray[np.float64]
+BASES = ("modes", "legendre")
+_MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _KEPT = 64  # systems of matrices that a column remembers
 
 
@@ -57,6 +59,11 @@ class Column:
         """Kinds of the ends at x = 0 and x = 1."""
         first, second = self.kernel.COLUMN["ends"]
         return first, second
+
+    @property
+    def basis_name(self) -> str:
+        """The trial functions of the Ritz series: "modes" of the unloaded beam, Eq. (22), or "legendre" polynomials."""
+        return str(self.kernel.COLUMN.get("basis", "modes"))
 
     @property
     def rigid_count(self) -> int:
@@ -97,8 +104,9 @@ class Column:
         return checked
 
     def basis(self, modes: int) -> Any:
-        """The first `modes` comparison modes, Eq. (22), as the kernel's named tuple of vectors of shape (modes,)."""
-        modes = _modes(modes)
+        """The first `modes` trial functions, Eq. (9), as the kernel's named tuple: of comparison modes, Eq. (22),
+        vectors of shape (modes,); of polynomials their series in Legendre's."""
+        modes = _modes(modes, self.basis_name)
 
         def build() -> Any:
             basis = self.kernel.basis(modes)
@@ -115,7 +123,7 @@ class Column:
         n = modes, or the number of rigid functions more with `rigid`, which then come first. The arrays are kept and
         shared: they cannot be written to. Raises InputError for a number of modes below 1 or beyond the memory.
         """
-        own, modes = self.own_parameters(parameters), _modes(modes)
+        own, modes = self.own_parameters(parameters), _modes(modes, self.basis_name)
 
         def build() -> tuple[Array, Array, Array]:
             basis, kernel = self.basis(modes), self.kernel
@@ -177,7 +185,7 @@ class Column:
 
         Raises InputError for values that are not finite, negative damping, and unknown parameters.
         """
-        own, modes = self.own_parameters(parameters), _modes(modes)
+        own, modes = self.own_parameters(parameters), _modes(modes, self.basis_name)
         if not isinstance(rigid, bool | np.bool_):
             raise InputError(f"rigid = {rigid!r}: must be True or False")
         load = finite("load", load, "nondimensional load P")
@@ -214,12 +222,14 @@ class System:
 
     @property
     def basis(self) -> Any:
-        """The comparison modes that the system is written in."""
+        """The trial functions that the system is written in."""
         return self.column.basis(self.modes)
 
     @property
     def gamma(self) -> Array:
-        """Roots of the characteristic equation, (modes,). Eq. (21)."""
+        """Roots of the characteristic equation, (modes,). Eq. (21). Raises InputError where polynomials have none."""
+        if self.column.basis_name != "modes":
+            raise InputError(f"gamma: the basis is {self.column.basis_name}, whose functions have no roots; use modes")
         gamma: Array = self.basis.gamma
         return gamma
 
@@ -253,27 +263,41 @@ def names() -> tuple[str, ...]:
     return tuple(import_module("freebeam_kernels").COLUMNS)
 
 
-def column(name: str | os.PathLike[str]) -> Column:
+def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     """A column by its name, or by the path of a user's own column file (or of a kernel emitted from one).
 
+    basis: the trial functions, "modes" of the unloaded beam (the default) or "legendre": polynomials, with which
+    critical loads converge exponentially in their number. A kernel's file has the one that it was emitted for.
     A column file is derived, emitted and verified when it is first used, and kept for later.
 
-    Raises InputError for a name that no column has and for a file that makes no sense.
+    >>> column("free-free", basis="legendre").basis_name
+    'legendre'
+
+    Raises InputError for a name that no column has, a file that makes no sense and a basis that there is not.
     """
-    known = import_module("freebeam_kernels").COLUMNS
+    kernels = import_module("freebeam_kernels")
+    known = kernels.COLUMNS
     if not isinstance(name, str | os.PathLike):
         raise InputError(
             f"column = {name!r}: must be a name, one of {', '.join(known)}, or the path of a column's file"
         )
+    if basis is not None and basis not in BASES:
+        raise InputError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
     text = os.fspath(name)
     if text in known:
-        if text not in _LOADED:
-            _LOADED[text] = Column(import_module(f"freebeam_kernels.{known[text]}"))
-        return _LOADED[text]
+        module = (kernels.LEGENDRE if basis == "legendre" else known)[text]
+        if module not in _LOADED:
+            _LOADED[module] = Column(import_module(f"freebeam_kernels.{module}"))
+        return _LOADED[module]
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
         from freebeam_sym.own import kernel_of
 
-        return Column(kernel_of(Path(name)))
+        found = Column(kernel_of(Path(name), basis or "modes"))
+        if basis not in (None, found.basis_name):
+            raise InputError(
+                f"{text}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file"
+            )
+        return found
     near = difflib.get_close_matches(text, known, 1)
     raise InputError(
         f"column {text if len(text) < 60 else text[:57] + '...'!r} is not known; there are {', '.join(known)}"
@@ -285,8 +309,10 @@ def column(name: str | os.PathLike[str]) -> Column:
 _LOADED: dict[str, Column] = {}
 
 
-def _modes(modes: int) -> int:
-    """A number of modes that memory has room for: a spectrum takes some twelve matrices of twice the size."""
+def _modes(modes: int, basis: str) -> int:
+    """A number of functions that memory has room for: a spectrum takes some twelve matrices of twice the size."""
+    if basis == "legendre":
+        return count("modes", modes, 1, _MOST_POLYNOMIALS, "number N of elastic polynomials; 20 give ten digits")
     pages, size = (
         (os.sysconf(key) for key in ("SC_PHYS_PAGES", "SC_PAGE_SIZE")) if hasattr(os, "sysconf") else (2**21, 4096)
     )

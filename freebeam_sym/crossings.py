@@ -3,15 +3,17 @@
 With K = E + P H and C = beta M + alpha E, in the basis where M = I and E = diag(e), λ = iω is an eigenvalue at
 the load P exactly when det(diag(z(ω)) + P H) = 0, z = e − ω² + iω(αe + β). At each ω the candidate loads are N
 complex numbers P_k(ω); the beam is stable at P = 0, so the least real positive P_k(ω) over all ω ≥ 0 is the first
-loss of stability, whatever branch it lies on. Three steps find it:
+loss of stability, whatever branch it lies on. These steps find it:
 
-1. `Pencil.guess`: where a branch first gains energy, to first order in the damping, and from there Newton's method
-   (`newton`) on equations that stay regular as the damping vanishes. Any root bounds the answer from above.
-2. `_excluded`: intervals of ω that hold no root below that bound, by an M-matrix inequality, whatever the damping.
-3. `_examine`: what is left is covered by cells whose ends carry P_k and dP_k/dω, bisected until each load that could
+1. `Ladder.start`: where a branch first gains energy, and from there Newton's method (`newton`) on equations that
+   stay regular as the damping vanishes. Any root bounds the answer from above.
+2. `Ladder.clear`: without damping and with light damping, nothing crosses below that bound, from what is kept of the
+   undamped branches. Where it cannot say so, `_search`:
+3. `_excluded`: intervals of ω that hold no root below the bound, by an M-matrix inequality, whatever the damping.
+4. `_examine`: what is left is covered by cells whose ends carry P_k and dP_k/dω, bisected until each load that could
    cross is followed through its cell. A lower root replaces the bound.
 
-A count of unstable eigenvalues just below the load confirms the outcome; `reference_crossing` (a scan in P) is
+A count of unstable eigenvalues just below the load confirms the search; `reference_crossing` (a scan in P) is
 the last resort and the tests' other route. "Stable" means the elastic spectrum: rigid motion of a free beam
 drifts at any load.
 """
@@ -20,11 +22,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam_sym.ladder import bezier, bezier_root
 from freebeam_sym.pencil import Complex, Crossing, Damping, Pencil, Real, inverse, newton
 
 __all__ = ["first_crossing", "reference_crossing", "unstable_count"]
@@ -51,7 +53,7 @@ class _Nodes:
         root = 1 / np.sqrt(z)
         mu, Y = np.linalg.eig(-root[:, :, None] * pencil.H * root[:, None, :])
         X = inverse(Y)
-        rate = np.einsum("ckj,cj,cjk->ck", X, (1j * D - 2 * omega[:, None]) / z, Y)
+        rate = ((X * ((1j * D - 2 * omega[:, None]) / z)[:, None, :]) * np.swapaxes(Y, 1, 2)).sum(axis=2)
         return _Nodes(omega, mu, rate, root[:, :, None] * Y)
 
     def join(self, other: _Nodes) -> _Nodes:
@@ -71,27 +73,29 @@ def _excluded(pencil: Pencil, D: Real, low: Real, high: Real, load: float) -> ND
     inverse R of their block, and Im R = −ω R D R̄, so that the imaginary part ω D_j of the Schur complement
     cannot vanish while D_j > P² |H_j·| W D W |H_·j|, however small D is. All bounds are least at P = load.
     """
-    n, diagonal = pencil.size, np.diag(pencil.H) * load
-    below = (pencil.e + np.minimum(0.0, diagonal)) - high[:, None] ** 2
-    above = low[:, None] ** 2 - (pencil.e + np.maximum(0.0, diagonal))
+    e, shift = pencil.e, load * pencil.diagonal
+    below = (e + np.minimum(0.0, shift)) - high[:, None] ** 2
+    above = low[:, None] ** 2 - (e + np.maximum(0.0, shift))
     d = np.hypot(np.maximum(0.0, np.maximum(below, above)), low[:, None] * D)
-    cell, i = np.arange(len(low)), np.arange(n)
+    cell, i = np.arange(len(low)), np.arange(pencil.size)
     j = d.argmin(axis=1)
-    A = np.repeat(-load * pencil._off[None], len(low), axis=0)
-    row, column = -A[cell, j, :], -A[cell, :, j]
-    A[:, i, i] = d
+    least = d[cell, j]
+    d[cell, j] = 1.0
+    sure = d.min(axis=1) > 0
+    row, column = load * pencil.off[j], load * pencil.off.T[j]
+    A = np.empty((len(low), pencil.size, pencil.size))
+    A[:] = -load * pencil.off
     A[cell, j, :] = A[cell, :, j] = 0.0
-    A[cell, j, j] = 1.0
-    A[(d == 0).sum(axis=1) > 1] = np.eye(n)
+    A[:, i, i] = np.where(sure[:, None], d, 1.0)
     try:
         W = np.linalg.inv(A)
     except np.linalg.LinAlgError:
         return np.zeros(len(low), dtype=bool)
-    sure = (W.min(axis=(1, 2)) >= 0) & ((d == 0).sum(axis=1) <= 1)
+    sure &= W.min(axis=(1, 2)) >= 0
     x = (W @ column[:, :, None])[:, :, 0]
     y = (row[:, None, :] @ W)[:, 0, :]
     margin = 1 + 1e-9
-    dominant = d[cell, j] > margin * (row * x).sum(axis=1)
+    dominant = least > margin * (row * x).sum(axis=1)
     damped = D[j] > margin * (y * D * x).sum(axis=1)
     return np.asarray(sure & (dominant | damped))
 
@@ -139,8 +143,9 @@ def _examine(nodes: _Nodes, a: NDArray[np.intp], b: NDArray[np.intp], load: floa
     h = (nodes.omega[b] - nodes.omega[a])[:, None]
     mu_a, mu_b = nodes.mu[a], nodes.mu[b]
     rate_a, rate_b = h * nodes.rate[a], h * nodes.rate[b]
-    Pa: Complex = np.asarray(1 / np.where(np.abs(mu_a) < far, far, mu_a), dtype=complex)
-    Pb: Complex = np.asarray(1 / np.where(np.abs(mu_b) < far, far, mu_b), dtype=complex)
+    P_all: Complex = np.asarray(1 / np.where(np.abs(nodes.mu) < far, far, nodes.mu), dtype=complex)
+    room_all = _nearest(P_all)
+    Pa, Pb = P_all[a], P_all[b]
     da, db = Pa * rate_a, Pb * rate_b
     residual = (Pb[:, None, :] - Pa[:, :, None]) - (da[:, :, None] + db[:, None, :]) / 2
     distance = np.abs(residual)
@@ -148,7 +153,7 @@ def _examine(nodes: _Nodes, a: NDArray[np.intp], b: NDArray[np.intp], load: floa
     match = distance.argmin(axis=2)
     best = distance[cells, k, match]
     back = distance.argmin(axis=1)[cells, match] == k
-    room = np.minimum(_nearest(Pa), _nearest(Pb)[cells, match])
+    room = np.minimum(room_all[a], room_all[b][cells, match])
     good = back & (best < 0.15 * room)
     r = residual[cells, k, match]
     Pe, de = Pb[cells, match], db[cells, match]
@@ -173,8 +178,8 @@ def _examine(nodes: _Nodes, a: NDArray[np.intp], b: NDArray[np.intp], load: floa
         cut[c_], where[c_] = True, t_
     crossings: list[tuple[int, float, float, int, int]] = []
     for c, i in zip(cc[once], kk[once], strict=True):
-        t = _bezier_root(points.imag[:, c, i])
-        P = float(_bezier(points.real[:, c, i], t))
+        t = bezier_root(points.imag[:, c, i])
+        P = float(bezier(points.real[:, c, i], t))
         if -m_re[c, i] < P < load + m_re[c, i]:
             omega = float(nodes.omega[a[c]] + t * h[c, 0])
             start = (int(a[c]), int(i)) if t < 0.5 and nodes.omega[a[c]] > 0 else (int(b[c]), int(match[c, i]))
@@ -234,25 +239,8 @@ def _within_reach(P: Complex, mu: Complex, rate: Complex, load: float) -> NDArra
     return np.asarray(enters & (gap <= 2 * np.abs(P * rate)))
 
 
-def _bezier(p: Real, t: Any) -> Any:
-    u = 1 - t
-    return u * u * u * p[0] + 3 * u * u * t * p[1] + 3 * u * t * t * p[2] + t * t * t * p[3]
-
-
-def _bezier_root(p: Real) -> float:
-    """Root in (0, 1) of a cubic with one sign change between its ends."""
-    low, high = 0.0, 1.0
-    for _ in range(12):
-        t = (low + high) / 2
-        if _bezier(p, t) * p[0] > 0:
-            low = t
-        else:
-            high = t
-    return (low + high) / 2
-
-
 _PLACES = np.linspace(0.0, 1.0, 33)
-_BERNSTEIN = _bezier(np.eye(4)[:, :, None], _PLACES).T
+_BERNSTEIN = bezier(np.eye(4)[:, :, None], _PLACES).T
 """Values of a cubic at _PLACES from its Bézier points, (33, 4)."""
 
 
@@ -407,9 +395,14 @@ def _crossing(pencil: Pencil, damping: Damping, root: tuple[float, float, Real, 
 
 
 def first_crossing(
-    pencil: Pencil, alpha: float = 0.0, beta: float = 0.0, load_max: float = 1000.0, kappa: float | None = None
+    pencil: Pencil,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    load_max: float = 1000.0,
+    kappa: float | None = None,
+    search: bool = False,
 ) -> Crossing | None:
-    """First loss of stability for 0 < P ≤ load_max; None where there is none."""
+    """First loss of stability for 0 < P ≤ load_max; None where there is none. `search`: without step 2."""
     damping = Damping.of(pencil.e, alpha, beta, kappa)
     known, bound = None, load_max
     loads = pencil.divergence_loads
@@ -418,11 +411,16 @@ def first_crossing(
         known, bound = (known, known.load) if known.load <= load_max else (None, bound)
     if pencil.conservative:
         return known
-    guess = pencil.guess(damping.shape)
-    if guess is not None:
-        found = _crossing(pencil, damping, newton(pencil, damping, *guess))
-        if found is not None and found.load < bound:
-            known, bound = found, found.load
+    ladder = pencil.ladder
+    for start in (ladder.start, ladder.start_beyond):
+        guess = start(damping)
+        found = None if guess is None else _crossing(pencil, damping, newton(pencil, damping, *guess))
+        if found is not None:
+            if found.load < bound:
+                known, bound = found, found.load
+            break
+    if not search and ladder.clear(damping, bound, known):
+        return known
     for pieces in (4, 8, 16):
         known, settled = _search(pencil, damping, bound, known, pieces)
         bound = known.load if known is not None else load_max
@@ -439,12 +437,10 @@ def first_crossing(
 def _witness(pencil: Pencil, damping: Damping, bound: float, limit: bool) -> float | None:
     """A load below `bound` at which the beam is unstable after all: just below, or between there and where the
     undamped beam is known to be stable. None where there is none."""
-    P, _, V, U = pencil._ladder
-    top = float(P[-1]) * 1.05
+    top = float(pencil.ladder.rungs.load[-1]) * 1.05
     loads = [bound * (1 - 1e-5)]
-    gaining = (P < loads[0]) & (np.einsum("mjn,n,mnj->mj", U, damping.shape, V) < 0).any(axis=1)
-    if gaining.any() and damping.size < 0.1 * math.sqrt(pencil.e[0]):
-        loads.append(float(P[gaining][0]))
+    if damping.size < 0.1 * math.sqrt(pencil.e[0]):
+        loads += pencil.ladder.suspects(damping.shape, loads[0])
     if 0 < top < 0.97 * bound and damping.size > 0:
         steps = min(8, 1 + int(math.log(bound / top) / 0.2))
         loads += list(top * (bound / top) ** (np.arange(steps) / steps))

@@ -17,11 +17,11 @@ from freebeam_sym.checks import InputError
 __all__ = ["cache_folder", "kernel_of"]
 
 
-def kernel_of(path: str | Path) -> ModuleType:
-    """The kernel module of a column's file: a statement, or a kernel that was emitted from one.
+def kernel_of(path: str | Path, basis: str = "modes") -> ModuleType:
+    """The kernel module of a column's file: a statement, or a kernel that was emitted from one in whichever basis.
 
-    A statement is derived, emitted and verified when it is first seen, or has changed; later it is read from
-    the cache. Raises InputError where the file cannot be read, does not parse, or states no sound column.
+    A statement is derived, emitted in the basis asked for and verified when it is first seen, or has changed; later it
+    is read from the cache. Raises InputError where the file cannot be read, does not parse, or states no sound column.
     """
     path = Path(path)
     try:
@@ -38,7 +38,7 @@ def kernel_of(path: str | Path) -> ModuleType:
         raise InputError(f"{path}{where}: does not parse as Python: {reason}") from None
     if _is_kernel(tree):
         return _load(path, hashlib.sha256(source).hexdigest())
-    return _generated(path, _key(path, source))
+    return _generated(path, basis, _key(path, source, basis))
 
 
 def cache_folder() -> Path:
@@ -64,7 +64,7 @@ def _is_kernel(tree: ast.Module) -> bool:
     return "COLUMN" in assigned and {"basis", "stiffness_load"} <= functions
 
 
-def _key(path: Path, source: bytes) -> str:
+def _key(path: Path, source: bytes, basis: str) -> str:
     """Hash of all that the emitted kernel depends on. Needs no import of the derivation."""
     digest = hashlib.sha256()
     spec = importlib.util.find_spec("freebeam_derive")
@@ -72,14 +72,14 @@ def _key(path: Path, source: bytes) -> str:
         raise InputError(f"{path}: freebeam_derive is not installed, which derives a column from its file")
     derivation = Path(next(iter(spec.submodule_search_locations)))
     versions = [version(name).encode() for name in ("freebeam", "sympy", "mpmath")]
-    parts = [path.name.encode(), source, *versions]
+    parts = [path.name.encode(), source, basis.encode(), *versions]
     parts += [file.read_bytes() for file in sorted(derivation.rglob("*.py"))]
     for part in parts:
         digest.update(len(part).to_bytes(8, "big") + part)
     return digest.hexdigest()
 
 
-def _generated(path: Path, key: str) -> ModuleType:
+def _generated(path: Path, basis: str, key: str) -> ModuleType:
     kept = cache_folder() / key[:32]
     if (found := _kernel_file(kept)) is not None:
         return _load(found, key)
@@ -90,7 +90,7 @@ def _generated(path: Path, key: str) -> ModuleType:
         temporary = tempfile.TemporaryDirectory(prefix="freebeam-", ignore_cleanup_errors=True)
     with temporary as folder:
         emitted = Path(folder) / "kernel"
-        _generate(path, emitted)
+        _generate(path, basis, emitted)
         file = _kernel_file(emitted)
         if file is None:
             raise RuntimeError(f"{path}: no kernel was emitted")
@@ -103,13 +103,13 @@ def _generated(path: Path, key: str) -> ModuleType:
         return _load(file, key)
 
 
-def _generate(path: Path, output: Path) -> None:
+def _generate(path: Path, basis: str, output: Path) -> None:
     from freebeam_derive import pipeline
     from freebeam_derive.statement import StatementError
     from freebeam_derive.verify import VerificationError
 
     try:
-        pipeline.generate([path], output)
+        pipeline.generate([path], output, bases=[basis])
     except StatementError as error:
         raise InputError(str(error)) from error
     except VerificationError as error:

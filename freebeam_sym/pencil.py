@@ -9,12 +9,15 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
+
+if TYPE_CHECKING:
+    from freebeam_sym.ladder import Ladder
 
 __all__ = ["Crossing", "Damping", "Pencil", "inverse", "newton", "pencil_of"]
 
@@ -43,10 +46,13 @@ class Crossing:
 @dataclass(frozen=True)
 class Damping:
     """C = size · diag(shape) in the basis of `Pencil`. A limit (size 0) still has a shape: the ratio it is taken
-    at."""
+    at. alpha, kappa: C = alpha (E + kappa M) where there is internal damping; else alpha = 0, and kappa = inf unless
+    this is a limit."""
 
     size: float
     shape: Real
+    alpha: float
+    kappa: float
 
     @staticmethod
     def of(e: Real, alpha: float, beta: float, kappa: float | None) -> Damping:
@@ -56,10 +62,11 @@ class Damping:
             a, b = alpha / top, beta / top
             if a < 0 or not a * e[0] + b > 0:
                 raise InputError(f"damping {alpha} E + {beta} M: must take energy from every mode")
-            return Damping(top * float(a * e[0] + b), (a * e + b) / (a * e[0] + b))
+            ratio = beta / alpha if alpha else math.inf
+            return Damping(top * float(a * e[0] + b), (a * e + b) / (a * e[0] + b), alpha, ratio)
         if kappa is None or math.isinf(kappa):
-            return Damping(0.0, np.ones_like(e))
-        return Damping(0.0, (e + kappa) / (e[0] + kappa))
+            return Damping(0.0, np.ones_like(e), 0.0, math.inf)
+        return Damping(0.0, (e + kappa) / (e[0] + kappa), 0.0, kappa)
 
 
 class Pencil:
@@ -83,8 +90,10 @@ class Pencil:
         # the load matrix relative to the elastic energies; its norm decides what counts as rounding
         root = np.sqrt(e)
         self._relative: Real = self.H / np.outer(root, root)
-        self._off = np.abs(self.H)
-        np.fill_diagonal(self._off, 0.0)
+        self.norm = float(np.linalg.norm(self._relative, 2))
+        self.diagonal: Real = np.diag(self.H)
+        self.off: Real = np.abs(self.H)
+        np.fill_diagonal(self.off, 0.0)
 
     @cached_property
     def conservative(self) -> bool:
@@ -117,86 +126,11 @@ class Pencil:
         return np.asarray(q / q[np.abs(q).argmax()])
 
     @cached_property
-    def _ladder(self) -> tuple[Real, Real, Real, Real]:
-        """Undamped branches at loads up the ladder P = 0 … while all squared frequencies are real and positive:
-        P (m,), s (m, N) ascending, right vectors (m, N, N) in columns, left ones (m, N, N) in rows, U V = I."""
-        loads = [np.zeros(1)]
-        kept: list[tuple[Any, ...]] = [self._branches(loads[0])]
-        load, ratio = 0.15 / np.linalg.norm(self._relative, 2), 1.2
-        while load < 1e9:
-            P = load * ratio ** np.arange(12.0)
-            branches = self._branches(P)
-            steady = int(np.argmin(np.append(branches[3], False)))
-            loads.append(P[:steady])
-            kept.append(tuple(a[:steady] for a in branches))
-            if steady < 12:
-                break
-            load = P[-1] * ratio
-        else:
-            return self._joined(loads, kept)
-        low, high = float(loads[-1][-1] if steady else loads[-2][-1]), float(P[steady])
-        spare = 4
-        while spare and high > 1e-6 * load:
-            middle = np.array([(low + high) / 2])
-            branches = self._branches(middle)
-            if branches[3][0]:
-                low, spare = middle[0], spare - 1
-                loads.append(middle)
-                kept.append(branches)
-            else:
-                high = middle[0]
-                spare -= low > 0
-        return self._joined(loads, kept)
+    def ladder(self) -> Ladder:
+        """The undamped branches up to the first loss of stability."""
+        from freebeam_sym.ladder import Ladder
 
-    @staticmethod
-    def _joined(loads: list[Real], kept: list[tuple[Any, ...]]) -> tuple[Real, Real, Real, Real]:
-        s, V, U = (np.concatenate([one[k] for one in kept]).real for k in range(3))
-        return np.concatenate(loads), s, V, U
-
-    def _branches(self, P: Real) -> tuple[Any, Any, Any, NDArray[np.bool_]]:
-        """s (m, N), V, U of diag(e) + P H, and whether all s are real and positive (m,)."""
-        s, V = np.linalg.eig(np.diag(self.e) + P[:, None, None] * self.H)
-        order = np.argsort(s.real, axis=1)
-        s = np.take_along_axis(s, order, 1)
-        V = np.take_along_axis(V, order[:, None, :], 2)
-        steady = (s.imag == 0).all(axis=1) & (s.real > 0).all(axis=1)
-        V = np.where(steady[:, None, None], V, np.eye(self.size))
-        return s, V, inverse(V), steady
-
-    def guess(self, shape: Real) -> tuple[float, float, Real, Real] | None:
-        """Starting point (ω², P, a, b) of `newton`: where damping of this shape, as small as one likes, first
-        gives energy to a branch instead of taking it. None where no branch of the ladder comes to that."""
-        P, s, V, U = self._ladder
-        power = np.einsum("mjn,n,mnj->mj", U, shape, V)
-        node, branch = np.nonzero(power < 0)
-        if len(node) and node[0] > 0:
-            m, j = int(node[0]), int(branch[0])
-            t = power[m - 1, j] / (power[m - 1, j] - power[m, j])
-            w, load = s[m - 1, j] + t * (s[m, j] - s[m - 1, j]), P[m - 1] + t * (P[m] - P[m - 1])
-            k = m if t > 0.5 else m - 1
-            return (float(w), float(load), *_start(self, shape, w, load, V[k, :, j]))
-        fold = self._fold
-        return None if fold is None else (fold[0], fold[1], fold[2], fold[3])
-
-    @cached_property
-    def _fold(self) -> tuple[float, float, Real, Real] | None:
-        """(ω², P, a, b) of the first coalescence, by Newton's method from the top of the ladder."""
-        P, s, V, U = self._ladder
-        if self.size == 1:
-            return None
-        slope = np.einsum("jn,nk,kj->j", U[-1], self.H, V[-1])
-        gap, closing = np.diff(s[-1]), slope[:-1] - slope[1:]
-        with np.errstate(divide="ignore"):
-            ahead = np.where(closing > 0, gap / (2 * closing), np.inf)
-        j = int(np.argmin(ahead))
-        if not np.isfinite(ahead[j]):
-            return None
-        v, u = V[-1, :, j], V[-1, :, j + 1]
-        u = u if v @ u > 0 else -u
-        w = float(s[-1, j] + s[-1, j + 1]) / 2
-        return newton(
-            self, Damping.of(self.e, 0.0, 0.0, None), w, float(P[-1] + ahead[j]), v + u, -2 * (v - u) / gap[j]
-        )
+        return Ladder(self)
 
 
 def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
@@ -223,20 +157,6 @@ def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
     inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
     e = 1 / inverse[::-1]
     return e, np.linalg.solve(L.T, Y[:, ::-1]) * np.sqrt(e)
-
-
-def _start(pencil: Pencil, shape: Real, w: float, P: float, a: Real) -> tuple[Real, Real]:
-    """(a, b) for `newton` from a real eigenvector a at (w, P): b solves A b = −D a but for what only the root
-    removes."""
-    n, scale = pencil.size, 1 / (pencil.e + abs(w))
-    J = np.zeros((n + 1, n + 1))
-    J[:n, :n] = (P * pencil.H + np.diag(pencil.e - w)) * scale[:, None]
-    J[:n, n] = (pencil.H @ a) * scale
-    J[n, :n] = a
-    try:
-        return a, np.linalg.solve(J, np.append(-shape * a * scale, 0.0))[:n]
-    except np.linalg.LinAlgError:
-        return a, np.zeros(n)
 
 
 def newton(
@@ -281,7 +201,8 @@ def newton(
         step = abs(change[m] / w) + abs(change[m + 1] / P) if w and P else math.inf
         if astray > 3 or not step < 1e6:
             return None
-        if step < 1e-9 and (step < 1e-15 or step > before / 4):  # rounding reached: steps no longer shrink
+        # rounding reached: the next step, by the law of the last two, would be below it, or steps no longer shrink
+        if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
             return w, P, x[:n], x[n:]
         before = step
     return None

@@ -12,10 +12,38 @@ import textwrap
 from collections.abc import Iterable
 from typing import Any
 
-from sympy import Expr, Inverse, MatMul, Max, Piecewise, Poly, Pow, S, Symbol, cos, cse, numbered_symbols, sin
+from sympy import (
+    Expr,
+    Inverse,
+    MatMul,
+    Max,
+    Piecewise,
+    Poly,
+    Pow,
+    S,
+    Symbol,
+    cos,
+    cse,
+    expand,
+    factor,
+    fraction,
+    integrate,
+    numbered_symbols,
+    sin,
+    together,
+)
 from sympy.printing.pycode import PythonCodePrinter
 
-from freebeam_derive.kernel import ColumnKernel, MatrixProgram, delta
+from freebeam_derive.kernel import (
+    QUANTITIES,
+    ColumnKernel,
+    Kernel,
+    MatrixProgram,
+    PolynomialKernel,
+    SeriesProgram,
+    delta,
+)
+from freebeam_derive.legendre import products, series
 from freebeam_derive.modes import eta
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import NOTATION, gamma, x
@@ -218,16 +246,15 @@ def _docstring(text: str, indent: str = INDENT) -> str:
 # --- parts of a module --------------------------------------------------------------------------------------
 
 
-def _header(kernel: ColumnKernel) -> str:
+def _header(kernel: Kernel, functions: str, more: str) -> str:
     column = kernel.column
     letters = "\n".join(f"    {m.letter}[i, j] = {m.text}" for m in kernel.matrices)
     source = f"Source: {column.source}.\n\n" if column.source else ""
     text = (
         f"{column.title}: ends {column.ends[0]} and {column.ends[1]}.\n\n"
-        "M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, "
-        "Eqs. (10), (11):\n\n"
+        f"M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are {functions}, Eqs. (10), (11):\n\n"
         f"{letters}\n    C = {kernel.system.c_M} M + {kernel.system.c_E} E\n\n"
-        f"Roots of {_equation(kernel)}. All quantities are nondimensional, Eq. (5).\n\n"
+        f"{more} All quantities are nondimensional, Eq. (5).\n\n"
         f"{source}Derived from the energies and emitted by `freebeam generate {column.name}`; do not edit."
     )
     return _docstring(text, "") + (
@@ -236,7 +263,7 @@ def _header(kernel: ColumnKernel) -> str:
     )
 
 
-def _metadata(kernel: ColumnKernel) -> str:
+def _metadata(kernel: Kernel, names: tuple[str, ...], more: dict[str, str]) -> str:
     column = kernel.column
     own = [
         {
@@ -249,12 +276,12 @@ def _metadata(kernel: ColumnKernel) -> str:
         }
         for p in column.parameters
     ]
-    names = ("x", "t", "P", "alpha", "beta", "F_0", "x_F", "gamma", "y")
     data = {
         "name": column.name,
         "title": column.title,
+        **more,
         "ends": column.ends,
-        "rigid": len(kernel.beam.rigid),
+        "rigid": len(kernel.rigid),
         "load": "P",
         "damping": list(column.damping),
         "force": bool(kernel.system.forces),
@@ -351,7 +378,7 @@ def _characteristic(kernel: ColumnKernel) -> str:
 
 def _shapes(kernel: ColumnKernel) -> str:
     A, B, C, D = kernel.basis.coefficients
-    rigid = kernel.beam.rigid
+    rigid = kernel.rigid
     column = "basis.{}[:, None]"
     corrected = kernel.basis.roots.function is not None
 
@@ -431,17 +458,18 @@ def _apart(kernel: ColumnKernel) -> str:
     return "def _apart(basis: Basis) -> Array:\n" + _docstring(doc) + _body(lines)
 
 
-def _signature(kernel: ColumnKernel, name: str, arguments: str = "") -> str:
+def _signature(kernel: Kernel, name: str, arguments: str = "") -> str:
     """Every matrix takes all of the column's own parameters, so that a caller need not know which it depends on."""
     return f"def {name}(basis: Basis{arguments}, rigid: bool = False{_own(kernel)}) -> Array:\n"
 
 
-def _own_doc(kernel: ColumnKernel) -> str:
+def _own_doc(kernel: Kernel) -> str:
     return "".join(f"\n{p.name}: {p.meaning}." for p in kernel.column.parameters)
 
 
-def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
-    R = len(kernel.beam.rigid)
+def _matrix_head(kernel: Kernel, matrix: MatrixProgram | SeriesProgram) -> str:
+    """Signature and docstring of a matrix."""
+    R = len(kernel.rigid)
     what = {
         "M": "Mass matrix M",
         "E": "Elastic stiffness matrix E of K = E + P H",
@@ -457,6 +485,11 @@ def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
             if kernel.column.name == "free-free"
             else doc
         )
+    return _signature(kernel, matrix.name) + _docstring(doc)
+
+
+def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
+    R = len(kernel.rigid)
     modes = [e for _, e in matrix.mode_statements]
     border = [*matrix.rows, *matrix.columns]
     powers, replace = _powers([*modes, matrix.diagonal, *border])
@@ -498,7 +531,7 @@ def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
                 lines.append(f"    whole[{R}:, {n}] = {_code(column.xreplace(replace))}")
         lines.append("    return whole")
     lines.append(f"return {letter}")
-    return _signature(kernel, matrix.name) + _docstring(doc) + _body(lines)
+    return _matrix_head(kernel, matrix) + _body(lines)
 
 
 def _horner(letter: str, parts: tuple[Expr, ...]) -> list[str]:
@@ -525,7 +558,7 @@ def _horner(letter: str, parts: tuple[Expr, ...]) -> list[str]:
     return lines
 
 
-def _damping(kernel: ColumnKernel) -> str:
+def _damping(kernel: Kernel) -> str:
     system = kernel.system
     passed = "".join(f", {p.name}={p.name}" for p in kernel.column.parameters)
     text = f"def damping_factors(alpha: float, beta: float{_own(kernel)}) -> tuple[float, float]:\n"
@@ -540,7 +573,7 @@ def _damping(kernel: ColumnKernel) -> str:
     return text + f"{INDENT}return c_M * mass(basis, rigid{passed}) + c_E * stiffness_elastic(basis, rigid{passed})\n"
 
 
-def _own(kernel: ColumnKernel, used: set[str] | None = None) -> str:
+def _own(kernel: Kernel, used: set[str] | None = None) -> str:
     """The column's own parameters as keyword arguments."""
     chosen = [p for p in kernel.column.parameters if used is None or p.name in used]
     return (", *" if chosen else "") + "".join(f", {p.name}: float = {float(p.default)!r}" for p in chosen)
@@ -550,7 +583,7 @@ def _float(e: Expr) -> str:
     return _code(e) if not e.is_number else repr(float(e))
 
 
-def _force(kernel: ColumnKernel) -> str:
+def _force(kernel: Kernel) -> str:
     if not kernel.system.forces:
         return ""
     ((_, size),) = kernel.system.forces
@@ -583,15 +616,36 @@ def _frequencies(kernel: ColumnKernel) -> str:
     return text + _body(lines)
 
 
-def _equation_of_motion(kernel: ColumnKernel) -> str:
+def _exact(expression: Expr) -> str:
+    """Code in which a fraction that no float holds is made from `one`, a number of the caller's kind."""
+    kept = (1, *_EXACT)
+    return _code(expression.replace(lambda e: e.is_Rational and e.q not in kept, lambda e: Symbol("one") * e))
+
+
+def _forms(kernel: Kernel) -> str:
+    """The bilinear forms as data."""
+    text = f"def forms(one: Any = 1{_own(kernel).replace(': float = ', ': Any = ')}) -> dict[str, Any]:\n"
+    text += _docstring(
+        "The bilinear forms M, E, H: factors of ∫ xᵏ φᵢ⁽ᵖ⁾ φⱼ⁽ᑫ⁾ dx under (k, p, q), and of φᵢ⁽ᵖ⁾(a) φⱼ⁽ᑫ⁾(b) under "
+        "(a, p, b, q). Eq. (11).\n\none: 1 as a number of the kind wanted, such as a fraction or an interval.\n"
+    )
+    lines = ["return {"]
+    for letter, form in (("M", kernel.system.M), ("E", kernel.system.E), ("H", kernel.system.H)):
+        along = ", ".join(f"{key}: {_exact(value)}" for key, value in sorted(form.along.items()))
+        points = ", ".join(f"({a}, {p}, {b}, {q}): {_exact(value)}" for (a, p, b, q), value in form.points.items())
+        lines.append(f'    "{letter}": ({{{along}}}, {{{points}}}),')
+    return text + _body([*lines, "}"])
+
+
+def _equation_of_motion(kernel: Kernel) -> str:
     """The unforced equation of motion and the end conditions as data, for work without a series."""
     motion = kernel.motion
-    arguments = f"P: Any, alpha: Any = 0, beta: Any = 0{_own(kernel)}".replace(": float = ", ": Any = ")
+    arguments = f"P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1{_own(kernel)}".replace(": float = ", ": Any = ")
     terms = []
     for j in jets(motion.strong):
         powers = Poly(motion.strong.coeff(j), x).all_coeffs()[::-1]
-        terms.append(f"({j.args[1]}, {j.args[2]}): ({', '.join(_code(c) for c in powers)},)")
-    text = f"def equation({arguments}) -> dict[tuple[int, int], tuple[Any, ...]]:\n"
+        terms.append(f"({j.args[1]}, {j.args[2]}): ({', '.join(_exact(c) for c in powers)},)")
+    text = f"def equation(\n{INDENT}{arguments},\n) -> dict[tuple[int, int], tuple[Any, ...]]:\n"
     text += _docstring(
         "The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).\n"
     )
@@ -604,11 +658,11 @@ def _equation_of_motion(kernel: ColumnKernel) -> str:
                 natural = motion.natural[end, order]
                 rows.append(
                     "{"
-                    + ", ".join(f"({j.args[1]}, {j.args[2]}): {_code(natural.coeff(j))}" for j in jets(natural))
+                    + ", ".join(f"({j.args[1]}, {j.args[2]}): {_exact(natural.coeff(j))}" for j in jets(natural))
                     + "}"
                 )
         conditions.append(rows)
-    text += f"def end_conditions({arguments}) -> tuple[Any, Any]:\n"
+    text += f"def end_conditions(\n{INDENT}{arguments},\n) -> tuple[Any, Any]:\n"
     text += _docstring("Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15).\n")
     lines = ["return ("]
     for rows in conditions:
@@ -658,23 +712,18 @@ def _scales() -> str:
     return text + f"{INDENT}}}\n"
 
 
-def emit(kernel: ColumnKernel) -> str:
+# --- modules ------------------------------------------------------------------------------------------------
+
+
+def emit(kernel: Kernel) -> str:
     """The NumPy module of a column, as text. Deterministic to the byte for one version of SymPy.
 
     Raises StatementError for a parameter whose name the module gives to something else.
     """
-    parts = [_header(kernel), _metadata(kernel), _basis(kernel), _shapes(kernel)]
-    if any(len(m.entry) > 1 for m in kernel.matrices):
-        parts.append(_apart(kernel))
-    parts += [_matrix(kernel, matrix) for matrix in kernel.matrices]
-    parts += [
-        _damping(kernel),
-        _force(kernel),
-        _equation_of_motion(kernel),
-        _frequencies(kernel),
-        _newmark(kernel.newmark),
-        _scales(),
-    ]
+    parts = _polynomial_parts(kernel) if isinstance(kernel, PolynomialKernel) else _mode_parts(kernel)
+    parts += [_damping(kernel), _force(kernel), _forms(kernel), _equation_of_motion(kernel)]
+    parts += [_frequencies(kernel)] if isinstance(kernel, ColumnKernel) else []
+    parts += [_newmark(kernel.newmark), _scales()]
     text = "\n\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part)
     nodes = list(ast.walk(ast.parse(text)))
     assigned = {node.id for node in nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Store)}
@@ -683,3 +732,235 @@ def emit(kernel: ColumnKernel) -> str:
         if parameter.name in assigned:
             raise StatementError(f"parameter {parameter.name!r}: emitted code calls something else so; choose another")
     return text
+
+
+def _mode_parts(kernel: Kernel) -> list[str]:
+    assert isinstance(kernel, ColumnKernel)
+    parts = [
+        _header(kernel, "the modes of the unloaded beam", f"Roots of {_equation(kernel)}."),
+        _metadata(kernel, ("x", "t", "P", "alpha", "beta", "F_0", "x_F", "gamma", "y"), {}),
+        _basis(kernel),
+        _shapes(kernel),
+    ]
+    if any(len(m.entry) > 1 for m in kernel.matrices):
+        parts.append(_apart(kernel))
+    return [*parts, *(_matrix(kernel, matrix) for matrix in kernel.matrices)]
+
+
+# --- polynomials as trial functions -------------------------------------------------------------------------
+# Constants are integers, and quotients are taken in the arrays' own numbers: on arrays of rational numbers or
+# intervals these modules compute exactly, or with proof.
+
+
+def _quotient(expression: Expr) -> str:
+    """A rational expression as one quotient of polynomials with whole coefficients."""
+    above, below = fraction(factor(expression))
+    if below == 1:
+        return _code(above)
+    return re.sub(r"^\((\w+)\) / ", r"\1 / ", f"({_code(above)}) / ({_code(below)})")
+
+
+def _times(factor_: Expr, term: str) -> str:
+    """A term times a factor in the column's parameters."""
+    above, below = fraction(together(factor_))
+    text = {S.One: term, S.NegativeOne: f"-{term}"}.get(above)
+    if text is None:
+        text = f"{f'({_code(above)})' if above.is_Add else _code(above)} * {term}"
+    return text if below == 1 else f"{text} / {_code(below) if below.is_Atom else f'({_code(below)})'}"
+
+
+def _sum(terms: Iterable[str]) -> str:
+    return " + ".join(terms).replace("+ -", "- ")
+
+
+def _polynomial_parts(kernel: Kernel) -> list[str]:
+    assert isinstance(kernel, PolynomialKernel)
+    more = (
+        "Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower "
+        "degree that do, in a series of Legendre's polynomials P_k(2x − 1)."
+    )
+    names = ("x", "t", "P", "alpha", "beta", "F_0", "x_F", "y")
+    return [
+        _header(kernel, "polynomials", more),
+        _metadata(kernel, names, {"basis": "legendre"}),
+        _polynomial_basis(kernel),
+        _polynomial_shapes(kernel),
+        *(_integrals(power) for power in kernel.powers),
+        *(_series_matrix(kernel, matrix) for matrix in kernel.matrices),
+    ]
+
+
+def _polynomial_basis(kernel: PolynomialKernel) -> str:
+    R, first = len(kernel.rigid), kernel.basis.first
+    listed = f"({R} + N,)" if R else "(N,)"
+    fields = [
+        ("order", f"orders k of Legendre's polynomials P_k(2x − 1), ({first} + N,)"),
+        ("sigma", f"(−1)^k, ({first} + N,)"),
+        ("norm", f"∫ φ² dx, {listed}"),
+        *(
+            (name, f"{('φ', 'φ′', 'φ″', 'φ‴')[order]}({end}), {listed}")
+            for name, end, order, _ in kernel.values
+        ),
+        *(
+            (QUANTITIES[p], f"{('φ', 'φ′', 'φ″', 'φ‴')[p]} in P_0, P_1, …, {listed[:-1].rstrip(',')}, {first} + N)")
+            for p in kernel.orders
+        ),
+    ]  # fmt: skip
+    text = "class Basis(NamedTuple):\n"
+    what = f"The {R} rigid function{'s' if R > 1 else ''}, then the first" if R else "The first"
+    listing = "\n".join(f"{name}: {meaning}" for name, meaning in fields)
+    text += _docstring(f"{what} N elastic functions: polynomials of degree {first}, {first + 1}, …\n\n{listing}\n")
+    text += "\n" + "".join(f"{INDENT}{name}: Array\n" for name, _ in fields)
+
+    text += "\n\ndef complete(order: Array, sigma: Array) -> Basis:\n"
+    text += _docstring(
+        "All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = "
+        f"D − {first}. Eq. (9).\n\nThe arrays may hold floats, or any numbers that can be divided, such as fractions "
+        "or intervals: then so does the result.\n"
+    )
+    lines = [f"degree = order[{first}:]", *_series_lines(kernel)]
+    unit = [tuple(series(f)) for f in kernel.rigid]
+    if R:
+        lines += [
+            "unit = order[1:2]  # 1, in the numbers at hand",
+            f"rigid = np.zeros(({R}, order.size), dtype=order.dtype)",
+        ]
+        for n, row in enumerate(unit):
+            lines += [f"rigid[{n}, {k}:{k + 1}] = {_times(c, 'unit')}" for k, c in enumerate(row) if c != 0]
+        lines.append("deflection = np.concatenate([rigid, deflection])")
+    if len(kernel.orders) > 1:
+        lines.append("derivative = _derivative(order, sigma)")
+    lines += [f"{QUANTITIES[p]} = {QUANTITIES[p - 1]} @ derivative" for p in kernel.orders[1:]]
+    squares = [integrate(expand(f**2), (x, 0, 1)) for f in kernel.rigid]
+    lines += _vector("norm", squares, kernel.basis.norm, "")
+    for name, end, order, value in kernel.values:
+        at_end = [f.diff(x, order).subs(x, end) for f in kernel.rigid]
+        lines += _vector(name, at_end, value, "" if end else f"sigma[{first}:] * ")
+    lines.append(f"return Basis({', '.join(name for name, _ in fields)})")
+    text += _body(lines) + "\n\n"
+
+    text += "def _derivative(order: Array, sigma: Array) -> Array:\n"
+    text += _docstring(
+        "What a series is multiplied by, from the right, to give its derivative: P_k′ = Σ 2 (2m + 1) P_m."
+    )
+    lines = ["value: Array = np.tril((1 - sigma[:, None] * sigma) * (2 * order + 1), -1)", "return value"]
+    text += _body(lines) + "\n\n"
+    text += "def basis(N: int) -> Basis:\n" + _docstring(
+        f"The functions of degree up to N + {first - 1}, N of them elastic. Eq. (9), section 3.1."
+    )
+    return text + _body(
+        [f"order = np.arange({first} + N, dtype=float)", "return complete(order, 1 - 2 * np.remainder(order, 2))"]
+    )
+
+
+def _series_lines(kernel: PolynomialKernel) -> list[str]:
+    """The elastic functions in Legendre's polynomials: 1 for their own degree, and what the ends take away below it."""
+    first, conditions = kernel.basis.first, kernel.basis.conditions
+    if conditions:
+        lines = [f"weight_{n} = {_quotient(c.weight)}" for n, c in enumerate(conditions, start=1)]
+        shares = ["", ""]
+        for n, c in enumerate(conditions, start=1):
+            term = f"weight_{n}[:, None]" + ("" if c.of == 1 else f" * ({_code(c.of)})")
+            shares[c.end] += f" + {term}" if shares[c.end] else term
+        if shares[0]:
+            shares[0] = f"sigma[{first}:, None] * sigma * ({shares[0]})"
+        lines.append(f"share = {' + '.join(share for share in shares if share)}")
+        lines.append(f"deflection = np.tril(-(2 * order + 1) * share, {first - 1})")
+    else:
+        lines = ["deflection = np.zeros((degree.size, order.size), dtype=order.dtype)"]
+    return [*lines, f"deflection[np.arange(degree.size), np.arange({first}, order.size)] = 1"]
+
+
+def _vector(name: str, rigid: list[Expr], elastic: Expr, sign: str) -> list[str]:
+    """A quantity of each function, of the rigid ones first."""
+    value = f"{sign}{_quotient(elastic)}" if elastic.free_symbols else f"{sign}np.full_like(degree, 1)"
+    if elastic.is_number and elastic != 1:
+        raise AssertionError(f"{name}: {elastic} at every degree is not written")
+    if not rigid:
+        return [f"{name} = {value}"]
+    return [f"{name} = np.concatenate([{', '.join([*(_times(c, 'unit') for c in rigid), value])}])"]
+
+
+def _polynomial_shapes(kernel: PolynomialKernel) -> str:
+    R = len(kernel.rigid)
+    doc = (
+        "Trial functions or a derivative of them, shape (N, *x.shape). Eq. (9).\n\n"
+        "x: places in units of the length, any shape. derivative: its order, 0 or more. "
+        + (
+            f"rigid: with the {R} rigid function{'s' if R > 1 else ''} first, shape ({R} + N, *x.shape).\n"
+            if R
+            else "rigid: this column has no rigid functions, so it changes nothing.\n"
+        )
+    )
+    lines = [
+        "x = np.asarray(x, dtype=float)",
+        "series = basis.deflection",
+        "for _ in range(derivative):",
+        "    series = series @ _derivative(basis.order, basis.sigma)",
+        f"value: Array = series{_elastic(R)} @ _legendre(basis.order.size, x.reshape(-1))",
+        "return value.reshape(-1, *x.shape)",
+    ]
+    text = "def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:\n"
+    text += _docstring(doc) + _body(lines) + "\n\n"
+    text += "def _legendre(count: int, x: Array) -> Array:\n" + _docstring(
+        "P_k(2x − 1) for k below count, shape (count, x.size).\n\n"
+        "By their differences, in the distance from the nearer end, so that nothing cancels there.\n"
+    )
+    lines = [
+        "near = np.minimum(x, 1 - x)",
+        "value = np.ones((count, x.size))",
+        "step = -2 * near",
+        "for k in range(1, count):",
+        "    value[k] = value[k - 1] + step",
+        "    step = (k * step - 2 * (2 * k + 1) * near * value[k]) / (k + 1)",
+        "value[1::2] *= np.where(x < 0.5, -1, 1)",
+        "return value",
+    ]
+    return text + _body(lines)
+
+
+def _elastic(R: int) -> str:
+    """Subscript that leaves the rigid functions out unless they are asked for."""
+    return f"[0 if rigid else {R} :]" if R else ""
+
+
+def _integrals(power: int) -> str:
+    bands = products(power)
+    text = f"def _integrals_{power}(order: Array) -> Array:\n"
+    text += _docstring(f"∫ {'' if power == 0 else 'x ' if power == 1 else f'x^{power} '}P_m P_n dx, shape (D, D).")
+    lines = [f"value: Array = np.diag({_quotient(bands[0])})"]
+    for n, band in enumerate(bands[1:], start=1):
+        lines.append(f"band_{n} = ({_quotient(band)})[:-{n}]")
+        lines.append(f"value = value + np.diag(band_{n}, {n}) + np.diag(band_{n}, -{n})")
+    return text + _body([*lines, "return value"])
+
+
+def _series_matrix(kernel: PolynomialKernel, matrix: SeriesProgram) -> str:
+    letter, R = matrix.letter, len(kernel.rigid)
+    terms: list[tuple[str, Expr]] = []  # what is added, and its factor
+    if matrix.diagonal != 0:
+        terms.append(("np.diag(basis.norm)", matrix.diagonal))
+    lines: list[str] = []
+    for (p, q), factors in matrix.along.items():
+        between = [_times(c, f"_integrals_{power}(basis.order)") for power, c in factors.items()]
+        if len(factors) == 1:
+            ((power, c),) = factors.items()
+            terms.append((f"(basis.{QUANTITIES[p]} @ _integrals_{power}(basis.order) @ basis.{QUANTITIES[q]}.T)", c))
+        else:
+            name = f"between_{p}{q}"
+            lines.append(f"{name} = {_sum(between)}")
+            terms.append((f"(basis.{QUANTITIES[p]} @ {name} @ basis.{QUANTITIES[q]}.T)", S.One))
+    terms += [(f"basis.{row}[:, None] * basis.{column}", c) for c, row, column in matrix.points]
+    for n, (term, c) in enumerate(terms):
+        added = _times(c, term)
+        if n == 0:
+            added = added[1:-1] if added == term and term.startswith("(") else added
+            lines.append(f"{letter}: Array = {added}")
+        else:
+            lines.append(f"{letter} = {_sum([letter, added])}")
+    if not terms:
+        lines.append(f"{letter}: Array = np.diag(0 * basis.norm)")
+    if matrix.symmetric and (matrix.along or matrix.points):
+        lines.append(f"{letter} = ({letter} + {letter}.T) / 2  # to the last bit")
+    cut = f"return {letter} if rigid else {letter}[{R}:, {R}:]" if R else f"return {letter}"
+    return _matrix_head(kernel, matrix) + _body([*lines, cut])

@@ -2,6 +2,9 @@
 
 Neutral between languages: expressions in SymPy, split into statements on modes (vectors of length N) and on pairs of
 modes (N × N). In a pair expression `f_i` and `f_j` are the values of a mode's quantity `f` in row and column.
+
+With polynomials as trial functions the graph is another one: series in Legendre's polynomials, a derivative of a
+series, and each matrix as products of series with the integrals ∫ x^k P_m P_n between them.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from freebeam_derive.integrals import (
     integral_same,
     operations,
 )
+from freebeam_derive.legendre import Polynomials, polynomials
 from freebeam_derive.modes import ComparisonBeam, DampedModes, comparison_beam, epsilon, eta, sigma
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import x
@@ -77,17 +81,43 @@ class MatrixProgram:
 
 
 @dataclass(frozen=True)
-class ColumnKernel:
-    """All that is emitted for a column."""
+class SeriesProgram:
+    """One matrix over polynomials: a factor of the diagonal of ∫ φ², sums over series, products of end values.
+
+    along: (p, q) -> factors of ∫ x^k φ_i^(p) φ_j^(q) by the power k. points: factor, row and column, each a field
+    of the basis (`slope_1`).
+    """
+
+    name: str
+    letter: str
+    text: str
+    equation: str
+    diagonal: Expr
+    along: dict[tuple[int, int], dict[int, Expr]]
+    points: tuple[tuple[Expr, str, str], ...]
+    symmetric: bool
+
+
+@dataclass(frozen=True)
+class Kernel:
+    """What is emitted for a column in any basis."""
 
     column: Column
     motion: EquationOfMotion
-    beam: ComparisonBeam
     system: RitzSystem
-    basis: BasisProgram
-    matrices: tuple[MatrixProgram, ...]
-    damped: DampedModes | None
     newmark: Newmark
+    rigid: tuple[Expr, ...]
+    matrices: tuple[MatrixProgram | SeriesProgram, ...]
+
+
+@dataclass(frozen=True)
+class ColumnKernel(Kernel):
+    """All that is emitted for a column with its comparison modes."""
+
+    matrices: tuple[MatrixProgram, ...]
+    beam: ComparisonBeam
+    basis: BasisProgram
+    damped: DampedModes | None
 
     @property
     def operations(self) -> int:
@@ -95,17 +125,79 @@ class ColumnKernel:
         return max(matrix.operations for matrix in self.matrices)
 
 
+@dataclass(frozen=True)
+class PolynomialKernel(Kernel):
+    """All that is emitted for a column with polynomials as trial functions.
+
+    orders: the derivatives whose series are needed, 0 first. values: (name, end, order, factor) of the end values:
+    a function of the degree, times (−1)^degree at x = 0.
+    """
+
+    matrices: tuple[SeriesProgram, ...]
+    basis: Polynomials
+    values: tuple[tuple[str, int, int, Expr], ...]
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        used = {order for matrix in self.matrices for pair in matrix.along for order in pair}
+        return tuple(range(max(used, default=0) + 1))
+
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """Powers of x in the matrices' sums over series."""
+        return tuple(sorted({k for m in self.matrices for factors in m.along.values() for k in factors}))
+
+    @property
+    def products(self) -> int:
+        """Most matrix products that one matrix takes, beside the series."""
+        return max(2 * len(matrix.along) for matrix in self.matrices)
+
+
+MATRICES = (
+    ("mass", "M", "Eq. (11), first line"),
+    ("stiffness_elastic", "E", "Eq. (11), third line at zero load"),
+    ("stiffness_load", "H", "Eq. (11), third line, divided by the load; Eq. (13)"),
+)
+
+
 def build(
     column: Column, motion: EquationOfMotion, system: RitzSystem, damped: DampedModes | None, newmark: Newmark
 ) -> ColumnKernel:
     """Lower the forms of a column to programs over its comparison modes. Eq. (11)."""
     beam = comparison_beam(column.ends)
-    matrices = (
-        _matrix("mass", "M", system.M, beam, column, "Eq. (11), first line"),
-        _matrix("stiffness_elastic", "E", system.E, beam, column, "Eq. (11), third line at zero load"),
-        _matrix("stiffness_load", "H", system.H, beam, column, "Eq. (11), third line, divided by the load; Eq. (13)"),
+    matrices = tuple(
+        _matrix(name, letter, getattr(system, letter), beam, equation) for name, letter, equation in MATRICES
     )
-    return ColumnKernel(column, motion, beam, system, _basis(beam), matrices, damped, newmark)
+    return ColumnKernel(column, motion, system, newmark, beam.rigid, matrices, beam, _basis(beam), damped)
+
+
+def build_polynomials(
+    column: Column, motion: EquationOfMotion, system: RitzSystem, newmark: Newmark
+) -> PolynomialKernel:
+    """Lower the forms of a column to programs over its trial polynomials. Eq. (11)."""
+    basis = polynomials(column.ends)
+    held = {(c.end, c.order) for c in basis.conditions}
+    matrices: list[SeriesProgram] = []
+    ends: set[tuple[int, int]] = set()
+    for name, letter, equation in MATRICES:
+        form: Form = getattr(system, letter)
+        along: dict[tuple[int, int], dict[int, Expr]] = {}
+        for (power, p, q), factor in sorted(form.along.items()):
+            if (power, p, q) != (0, 0, 0):
+                along.setdefault((p, q), {})[power] = factor
+        points = []
+        for (a, p, b, q), factor in form.points.items():
+            pair = (int(a), p), (int(b), q)
+            if not held & set(pair):
+                row, column_ = (f"{QUANTITIES[order]}_{end}" for end, order in pair)
+                points.append((factor, row, column_))
+                ends |= set(pair)
+        diagonal = form.along.get((0, 0, 0), S.Zero)
+        matrices.append(
+            SeriesProgram(name, letter, display_form(form), equation, diagonal, along, tuple(points), form.symmetric)
+        )
+    values = tuple((f"{QUANTITIES[p]}_{end}", end, p, basis.value(end, p)) for end, p in sorted(ends))
+    return PolynomialKernel(column, motion, system, newmark, basis.rigid, tuple(matrices), basis, values)
 
 
 # --- modes --------------------------------------------------------------------------------------------------
@@ -143,6 +235,7 @@ def _newton_steps(first: int, function: Expr, derivative: Expr, start: Expr) -> 
             d, steps = d - change, steps + 1
 
 
+QUANTITIES = ("deflection", "slope", "moment", "shear")
 _COEFFICIENTS = (
     ("sine", "coefficient of sin γx"),
     ("cosine", "coefficient of cos γx"),
@@ -161,7 +254,7 @@ def _basis(beam: ComparisonBeam) -> BasisProgram:
             fields.append((name, value, meaning))
     for symbol, value in end_values(beam).named:
         what, end = str(symbol).split("_")
-        order = ("deflection", "slope", "moment", "shear").index(what)
+        order = QUANTITIES.index(what)
         fields.append(
             (str(symbol), value, f"{'φ φ′ φ″ φ‴'.split()[order]}({end}) / γ{'⁰¹²³'[order]}".replace(" / γ⁰", ""))
         )
@@ -183,7 +276,7 @@ def _plain(expression: Expr) -> Expr:
     return expression.xreplace(names)
 
 
-def _matrix(name: str, letter: str, form: Form, beam: ComparisonBeam, column: Column, equation: str) -> MatrixProgram:
+def _matrix(name: str, letter: str, form: Form, beam: ComparisonBeam, equation: str) -> MatrixProgram:
     parts: dict[int, Expr] = {}
     diagonal = S.Zero
     for (k, p, q), factor in form.along.items():

@@ -7,6 +7,7 @@ variation     energies, virtual work      weak and strong form, end conditions  
 Ritz          weak form                   M, C, E, H, Q as bilinear forms           ritz.py          Eqs. (9)-(13)
 modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
+polynomials   ends                        Legendre series, the second basis         legendre.py      Eqs. (9), (11)
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
 kernel        closed forms                graph of operations                       kernel.py
 emission      graph                       NumPy module                              emit.py
@@ -23,15 +24,17 @@ import os
 import tempfile
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
 from freebeam_derive import emit, integrals, kernel, modes, newmark, ritz, scaling, statement, variation, verify
+from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column, StatementError
 
 MANIFEST, REPORT, INDEX = "MANIFEST.json", "report.json", "__init__.py"
+BASES = ("modes", "legendre")
 _MARK = "emitted by `freebeam generate"
 
 Progress = Callable[[str], None]
@@ -47,7 +50,16 @@ class Derivation:
     system: ritz.RitzSystem
     beam: modes.ComparisonBeam
     damped: modes.DampedModes | None
-    kernel: kernel.ColumnKernel
+
+    @cached_property
+    def kernel(self) -> ColumnKernel:
+        """The kernel graph over the comparison modes."""
+        return kernel.build(self.column, self.motion, self.system, self.damped, newmark_method())
+
+    @cached_property
+    def polynomials(self) -> PolynomialKernel:
+        """The kernel graph over polynomials, the second basis."""
+        return kernel.build_polynomials(self.column, self.motion, self.system, newmark_method())
 
     @property
     def steps(self) -> tuple[Step, ...]:
@@ -60,7 +72,8 @@ class Derivation:
             *damped,
             *self.beam.steps,
             *integrals.orthogonality(self.beam),
-            *self.kernel.newmark.steps,
+            *self.polynomials.basis.steps,
+            *newmark_method().steps,
         )
 
 
@@ -90,9 +103,7 @@ def derive(column: Column) -> Derivation:
     system = ritz.derive(motion)
     beam = modes.comparison_beam(column.ends)
     damped = modes.damped_modes(motion)
-    return Derivation(
-        column, scaled, motion, system, beam, damped, kernel.build(column, motion, system, damped, newmark_method())
-    )
+    return Derivation(column, scaled, motion, system, beam, damped)
 
 
 def find(target: str | Path) -> Column:
@@ -120,11 +131,13 @@ def generate(
     output: Path | None = None,
     progress: Progress | None = None,
     check: bool = False,
+    bases: Sequence[str] = BASES,
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
     targets: names or files, all columns of this tree where empty. output: folder, this tree's own where None.
-    check: write nothing, compare with what is there. progress: told what is being done.
+    check: write nothing, compare with what is there. progress: told what is being done. bases: which trial functions
+    a module is made for; those of polynomials are named `…_legendre.py`.
 
     Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
     VerificationError for a kernel that fails; then nothing is written.
@@ -132,7 +145,8 @@ def generate(
     say = progress or (lambda _: None)
     output = tree() if output is None else Path(output)
     chosen = [find(target) for target in (targets or columns())]
-    doubled = {c.module for c in chosen if sum(other.module == c.module for other in chosen) > 1}
+    modules = [_module(column, basis) for column in chosen for basis in bases]
+    doubled = {module for module in modules if modules.count(module) > 1}
     if doubled:
         raise StatementError(f"two columns would be written to {sorted(doubled)[0]}.py; give each a name of its own")
     before = _manifest(output)
@@ -146,12 +160,14 @@ def generate(
     for column in chosen:
         say(f"{column.name}: derive")
         derived = derive(column)
-        text = emit.emit(derived.kernel)
-        texts[f"{column.module}.py"] = text
-        entries[f"{column.module}.py"] = _entry(derived.kernel, text)
-        if not check:
-            say(f"{column.name}: verify")
-            figures[column.name] = verify.verify(derived.kernel, text, partial(_say, say, column.name))
+        for basis in bases:
+            built = derived.kernel if basis == "modes" else derived.polynomials
+            label = column.name if basis == "modes" else f"{column.name}, {basis}"
+            text, file = emit.emit(built), f"{_module(column, basis)}.py"
+            texts[file], entries[file] = text, _entry(built, basis, text)
+            if not check:
+                say(f"{label}: verify")
+                figures[label] = verify.verify(built, text, partial(_say, say, label))
     # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
     kept = before[1] if before and targets else {}
     files = dict(sorted({**kept, **entries}.items()))
@@ -186,27 +202,49 @@ def _other_tools(recorded: dict[str, str]) -> str:
     return f"cannot compare: {differing}; install the pinned versions with `make`\n"
 
 
-def _entry(built: kernel.ColumnKernel, text: str) -> dict[str, object]:
-    return {
-        "column": built.column.name,
-        "sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "operations_per_entry": built.operations,
-        "bounds": {
+def _module(column: Column, basis: str) -> str:
+    """Name of a column's module in a basis."""
+    return column.module if basis == "modes" else f"{column.module}_{basis}"
+
+
+def _entry(built: Kernel, basis: str, text: str) -> dict[str, object]:
+    bounds: dict[str, float]
+    if isinstance(built, PolynomialKernel):
+        count = verify.POLYNOMIALS
+        cost = {"matrix_products": built.products, "exact_in_fractions_up_to": count}
+        bounds = {
+            f"matrix entries up to N = {count}, of the norms of their terms": verify.SERIES_BOUND,
+            f"polynomials up to N = {count} and their derivatives to the third, of the largest value": (
+                verify.SERIES_BOUND
+            ),
+        }
+    else:
+        assert isinstance(built, ColumnKernel)
+        cost = {"operations_per_entry": built.operations}
+        bounds = {
             f"matrix entries up to N = {verify.MATRIX_MODES}, of max(|entry|, gamma_i gamma_j)": verify.BOUND,
             f"modes up to {verify.EXACT_MODES} and their derivatives to the third, of the largest value": verify.BOUND,
             f"modes up to {max(verify.HIGH_MODES)}, of the largest value, in units of gamma times 2^-53": 4,
-        },
+        }
+    return {
+        "column": built.column.name,
+        "basis": basis,
+        "sha256": hashlib.sha256(text.encode()).hexdigest(),
+        **cost,
+        "bounds": bounds,
     }
 
 
 def _index(files: dict[str, dict[str, object]]) -> str:
-    lines = "".join(
-        f'    "{entry["column"]}": "{name.removesuffix(".py")}",\n' for name, entry in sorted(files.items())
-    )
-    return (
-        '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n\n'
-        f"COLUMNS = {{\n{lines}}}\n"
-    )
+    text = '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n'
+    for basis, name in zip(BASES, ("COLUMNS", "LEGENDRE"), strict=True):
+        lines = "".join(
+            f'    "{entry["column"]}": "{file.removesuffix(".py")}",\n'
+            for file, entry in sorted(files.items())
+            if entry.get("basis", "modes") == basis
+        )
+        text += f"\n{name} = {{\n{lines}}}\n" if lines else f"\n{name}: dict[str, str] = {{}}\n"
+    return text
 
 
 def _manifest(output: Path) -> tuple[dict[str, str], dict[str, dict[str, object]]] | None:

@@ -3,6 +3,9 @@
 Nothing of the derivation's closed forms is used. Roots are those of the 4 × 4 determinant of the end conditions in
 sin, cos, sinh and cosh, modes its null vectors (computed with as many digits as cosh loses), integrals Gauss-Legendre
 sums. What is taken over is the statement: the bilinear forms of Eq. (11) and the orders that vanish at the ends.
+
+Polynomials are made anew in powers of x, in exact fractions, from the conditions at the ends and Gram and Schmidt;
+their integrals are exact, and what a module computes in fractions must equal them.
 """
 
 from __future__ import annotations
@@ -12,23 +15,27 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from types import ModuleType
 from typing import Any
 
 import mpmath
 import numpy as np
-from sympy import Expr, Poly, lambdify
+from flint import fmpq, fmpq_poly
+from sympy import Expr, Poly, Rational, lambdify
 
-from freebeam_derive.kernel import ColumnKernel
+from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.notation import EI, L, gamma, m, x
 from freebeam_derive.ritz import Form
 from freebeam_derive.scaling import SCALES
+from freebeam_derive.statement import GEOMETRIC
 
 MATRIX_MODES = 64  # all entries up to here
 EXACT_MODES = 40  # modes and derivatives within BOUND up to here
 HIGH_MODES = (48, 64, 100, 200)  # and within 4 u gamma at these
+POLYNOMIALS = 40  # elastic polynomials, all entries and derivatives up to the third
 BOUND = 1e-14
+SERIES_BOUND = 2e-15  # of polynomials, their derivatives and matrices
 DIGITS = 50
 _BITS = 200  # fixed point in which the sums are taken: 60 digits
 _UNIT = 2.0**-53
@@ -221,9 +228,13 @@ def _fixed(value: mpmath.mpf) -> int:
 
 
 def _polynomial(function: Expr, order: int, place: mpmath.mpf) -> mpmath.mpf:
+    return mpmath.polyval([mpmath.mpf(p) / q for p, q in _coefficients(function, order)], place)
+
+
+@cache
+def _coefficients(function: Expr, order: int) -> tuple[tuple[int, int], ...]:
     derivative = function.diff(x, order) if order else function
-    coefficients = [mpmath.mpf(int(c.p)) / int(c.q) for c in Poly(derivative, x).all_coeffs()]
-    return mpmath.polyval(coefficients, place)
+    return tuple((int(c.p), int(c.q)) for c in Poly(derivative, x).all_coeffs())
 
 
 def _number(factor: Expr, parameters: dict[str, float]) -> mpmath.mpf:
@@ -236,30 +247,21 @@ def _number(factor: Expr, parameters: dict[str, float]) -> mpmath.mpf:
 # --- the comparison -----------------------------------------------------------------------------------------
 
 
-def verify(kernel: ColumnKernel, text: str, progress: Progress | None = None) -> tuple[Figure, ...]:
+def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple[Figure, ...]:
     """Compare an emitted module with the independent route; the measured errors, each within its bound.
 
     Raises VerificationError where one is not.
     """
     say = progress or (lambda _: None)
     module = load(text, kernel.column.module)
-    orders = kernel.beam.orders
-    figures: list[Figure] = []
     with mpmath.workdps(DIGITS + 15):
-        say("roots")
-        _none_skipped(module, orders, 24)
-        gamma_float = module.basis(max(HIGH_MODES)).gamma
-        modes: dict[int, Mode] = {}
-        for index in sorted({*range(1, MATRIX_MODES + 1), *HIGH_MODES}):
-            modes[index] = independent_mode(index, float(gamma_float[index - 1]), orders)
-        figures += _figures_roots(gamma_float, modes)
-        say("modes")
-        figures += _figures_shapes(module, modes)
-        say("matrices")
-        products = _Products([modes[n] for n in range(1, MATRIX_MODES + 1)], kernel.beam.rigid)
-        figures += _figures_matrices(kernel, module, products)
+        if isinstance(kernel, PolynomialKernel):
+            figures = _verify_polynomials(kernel, module, say)
+        else:
+            assert isinstance(kernel, ColumnKernel)
+            figures = _verify_modes(kernel, module, say)
         say("the rest")
-        figures += _figures_rest(kernel, module, modes)
+        figures += _figures_rest(kernel, module)
     for figure in figures:
         if not figure.error <= figure.bound:
             raise VerificationError(
@@ -267,6 +269,25 @@ def verify(kernel: ColumnKernel, text: str, progress: Progress | None = None) ->
                 f"bound {figure.bound:.2e}"
             )
     return tuple(figures)
+
+
+def _verify_modes(kernel: ColumnKernel, module: ModuleType, say: Progress) -> list[Figure]:
+    orders = kernel.beam.orders
+    say("roots")
+    _none_skipped(module, orders, 24)
+    gamma_float = module.basis(max(HIGH_MODES)).gamma
+    modes: dict[int, Mode] = {}
+    for index in sorted({*range(1, MATRIX_MODES + 1), *HIGH_MODES}):
+        modes[index] = independent_mode(index, float(gamma_float[index - 1]), orders)
+    figures = [*_figures_roots(gamma_float, modes)]
+    say("modes")
+    figures += _figures_shapes(module, modes)
+    say("matrices")
+    products = _Products([modes[n] for n in range(1, MATRIX_MODES + 1)], kernel.rigid)
+    figures += _figures_matrices(kernel, module, products)
+    if kernel.damped is not None:
+        figures += _figures_frequencies(kernel, module, modes)
+    return figures
 
 
 def _figures_roots(gamma_float: Any, modes: dict[int, Mode]) -> Iterator[Figure]:
@@ -307,7 +328,7 @@ def _exact_values(mode: Mode) -> list[list[mpmath.mpf]]:
     return [[+v for v in row] for row in rows]
 
 
-def _samples(kernel: ColumnKernel) -> list[dict[str, float]]:
+def _samples(kernel: Kernel) -> list[dict[str, float]]:
     """Values of the column's own parameters: defaults, and both ends of their ranges."""
     own = kernel.column.parameters
     return [
@@ -318,25 +339,28 @@ def _samples(kernel: ColumnKernel) -> list[dict[str, float]]:
     ]
 
 
-def _figures_matrices(kernel: ColumnKernel, module: ModuleType, products: _Products) -> Iterator[Figure]:
-    """Each entry within the bound of max(|entry|, γ_i γ_j); γ is taken as 1 for a rigid function."""
-    basis = module.basis(MATRIX_MODES)
-    size = [1.0] * len(kernel.beam.rigid) + [float(g) for g in products.roots]
+_DAMPING = {"alpha": 0.0123, "beta": 0.456}
+
+
+def _matrices(kernel: Kernel, module: ModuleType) -> dict[str, tuple[Form, Callable[..., Any]]]:
+    """Each matrix: its form, and the function that computes it."""
     system = kernel.system
-    damping = {"alpha": 0.0123, "beta": 0.456}
-    forms: dict[str, tuple[Form, Callable[..., Any]]] = {
+    return {
         "M": (system.M, module.mass),
         "E": (system.E, module.stiffness_elastic),
         "H": (system.H, module.stiffness_load),
-        "C": (
-            system.C,
-            lambda basis, rigid, **own: module.damping(basis, damping["alpha"], damping["beta"], rigid, **own),
-        ),
+        "C": (system.C, lambda basis, rigid, **own: module.damping(basis, *_DAMPING.values(), rigid, **own)),
     }
-    for letter, (form, function) in forms.items():
+
+
+def _figures_matrices(kernel: ColumnKernel, module: ModuleType, products: _Products) -> Iterator[Figure]:
+    """Each entry within the bound of max(|entry|, γ_i γ_j); γ is taken as 1 for a rigid function."""
+    basis = module.basis(MATRIX_MODES)
+    size = [1.0] * len(kernel.rigid) + [float(g) for g in products.roots]
+    for letter, (form, function) in _matrices(kernel, module).items():
         worst = ("", 0.0)
         for own in _samples(kernel):
-            exact = products.form(form, own | damping)
+            exact = products.form(form, own | _DAMPING)
             computed = function(basis, True, **own)
             if not np.array_equal(function(basis, False, **own), computed[-MATRIX_MODES:, -MATRIX_MODES:]):
                 raise VerificationError(
@@ -359,16 +383,14 @@ def _in_units(array: Any) -> Any:
     return np.array(shifted, dtype=object).reshape(array.shape)
 
 
-def _figures_rest(kernel: ColumnKernel, module: ModuleType, modes: dict[int, Mode]) -> Iterator[Figure]:
+def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
     basis = module.basis(8)
     if kernel.system.forces:
         error = float(np.abs(module.force(basis, 0.3) - module.shapes(basis, 0.3)).max())
         rigid = module.force(basis, 0.3, True)
-        for n, function in enumerate(kernel.beam.rigid):
+        for n, function in enumerate(kernel.rigid):
             error = max(error, float(abs(mpmath.mpf(float(rigid[n])) - _polynomial(function, 0, mpmath.mpf(0.3)))))
         yield Figure("generalised force", "x_F = 0.3", error, BOUND)
-    if kernel.damped is not None:
-        yield from _figures_frequencies(kernel, module, modes)
     yield _figure_newmark(module)
     beam = {"EI": 3.5, "m": 2.25, "L": 1.75}
     given = {symbol: Fraction(beam[str(symbol)]) for symbol in (EI, m, L)}
@@ -434,3 +456,143 @@ def _figure_newmark(module: ModuleType) -> Figure:
         for n in range(2)
     )
     return Figure("one Newmark step", "a system of two coordinates", error, BOUND)
+
+
+# --- polynomials --------------------------------------------------------------------------------------------
+
+
+def _verify_polynomials(kernel: PolynomialKernel, module: ModuleType, say: Progress) -> list[Figure]:
+    say("polynomials")
+    functions = independent_polynomials(kernel, POLYNOMIALS)
+    figures = [*_figures_polynomials(module, functions)]
+    say("matrices")
+    return [*figures, *_figures_series(kernel, module, functions)]
+
+
+def independent_polynomials(kernel: PolynomialKernel, count: int) -> list[list[fmpq_poly]]:
+    """The rigid functions and `count` elastic ones in powers of x, exact, each with its derivatives to the third."""
+    hermite = {(0, 0): [1, 0, -3, 2], (0, 1): [0, 1, -2, 1], (1, 0): [0, 0, 3, -2], (1, 1): [0, 0, -1, 1]}
+    held = {(end, order) for end, kind in enumerate(kernel.column.ends) for order in GEOMETRIC[kind]}
+    # cubics that meet the conditions, and what meets all four that there may be
+    spanning = [fmpq_poly(c) for place, c in hermite.items() if place not in held]
+    spanning += [fmpq_poly([0] * n + [0, 0, 1, -2, 1]) for n in range(count)]
+    of_degree: dict[int, fmpq_poly] = {}
+    for polynomial in spanning:
+        while polynomial.degree() in of_degree:
+            other = of_degree[polynomial.degree()]
+            polynomial -= other * (_leading(polynomial) / _leading(other))
+        of_degree[polynomial.degree()] = polynomial
+    orthogonal: list[fmpq_poly] = []
+    for n in sorted(of_degree)[: len(kernel.rigid) + count]:
+        polynomial = of_degree[n]
+        for other in orthogonal:
+            polynomial -= other * (_integral(polynomial * other) / _integral(other * other))
+        orthogonal.append(polynomial * (math.comb(2 * n, n) / _leading(polynomial)))
+    rigid = [fmpq_poly([fmpq(int(c.p), int(c.q)) for c in Poly(f, x).all_coeffs()[::-1]]) for f in kernel.rigid]
+    functions = []
+    for function in (*rigid, *orthogonal[len(rigid) :]):
+        derivatives = [function]
+        for _ in range(3):
+            derivatives.append(derivatives[-1].derivative())
+        functions.append(derivatives)
+    return functions
+
+
+def _leading(polynomial: fmpq_poly) -> fmpq:
+    return polynomial[polynomial.degree()]
+
+
+def _integral(polynomial: fmpq_poly) -> fmpq:
+    """∫ over 0 ≤ x ≤ 1."""
+    return polynomial.integral()(1)
+
+
+def _fraction(value: float) -> fmpq:
+    return fmpq(*float(value).as_integer_ratio())
+
+
+def _figures_polynomials(module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
+    """Functions and their derivatives up to the third, relative to the largest value along the beam."""
+    basis = module.basis(POLYNOMIALS)
+    for order in range(4):
+        computed = module.shapes(basis, _PLACES, order, True)
+        largest = np.abs(module.shapes(basis, np.linspace(0, 1, 2001), order, True)).max(axis=1)
+        worst = ("", 0.0)
+        for n, function in enumerate(functions):
+            for place, value in zip(_PLACES, computed[n].tolist(), strict=True):
+                error = abs(float(_exactly(_fraction(value) - function[order](_fraction(place)))))
+                error = error and (error / largest[n] if largest[n] else math.inf)
+                if error >= worst[1]:
+                    worst = (f"function {n + 1}, x = {place:.4g}", error)
+        yield Figure(
+            f"derivative {order} of polynomials up to N = {POLYNOMIALS}, of the largest value", *worst, SERIES_BOUND
+        )
+
+
+def _exactly(value: fmpq) -> Fraction:
+    return Fraction(int(value.p), int(value.q))
+
+
+def _figures_series(kernel: PolynomialKernel, module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
+    """Each entry within the bound of what its terms can be: factors times norms (∫ f² dx)^½ and end values.
+
+    Raises VerificationError where M, E or H in fractions is not exactly what the integrals are.
+    """
+    basis = module.basis(POLYNOMIALS)
+    orders = np.empty(len(basis.order), dtype=object)
+    orders[:] = [fmpq(n) for n in range(len(orders))]
+    in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
+    integrals: dict[tuple[int, int, int], Any] = {}
+
+    def integral(k: int, p: int, q: int) -> Any:
+        if (k, p, q) not in integrals:
+            power = fmpq_poly([0] * k + [1])
+            left = [power * f[p] for f in functions]
+            integrals[k, p, q] = np.array([[_integral(a * b[q]) for b in functions] for a in left], dtype=object)
+        return integrals[k, p, q]
+
+    def at_end(end: int, order: int) -> Any:
+        return np.array([f[order](end) for f in functions], dtype=object)
+
+    norms = [np.sqrt([float(_exactly(_integral(f[p] * f[p]))) for f in functions]) for p in range(4)]
+    for letter, (form, function) in _matrices(kernel, module).items():
+        worst = ("", 0.0)
+        for own in _samples(kernel):
+            exact = np.full((len(functions),) * 2, fmpq(0), dtype=object)
+            scale = np.zeros(exact.shape)
+            for (k, p, q), factor in form.along.items():
+                size = _rational(factor, own | _DAMPING)
+                exact = exact + size * integral(k, p, q)
+                scale += abs(float(_exactly(size))) * np.outer(norms[p], norms[q])
+            for (a, p, b, q), factor in form.points.items():
+                size = _rational(factor, own | _DAMPING)
+                product = at_end(int(a), p)[:, None] * at_end(int(b), q)
+                exact = exact + size * product
+                scale += abs(float(_exactly(size))) * np.abs([[float(_exactly(v)) for v in row] for row in product])
+            computed = function(basis, True, **own)
+            if not np.array_equal(function(basis, False, **own), computed[-POLYNOMIALS:, -POLYNOMIALS:]):
+                raise VerificationError(
+                    f"{letter} without the rigid functions is not the elastic block of the one with them"
+                )
+            if letter != "C":
+                found = function(in_fractions, True, **{name: _fraction(value) for name, value in own.items()})
+                if any(a != b for a, b in zip(found.flat, exact.flat, strict=True)):
+                    raise VerificationError(f"{letter} in exact fractions is not what the integrals are")
+            errors = np.array(
+                [
+                    [abs(float(_exactly(_fraction(v) - e))) for v, e in zip(*rows, strict=True)]
+                    for rows in zip(computed.tolist(), exact.tolist(), strict=True)
+                ]
+            )
+            errors = np.divide(errors, scale, out=np.where(errors > 0, np.inf, 0.0), where=scale > 0)
+            i, j = np.unravel_index(int(errors.argmax()), errors.shape)
+            if errors[i, j] >= worst[1]:
+                worst = (f"row {i + 1}, column {j + 1}, {own or 'no parameters'}", float(errors[i, j]))
+        yield Figure(f"entries of {letter} up to N = {POLYNOMIALS}, of the norms of their terms", *worst, SERIES_BOUND)
+
+
+def _rational(factor: Expr, parameters: dict[str, float]) -> fmpq:
+    """A factor of a form at given parameters, exact."""
+    given = {s: Rational(*parameters[str(s)].as_integer_ratio()) for s in factor.free_symbols}
+    value = factor.xreplace(given)
+    return fmpq(int(value.p), int(value.q))

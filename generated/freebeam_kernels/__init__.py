@@ -5,3 +5,9 @@ COLUMNS = {
     "euler-pinned": "euler_pinned",
     "free-free": "free_free",
 }
+
+LEGENDRE = {
+    "beck": "beck_legendre",
+    "euler-pinned": "euler_pinned_legendre",
+    "free-free": "free_free_legendre",
+}

@@ -268,7 +268,22 @@ def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
     return shapes(basis, x_F, rigid=rigid)
 
 
-def equation(P: Any, alpha: Any = 0, beta: Any = 0, *, eta: Any = 1.0) -> dict[tuple[int, int], tuple[Any, ...]]:
+def forms(one: Any = 1, *, eta: Any = 1.0) -> dict[str, Any]:
+    """The bilinear forms M, E, H: factors of ∫ xᵏ φᵢ⁽ᵖ⁾ φⱼ⁽ᑫ⁾ dx under (k, p, q), and of φᵢ⁽ᵖ⁾(a) φⱼ⁽ᑫ⁾(b) under
+    (a, p, b, q). Eq. (11).
+
+    one: 1 as a number of the kind wanted, such as a fraction or an interval.
+    """
+    return {
+        "M": ({(0, 0, 0): 1}, {}),
+        "E": ({(0, 2, 2): 1}, {}),
+        "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta}),
+    }
+
+
+def equation(
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+) -> dict[tuple[int, int], tuple[Any, ...]]:
     """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
     """
     return {
@@ -280,7 +295,9 @@ def equation(P: Any, alpha: Any = 0, beta: Any = 0, *, eta: Any = 1.0) -> dict[t
     }
 
 
-def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, *, eta: Any = 1.0) -> tuple[Any, Any]:
+def end_conditions(
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
         (

@@ -145,14 +145,10 @@ def test_errors_of_period_and_damping(newmark: tuple[float, float]) -> None:
     root = np.log(np.linalg.eigvals(A).astype(complex))
     root = root[root.imag > 0][0]
     added = -root.real / Omega
-    np.testing.assert_allclose(
-        added, function("numerical_damping")(Omega, 0, *newmark), atol=2e-2 * Omega**1.5
-    )
+    np.testing.assert_allclose(added, function("numerical_damping")(Omega, 0, *newmark), atol=2e-2 * Omega**1.5)
     if newmark[1] == 0.5:
         elongation = Omega / root.imag - 1
-        np.testing.assert_allclose(
-            elongation, function("period_elongation")(Omega, 0, *newmark), rtol=1e-3, atol=1e-12
-        )
+        np.testing.assert_allclose(elongation, function("period_elongation")(Omega, 0, *newmark), rtol=1e-3, atol=1e-12)
 
 
 def test_average_acceleration_keeps_the_energy_for_symmetric_stiffness_only() -> None:

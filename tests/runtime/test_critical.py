@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 import freebeam_sym as fb
 from freebeam_sym.critical import critical_load
 from freebeam_sym.crossings import first_crossing, reference_crossing, unstable_count
-from freebeam_sym.pencil import Pencil
+from freebeam_sym.pencil import Damping, Pencil
 
 NAMES = ("free-free", "beck", "euler-pinned")
 
@@ -166,6 +166,62 @@ def test_the_crossing_is_an_eigenvalue_on_the_axis(name: str, modes: int, alpha:
 
 
 # --- values known otherwise ---------------------------------------------------------------------------------
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(NAMES[:2]),
+    modes=st.integers(2, 12),
+    eta=st.floats(0.0, 1.5),
+    alpha=st.one_of(st.just(0.0), log_uniform(1e-12, 1e-2)),
+    beta=st.one_of(st.just(0.0), log_uniform(1e-3, 10.0)),
+)
+def test_what_the_undamped_branches_prove_is_what_a_search_finds(
+    name: str, modes: int, eta: float, alpha: float, beta: float
+) -> None:
+    p = pencil(name, modes, eta if name == "beck" else 1.0)
+    quick, searched = first_crossing(p, alpha, beta), first_crossing(p, alpha, beta, search=True)
+    assert (quick is None) == (searched is None)
+    if quick is not None and searched is not None:
+        assert quick.load == pytest.approx(searched.load, rel=1e-10)
+        assert quick.frequency == pytest.approx(searched.frequency, rel=1e-7)
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+def test_branches_stay_apart_within_their_discs(name: str) -> None:
+    """At complex loads on the rim each disc's series holds to its bound, and the eigenvalues are the branches."""
+    M, E, H = matrices(name, 8)
+    p = Pencil(M, E, H)
+    r = p.ladder.rungs
+    for m in range(0, len(r.load), 5):
+        for angle in (0.0, 1.0, 2.0, math.pi):
+            x = 0.999 * r.radius[m].min() * np.exp(1j * angle)
+            s = np.sort_complex(np.linalg.eigvals(np.diag(p.e) + (r.load[m] + x) * p.H))
+            off = np.abs(s[:, None] - r.s[m] - r.first[m] * x)
+            assert (off.min(axis=0) < r.room[m]).all()
+            assert sorted(off.argmin(axis=0)) == list(range(8))
+
+
+def test_known_branches_are_silent_where_they_cannot_speak() -> None:
+    """Never clear above the first crossing, however that was found."""
+    p = pencil("free-free", 8)
+    for alpha, beta in [(0.0, 0.0), (1e-6, 0.0), (1e-3, 0.1), (1e-5, 1.0), (0.0, 1.0)]:
+        found = first_crossing(p, alpha, beta, search=True)
+        assert found is not None
+        damping = Damping.of(p.e, alpha, beta, None)
+        assert p.ladder.clear(damping, found.load, found)
+        for factor in (1 + 1e-9, 1.001, 1.02, 1.2):
+            assert not p.ladder.clear(damping, found.load * factor, None)
+
+
+def test_a_bubble_of_flutter_between_rungs_is_not_stepped_over() -> None:
+    """Two branches that cross with a coupling so weak that flutter lasts for a thousandth of the load."""
+    e, coupling = np.array([1.0, 4.0, 30.0]), 1e-3
+    H = np.array([[1.0, coupling, 0.0], [-coupling, -0.5, 0.0], [0.0, 0.0, -1.0]])
+    found = first_crossing(Pencil(np.eye(3), np.diag(e), H), load_max=7.0)
+    # the gap of the pair: (3 − 1.5 P)² = 4 coupling² P²
+    assert found is not None and found.kind == "flutter"
+    assert found.load == pytest.approx(3 / (1.5 + 2 * coupling), rel=1e-12)
 
 
 def test_paper_scan_steps_at_eight_modes() -> None:

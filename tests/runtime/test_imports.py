@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 RUNTIME = sorted((ROOT / "freebeam_sym").rglob("*.py"))
 DERIVATION = sorted((ROOT / "derive" / "freebeam_derive").rglob("*.py"))
 KERNELS = sorted((ROOT / "generated" / "freebeam_kernels").rglob("*.py"))
-FRONTS = {"cli.py", "own.py"}  # which may reach the derivation, inside functions
+FRONTS = {"cli.py", "own.py", "proofs.py"}  # which may reach the derivation, inside functions
 SYMBOLIC = {"sympy", "mpmath", "flint", "matplotlib"}
 
 

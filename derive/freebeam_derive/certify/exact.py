@@ -1,0 +1,491 @@
+"""Critical loads and frequencies of the beam itself, enclosed: Krawczyk's method on F(p, s). Eqs. (6), (14), (15).
+
+Newton's method from a start that the caller has (a Ritz value) finds a small box; that Krawczyk's image of the box lies
+in its interior proves that it holds one zero and only one. The digits then come by the same step, with J kept as long
+as that pays. The rest is decided on the box: that the crossing is simple, and that with growing load it leads from a
+stable pair to an unstable one (`onset`). That no other mode of the infinitely many is unstable at a lower load is not
+proven here, and `first` and `stable_below` say so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import Any, Literal, Protocol
+
+import flint
+from flint import acb, arb, arb_mat
+
+from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.beam import Beam, Taylor
+
+Kind = Literal["flutter", "divergence"]
+Facts = tuple[list[arb], Taylor]  # a box, and what the beam's function is on all of it
+
+_VALUE = ((0, 0), (0, 1))
+_FIRST = ((0, 0), (1, 0), (0, 1))
+
+
+class NoZero(Unproven):
+    """Newton's method finds nothing near the start; more bits would not help."""
+
+
+class NoOnset(Unproven):
+    """A crossing was proven, but with growing load it does not lead from stable to unstable."""
+
+
+@dataclass(frozen=True)
+class Proof:
+    """What was proven. crossing: it exists, alone in the enclosure. kind: so does its kind, and that it is an onset.
+
+    first, stable_below: always False here, for nothing is shown of the infinitely many other modes.
+    """
+
+    crossing: bool = True
+    first: bool = False
+    stable_below: bool = False
+    kind: bool = True
+
+
+@dataclass(frozen=True)
+class ExactCrossing:
+    """A loss of stability of the beam itself.
+
+    load, frequency: enclosures, nondimensional; the frequency of a divergence is zero. bits: the precision it took.
+    """
+
+    load: arb
+    frequency: arb
+    kind: Kind
+    digits: int
+    bits: int
+    proof: Proof = field(default_factory=Proof)
+
+
+class Problem(Protocol):
+    """n real equations for n real unknowns, in balls. sought: what their zero is."""
+
+    sought: str
+
+    def value(self, x: list[arb]) -> list[arb]:
+        """The equations at a point or on a box."""
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        """The equations, their matrix of derivatives, and the derivatives of F that they were made of."""
+
+    def scale(self, x: list[arb]) -> list[arb]:
+        """What the widths of the unknowns are relative to."""
+
+
+# -------------------------------------------------------------------- the problems
+
+
+class _Problem:
+    def __init__(self, beam: Beam) -> None:
+        self.beam = beam
+
+    def scale(self, x: list[arb]) -> list[arb]:
+        return [abs(value).mid() for value in x]
+
+
+class Coalescence(_Problem):
+    """(p, s) with F = ∂F/∂s = 0: two eigenvalues meet. No damping."""
+
+    sought = "undamped flutter at the load (and ω²)"
+
+    def value(self, x: list[arb]) -> list[arb]:
+        t = self.beam.taylor(x[0], x[1], _VALUE)
+        return [t[0, 0], t[0, 1]]
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        t = self.beam.taylor(x[0], x[1], (*_VALUE, (1, 0), (1, 1), (0, 2)))
+        return [t[0, 0], t[0, 1]], [[t[1, 0], t[0, 1]], [t[1, 1], 2 * t[0, 2]]], t
+
+    def onset(self, x: list[arb], t: Taylor) -> None:
+        """Near the double root (s − s*)² ~ −2 F_p / F_ss (p − p*): two real s below p*, complex ones above."""
+        _positive(x[0], "the load is not known to be positive")
+        _positive(x[1], "the pair is not known to meet at s > 0")
+        _sign(t[0, 2] * t[1, 0], "the pair is complex below the load and real above it, a restabilisation")
+
+
+class Damped(_Problem):
+    """(P, ω) with F = 0 at λ = iω."""
+
+    sought = "damped flutter at the load (and ω)"
+
+    def __init__(self, beam: Beam, alpha: Fraction, beta: Fraction) -> None:
+        super().__init__(beam)
+        self.alpha, self.beta = alpha, beta
+
+    def _place(self, x: list[arb]) -> tuple[acb, acb, acb, arb, arb]:
+        c_E, c_M = self.beam.damping(self.alpha, self.beta)
+        inverse = 1 / acb(1, c_E * x[1])
+        return x[0] * inverse, acb(x[1] * x[1], -c_M * x[1]) * inverse, inverse, c_E, c_M
+
+    def value(self, x: list[arb]) -> list[arb]:
+        p, s, *_ = self._place(x)
+        G = self.beam.taylor(p, s, ((0, 0),))[0, 0]
+        return [G.real, G.imag]
+
+    def _chain(self, x: list[arb], t: Taylor) -> tuple[acb, acb]:
+        """F by the load and by the frequency."""
+        p, s, inverse, c_E, c_M = self._place(x)
+        turning = acb(0, c_E) * inverse
+        by_frequency = t[0, 1] * (acb(2 * x[1], -c_M) * inverse - s * turning) - t[1, 0] * p * turning
+        return t[1, 0] * inverse, by_frequency
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        p, s, *_ = self._place(x)
+        t = self.beam.taylor(p, s, _FIRST)
+        by_load, by_frequency = self._chain(x, t)
+        matrix = [[by_load.real, by_frequency.real], [by_load.imag, by_frequency.imag]]
+        return [t[0, 0].real, t[0, 0].imag], matrix, t
+
+    def onset(self, x: list[arb], t: Taylor) -> None:
+        """d Re λ / dP > 0, where dλ/dP = −i G_P / G_ω."""
+        _positive(x[0], "the load is not known to be positive")
+        _positive(x[1], "the frequency is not known to be positive")
+        by_load, by_frequency = self._chain(x, t)
+        _sign((by_load * by_frequency.conjugate()).imag, "the growth rate falls with the load there, a restabilisation")
+
+
+class VanishingDamping(_Problem):
+    """(p, s) with F = 0 and p s'(p) − s = κ on it: the limit α → 0⁺ at β = κα (the tangent rule)."""
+
+    sought = "flutter at vanishing damping at the load (and ω²)"
+
+    def __init__(self, beam: Beam, kappa: Fraction) -> None:
+        super().__init__(beam)
+        self.kappa = kappa
+
+    def _ratio(self) -> arb:
+        c_E, c_M = self.beam.damping(Fraction(1), self.kappa)
+        if not c_E > 0:
+            raise ValueError(f"{self.beam.name}: has no internal damping that could vanish; give a damping instead")
+        return c_M / c_E
+
+    def value(self, x: list[arb]) -> list[arb]:
+        t = self.beam.taylor(x[0], x[1], _FIRST)
+        return [t[0, 0], x[0] * t[1, 0] + (x[1] + self._ratio()) * t[0, 1]]
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        t = self.beam.taylor(x[0], x[1], (*_FIRST, (2, 0), (1, 1), (0, 2)))
+        p, moved = x[0], x[1] + self._ratio()
+        by_p = t[1, 0] + 2 * p * t[2, 0] + moved * t[1, 1]
+        by_s = p * t[1, 1] + t[0, 1] + 2 * moved * t[0, 2]
+        return [t[0, 0], p * t[1, 0] + moved * t[0, 1]], [[t[1, 0], t[0, 1]], [by_p, by_s]], t
+
+    def onset(self, x: list[arb], t: Taylor) -> None:
+        """The growth rate, α (p s' − s − κ)/2 to first order, rises through zero: p s'' > 0."""
+        _positive(x[0], "the load is not known to be positive")
+        _positive(x[1], "s is not known to be positive")
+        if t[0, 1].contains(0):
+            raise Unproven("the eigenvalue is not known to be simple")
+        slope = -t[1, 0] / t[0, 1]
+        bend = -2 * (t[2, 0] + t[1, 1] * slope + t[0, 2] * slope * slope) / t[0, 1]
+        _sign(bend, "the growth rate falls with the load there, a restabilisation")
+
+
+class Static(_Problem):
+    """p with F(p, 0) = 0, after the factor s^R of the rigid motions is struck out."""
+
+    sought = "divergence at the load"
+
+    def __init__(self, beam: Beam) -> None:
+        super().__init__(beam)
+        self.order = beam.trivial()
+
+    def value(self, x: list[arb]) -> list[arb]:
+        t = self.beam.taylor(x[0], arb(0), tuple((0, j) for j in range(self.order + 1)))
+        return [t[0, self.order]]
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        R = self.order
+        orders = (*((0, j) for j in range(R + 2)), *((1, j) for j in range(R + 1)))
+        t = self.beam.taylor(x[0], arb(0), orders)
+        return [t[0, R]], [[t[1, R]]], t
+
+    def onset(self, x: list[arb], t: Taylor) -> None:
+        """s passes from positive to negative: −F_p / F_s < 0."""
+        _positive(x[0], "the load is not known to be positive")
+        _sign(t[1, self.order] * t[0, self.order + 1], "s rises through zero with the load there, a restabilisation")
+
+
+class Eigenvalue(_Problem):
+    """λ with F = 0 at a load: real (x), imaginary without damping (i x), or complex (x + i y)."""
+
+    sought = "the eigenvalue"
+
+    def __init__(
+        self, beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, line: Literal["real", "imaginary", "plane"]
+    ) -> None:
+        super().__init__(beam)
+        self.load, self.alpha, self.beta, self.line = load, alpha, beta, line
+
+    def eigenvalue(self, x: list[arb]) -> acb:
+        """λ of the unknowns."""
+        return acb(*x) if self.line == "plane" else acb(x[0]) if self.line == "real" else acb(0, x[0])
+
+    def scale(self, x: list[arb]) -> list[arb]:
+        return [abs(self.eigenvalue(x)).mid()] * len(x)
+
+    def _place(self, x: list[arb]) -> tuple[Any, Any, Any, Any]:
+        """p, s and how they change with x (with λ in the plane)."""
+        c_E, c_M = self.beam.damping(self.alpha, self.beta)
+        P = exact(self.load)
+        if self.line == "imaginary":
+            return P, x[0] * x[0], arb(0), 2 * x[0]
+        value: Any = acb(*x) if self.line == "plane" else x[0]
+        inverse = 1 / (1 + c_E * value)
+        p, s = P * inverse, -value * (value + c_M) * inverse
+        return p, s, -p * c_E * inverse, -(2 * value + c_M + s * c_E) * inverse
+
+    def value(self, x: list[arb]) -> list[arb]:
+        p, s, *_ = self._place(x)
+        F = self.beam.taylor(p, s, ((0, 0),))[0, 0]
+        return [F.real, F.imag] if self.line == "plane" else [F]
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
+        p, s, p_slope, s_slope = self._place(x)
+        t = self.beam.taylor(p, s, _FIRST)
+        F, slope = t[0, 0], t[1, 0] * p_slope + t[0, 1] * s_slope
+        if self.line != "plane":
+            return [F], [[slope]], t
+        return [F.real, F.imag], [[slope.real, -slope.imag], [slope.imag, slope.real]], t
+
+
+def _positive(ball: arb, otherwise: str) -> None:
+    if not ball > 0:
+        raise Unproven(otherwise)
+
+
+def _sign(ball: arb, otherwise: str) -> None:
+    """ball > 0, or NoOnset where it is negative, or Unproven."""
+    if ball < 0:
+        raise NoOnset(otherwise)
+    _positive(ball, "the direction of the crossing is not known")
+
+
+# -------------------------------------------------------------------- the method
+
+
+def krawczyk(problem: Problem, box: Sequence[arb]) -> list[arb]:
+    """A smaller box with the one zero that `box` is thereby proven to hold, at the precision in force.
+
+    Raises Unproven where the proof fails: there may be none, or more than one.
+    """
+    x = [side.mid() for side in box]
+    _, slopes, _ = problem.slopes(list(box))
+    return _inside(box, _image(x, problem.value(x), slopes, box))
+
+
+def _inside(box: Sequence[arb], image: list[arb]) -> list[arb]:
+    if not all(side.contains_interior(part) for side, part in zip(box, image, strict=True)):
+        raise Unproven("a small box about it is not proven to hold one zero and only one")
+    return image
+
+
+def _image(x: list[arb], value: list[arb], slopes: list[list[arb]], box: Sequence[arb]) -> list[arb]:
+    """x − Y f(x) + (1 − Y J)(box − x) with Y near the inverse of J."""
+    n = len(x)
+    J = arb_mat(slopes)
+    inverse = _inverse(J.mid()).mid()
+    rest = arb_mat([[int(i == j) for j in range(n)] for i in range(n)]) - inverse * J
+    away = arb_mat([[side - middle] for side, middle in zip(box, x, strict=True)])
+    step = rest * away - inverse * arb_mat([[v] for v in value])
+    return [middle + step[i, 0] for i, middle in enumerate(x)]
+
+
+def _inverse(J: arb_mat) -> arb_mat:
+    try:
+        return J.inv()
+    except ZeroDivisionError:
+        raise Unproven("the crossing is not known to be simple") from None
+
+
+def _log2(ball: arb) -> int:
+    """About log2 of an upper bound of |ball|, also far below the smallest float."""
+    bound = abs(ball).upper()
+    if not bound.is_finite():
+        raise Unproven("the balls grew without bound")
+    mantissa, power = bound.man_exp()
+    return int(power) + int(mantissa).bit_length() if mantissa else -(10**9)
+
+
+def _accuracy(box: Sequence[arb], scale: Sequence[arb]) -> int:
+    """Bits of the least accurate side."""
+    return min(_log2(size) - _log2(side.rad()) for side, size in zip(box, scale, strict=True))
+
+
+def enclose(problem: Problem, start: Sequence[float], digits: int) -> tuple[list[arb], Facts, int]:
+    """The zero near a start, to relative widths below 10^-digits; a box about it with F's derivatives; bits used.
+
+    Bits are doubled until the proof succeeds. Raises Unproven when they do not help.
+    """
+    if not 1 <= digits <= 10_000:
+        raise ValueError(f"digits = {digits}: must be from 1 to 10000")
+    target = round(digits * 3.3219281) + 4
+    bits = 96
+    while True:
+        try:
+            return _enclose(problem, start, target, bits)
+        except Unproven as failure:
+            if isinstance(failure, NoZero) or bits > 2 * target + 2048:
+                place = ", ".join(f"{v:.10g}" for v in start)
+                raise type(failure)(f"{problem.sought} {place} is not proven: {failure}") from None
+        bits *= 2
+
+
+def _enclose(problem: Problem, start: Sequence[float], target: int, bits: int) -> tuple[list[arb], Facts, int]:
+    with precision(bits):
+        x, radius, guard = _approach(problem, start, bits)
+        box = [middle + arb(0, 1) * size * arb(2) ** -radius for middle, size in zip(x, problem.scale(x), strict=True)]
+        _, slopes, taylor = problem.slopes(box)
+        facts: Facts = (box, taylor)
+    used = max(bits, min(target + 4, 2 * radius) + guard)
+    with precision(used):
+        image = _inside(box, _image(x, problem.value(x), slopes, box))
+    # the zero is in the box and alone there; from here on it is only refined
+    domain, held, reached = box, radius, _accuracy(image, problem.scale(image))
+    gain = reached - radius
+    while reached < target:
+        if target - reached > 2 * gain:
+            with precision(reached + guard):
+                _, slopes, taylor = problem.slopes(image)
+                domain, held, facts = image, reached, (image, taylor)
+        wanted = min(target + 4, reached + held)
+        x = []
+        for side, whole in zip(image, domain, strict=True):
+            with precision(reached + 16):  # short numbers are faster
+                short = (+side).mid()
+            x.append(short if side.contains(short) else side.mid())
+            if not whole.contains(x[-1]):  # J must be known from there to the zero
+                raise Unproven("rounding led out of the box")
+        with precision(wanted + guard):
+            finer = [
+                old.intersection(new)
+                for old, new in zip(image, _image(x, problem.value(x), slopes, image), strict=True)
+            ]
+            used = max(used, flint.ctx.prec)
+        better = _accuracy(finer, problem.scale(finer))
+        gain = better - reached
+        if gain <= 0:
+            raise Unproven("the enclosure does not shrink")
+        image, reached = finer, better
+    return image, facts, used
+
+
+def _approach(problem: Problem, start: Sequence[float], bits: int) -> tuple[list[arb], int, int]:
+    """Newton's method: a point, the bits of a box about it that ought to hold the zero, the bits lost to rounding."""
+    x = [arb(value) for value in start]
+    scales = problem.scale(x)
+    before, settled = 0, max(20, bits // 4 - 4)
+    for _ in range(30):
+        value, slopes, _ = problem.slopes(x)
+        step = _inverse(arb_mat(slopes)) * arb_mat([[v] for v in value])
+        sides = [step[i, 0] for i in range(len(x))]
+        scale = problem.scale(x)
+        noise = _accuracy(sides, scale)
+        size = min(_log2(s) - _log2(side.mid()) for side, s in zip(sides, scale, strict=True))
+        x = [(middle - side).mid() for middle, side in zip(x, sides, strict=True)]
+        if any(abs(now - then) > abs(s) / 2 for now, then, s in zip(x, start, scales, strict=True)):
+            raise NoZero("Newton's method leads away from there")
+        if noise < settled + 4:
+            raise Unproven("rounding hides the zero")
+        if size >= settled:
+            # each step squares the error, up to a factor that the last two steps show
+            lost = max(0, 2 * before - size) if before > 2 else 8
+            return x, min(max(2 * size - lost - 6, size - 2), noise - 6), max(bits - noise, 0) + 8
+        before = size
+    raise NoZero("Newton's method does not settle")
+
+
+# -------------------------------------------------------------------- what is asked for
+
+
+def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> ExactCrossing:
+    """Onset of flutter without damping: two frequencies meet. near: load and frequency, such as Ritz values.
+
+    Raises Unproven where the load could not be enclosed, NoOnset where it is a restabilisation.
+    """
+    return _flutter(Coalescence(beam), (near[0], near[1] ** 2), digits)
+
+
+def flutter_damped(
+    beam: Beam, alpha: Fraction, beta: Fraction, near: tuple[float, float], digits: int
+) -> ExactCrossing:
+    """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
+    return _flutter(Damped(beam, alpha, beta), near, digits)
+
+
+def flutter_limit(beam: Beam, kappa: Fraction, near: tuple[float, float], digits: int) -> ExactCrossing:
+    """The limit of the onset of flutter as α → 0⁺ at β = κα. near: load and frequency. Raises Unproven, NoOnset."""
+    return _flutter(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
+
+
+def _flutter(problem: Coalescence | Damped | VanishingDamping, near: tuple[float, float], digits: int) -> ExactCrossing:
+    found, bits = _onset(problem, near, digits)
+    with precision(bits):
+        frequency = found[1] if isinstance(problem, Damped) else found[1].sqrt()
+    return ExactCrossing(found[0], frequency, "flutter", digits, bits)
+
+
+def divergence(beam: Beam, near: float, digits: int) -> ExactCrossing:
+    """Onset of divergence: a frequency falls to zero; any damping. near: the load. Raises Unproven, NoOnset."""
+    with precision(96):
+        problem = Static(beam)
+    found, bits = _onset(problem, (near,), digits)
+    return ExactCrossing(found[0], arb(0), "divergence", digits, bits)
+
+
+def _onset(
+    problem: Coalescence | Damped | VanishingDamping | Static, near: tuple[float, ...], digits: int
+) -> tuple[list[arb], int]:
+    """The crossing, proven to be an onset on the box that it was found in, or else on the narrow one."""
+    found, facts, bits = enclose(problem, near, digits)
+    with precision(bits):
+        try:
+            problem.onset(*facts)
+        except NoOnset as refusal:
+            raise NoOnset(f"{problem.sought} {float(found[0]):.10g} is a crossing, but {refusal}") from None
+        except Unproven:
+            problem.onset(found, problem.slopes(found)[2])
+    return found, bits
+
+
+def frequencies(
+    beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, near: Sequence[complex], digits: int
+) -> tuple[acb, ...]:
+    """Eigenvalues λ of the beam at a load, one for each start. Each enclosure holds one eigenvalue and only one, widths
+    relative to |λ|; on the real axis, or without damping on the imaginary one, it is known to be.
+
+    Raises Unproven where one could not be enclosed, or where two starts lead to the same.
+    """
+    found: list[acb] = []
+    for start in near:
+        value = _eigenvalue(beam, load, alpha, beta, complex(start), digits)
+        for other, known in zip(near, found, strict=False):
+            if value.overlaps(known):
+                raise Unproven(f"the starts {other:.8g} and {start:.8g} lead to one eigenvalue")
+        found.append(value)
+    return tuple(found)
+
+
+def _eigenvalue(beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, start: complex, digits: int) -> acb:
+    small = 1e-6 * abs(start)
+    lines: list[tuple[Literal["real", "imaginary", "plane"], tuple[float, ...]]] = []
+    if abs(start.imag) <= small:
+        lines.append(("real", (start.real,)))
+    elif alpha == 0 and beta == 0 and abs(start.real) <= small:
+        lines.append(("imaginary", (start.imag,)))
+    lines.append(("plane", (start.real, start.imag)))
+    failure: Unproven | None = None
+    for line, unknowns in lines:
+        problem = Eigenvalue(beam, load, alpha, beta, line)
+        try:
+            return problem.eigenvalue(enclose(problem, unknowns, digits)[0])
+        except Unproven as problem_met:
+            failure = problem_met
+    assert failure is not None
+    raise failure

@@ -1,0 +1,332 @@
+"""Cantilever under a tip force, follower or sub-tangential: ends clamped and free.
+
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are polynomials, Eqs. (10), (11):
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
+    C = beta M + alpha E
+
+Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower
+degree that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
+
+Source: Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228.
+
+Derived from the energies and emitted by `freebeam generate beck`; do not edit.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Array = NDArray[np.floating[Any]]
+
+
+COLUMN: dict[str, Any] = {
+    "name": "beck",
+    "title": "Cantilever under a tip force, follower or sub-tangential",
+    "basis": "legendre",
+    "ends": ("clamped", "free"),
+    "rigid": 0,
+    "load": "P",
+    "damping": ["alpha", "beta"],
+    "force": True,
+    "parameters": [
+        {
+            "name": "eta",
+            "latex": "\\eta",
+            "meaning": "share of the tip force that follows the slope: 1 follower, 0 dead load",
+            "default": 1.0,
+            "low": 0.0,
+            "high": 1.5,
+        },
+    ],
+    "forms": {
+        "M": "∫ φᵢ φⱼ dx",
+        "E": "∫ φᵢ″ φⱼ″ dx",
+        "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)",
+    },
+    "latex": {
+        "x": "x",
+        "t": "t",
+        "P": "P_0",
+        "alpha": "\\alpha",
+        "beta": "\\beta",
+        "F_0": "F_0",
+        "x_F": "x_F",
+        "y": "y",
+    },
+    "meaning": {
+        "x": "place along the beam, 0 to 1",
+        "t": "time",
+        "P": "load: the axial or follower force",
+        "alpha": "internal (Kelvin-Voigt) damping",
+        "beta": "external (viscous) damping",
+        "F_0": "transversal (controller) force",
+        "x_F": "place of the transversal (controller) force",
+        "y": "deflection",
+    },
+    "source": (
+        "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 "
+        "(1952) 225-228"
+    ),
+}
+
+
+class Basis(NamedTuple):
+    """The first N elastic functions: polynomials of degree 2, 3, …
+
+    order: orders k of Legendre's polynomials P_k(2x − 1), (2 + N,)
+    sigma: (−1)^k, (2 + N,)
+    norm: ∫ φ² dx, (N,)
+    deflection_1: φ(1), (N,)
+    slope_1: φ′(1), (N,)
+    deflection: φ in P_0, P_1, …, (N, 2 + N)
+    slope: φ′ in P_0, P_1, …, (N, 2 + N)
+    moment: φ″ in P_0, P_1, …, (N, 2 + N)
+    """
+
+    order: Array
+    sigma: Array
+    norm: Array
+    deflection_1: Array
+    slope_1: Array
+    deflection: Array
+    slope: Array
+    moment: Array
+
+
+def complete(order: Array, sigma: Array) -> Basis:
+    """All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = D − 2. Eq.
+    (9).
+
+    The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so
+    does the result.
+    """
+    degree = order[2:]
+    weight_1 = (-2 * degree - 4) / (degree**2 * (degree - 1))
+    weight_2 = (-6) / (degree**2 * (degree - 1)**2)
+    share = sigma[2:, None] * sigma * (weight_1[:, None] + weight_2[:, None] * (-order * (order + 1)))
+    deflection = np.tril(-(2 * order + 1) * share, 1)
+    deflection[np.arange(degree.size), np.arange(2, order.size)] = 1
+    derivative = _derivative(order, sigma)
+    slope = deflection @ derivative
+    moment = slope @ derivative
+    norm = ((degree + 1)**2 * (degree + 2)**2) / (degree**2 * (degree - 1)**2 * (2 * degree + 1))
+    deflection_1 = ((degree + 1) * (degree + 2)) / (degree * (degree - 1))
+    slope_1 = ((degree + 1) * (degree + 2) * (degree**2 + degree - 4)) / (degree * (degree - 1))
+    return Basis(order, sigma, norm, deflection_1, slope_1, deflection, slope, moment)
+
+
+def _derivative(order: Array, sigma: Array) -> Array:
+    """What a series is multiplied by, from the right, to give its derivative: P_k′ = Σ 2 (2m + 1) P_m."""
+    value: Array = np.tril((1 - sigma[:, None] * sigma) * (2 * order + 1), -1)
+    return value
+
+
+def basis(N: int) -> Basis:
+    """The functions of degree up to N + 1, N of them elastic. Eq. (9), section 3.1."""
+    order = np.arange(2 + N, dtype=float)
+    return complete(order, 1 - 2 * np.remainder(order, 2))
+
+
+def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
+    """Trial functions or a derivative of them, shape (N, *x.shape). Eq. (9).
+
+    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
+    rigid functions, so it changes nothing.
+    """
+    x = np.asarray(x, dtype=float)
+    series = basis.deflection
+    for _ in range(derivative):
+        series = series @ _derivative(basis.order, basis.sigma)
+    value: Array = series @ _legendre(basis.order.size, x.reshape(-1))
+    return value.reshape(-1, *x.shape)
+
+
+def _legendre(count: int, x: Array) -> Array:
+    """P_k(2x − 1) for k below count, shape (count, x.size).
+
+    By their differences, in the distance from the nearer end, so that nothing cancels there.
+    """
+    near = np.minimum(x, 1 - x)
+    value = np.ones((count, x.size))
+    step = -2 * near
+    for k in range(1, count):
+        value[k] = value[k - 1] + step
+        step = (k * step - 2 * (2 * k + 1) * near * value[k]) / (k + 1)
+    value[1::2] *= np.where(x < 0.5, -1, 1)
+    return value
+
+
+def _integrals_0(order: Array) -> Array:
+    """∫ P_m P_n dx, shape (D, D)."""
+    value: Array = np.diag(1 / (2 * order + 1))
+    return value
+
+
+def mass(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Mass matrix M, shape (N, N), nondimensional. Eq. (11), first line.
+
+    M[i, j] = ∫ φᵢ φⱼ dx
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    M: Array = np.diag(basis.norm)
+    return M
+
+
+def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero
+    load.
+
+    E[i, j] = ∫ φᵢ″ φⱼ″ dx
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    E: Array = basis.moment @ _integrals_0(basis.order) @ basis.moment.T
+    E = (E + E.T) / 2  # to the last bit
+    return E
+
+
+def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load; Eq.
+    (13).
+
+    H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
+
+    eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
+    """
+    H: Array = -(basis.slope @ _integrals_0(basis.order) @ basis.slope.T)
+    H = H + eta * basis.deflection_1[:, None] * basis.slope_1
+    return H
+
+
+def damping_factors(alpha: float, beta: float, *, eta: float = 1.0) -> tuple[float, float]:
+    """c_M and c_E of C = c_M M + c_E E: the external and the internal damping. Eq. (12)."""
+    return beta, alpha
+
+
+def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False, *, eta: float = 1.0) -> Array:
+    """Damping matrix C = c_M M + c_E E with c_M = beta, c_E = alpha, nondimensional. Eqs. (11), (12)."""
+    c_M, c_E = damping_factors(alpha, beta, eta=eta)
+    return c_M * mass(basis, rigid, eta=eta) + c_E * stiffness_elastic(basis, rigid, eta=eta)
+
+
+def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
+    last line.
+
+    Q[i] = φᵢ(x_F)
+
+    x_F: place of the transversal force, 0 to 1.
+    """
+    return shapes(basis, x_F, rigid=rigid)
+
+
+def forms(one: Any = 1, *, eta: Any = 1.0) -> dict[str, Any]:
+    """The bilinear forms M, E, H: factors of ∫ xᵏ φᵢ⁽ᵖ⁾ φⱼ⁽ᑫ⁾ dx under (k, p, q), and of φᵢ⁽ᵖ⁾(a) φⱼ⁽ᑫ⁾(b) under
+    (a, p, b, q). Eq. (11).
+
+    one: 1 as a number of the kind wanted, such as a fraction or an interval.
+    """
+    return {
+        "M": ({(0, 0, 0): 1}, {}),
+        "E": ({(0, 2, 2): 1}, {}),
+        "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta}),
+    }
+
+
+def equation(
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+) -> dict[tuple[int, int], tuple[Any, ...]]:
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
+    """
+    return {
+        (0, 1): (beta,),
+        (0, 2): (1,),
+        (2, 0): (P,),
+        (4, 0): (1,),
+        (4, 1): (alpha,),
+    }
+
+
+def end_conditions(
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+) -> tuple[Any, Any]:
+    """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
+    return (
+        (
+            {(0, 0): 1},
+            {(1, 0): 1},
+        ),
+        (
+            {(1, 0): P * eta - P, (3, 0): -1, (3, 1): -alpha},
+            {(2, 0): 1, (2, 1): alpha},
+        ),
+    )
+
+
+def newmark_step(
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    newmark: tuple[float, float] = (0.25, 0.5),
+) -> tuple[Array, Array, Array]:
+    """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
+
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
+    """
+    b, g = newmark
+    q_predicted = h * dq + (h**2 * (0.5 - b)) * ddq + q
+    dq_predicted = (h * (1 - g)) * ddq + dq
+    effective = (b * h**2) * K + (g * h) * C + M
+    right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
+    ddq_next = np.linalg.solve(effective, right_side)
+    q_next = (b * h**2) * ddq_next + q_predicted
+    dq_next = (g * h) * ddq_next + dq_predicted
+    return q_next, dq_next, ddq_next
+
+
+def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
+    """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
+    b, g = newmark
+    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_3 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+        else 0
+    )
+    inverse = max(0.0, bound_2, bound_3)
+    return float(1 / inverse) if inverse else np.inf
+
+
+def scales(bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+    """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
+
+    length: m
+    time: s
+    load: N
+    force: N
+    alpha: s
+    beta: kg/(m s)
+    frequency: rad/s
+    velocity: m/s
+    acceleration: m/s^2
+    energy: J
+    """
+    EI, m, L = bending_stiffness, mass_per_length, length
+    return {
+        "length": float(L),
+        "time": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "load": float(EI / L**2),
+        "force": float(EI / L**2),
+        "alpha": float(L**2 * np.sqrt(m) / np.sqrt(EI)),
+        "beta": float(np.sqrt(EI) * np.sqrt(m) / L**2),
+        "frequency": float(np.sqrt(EI) / (L**2 * np.sqrt(m))),
+        "velocity": float(np.sqrt(EI) / (L * np.sqrt(m))),
+        "acceleration": float(EI / (L * L * L * m)),
+        "energy": float(EI / L),
+    }

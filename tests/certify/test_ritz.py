@@ -1,0 +1,262 @@
+"""Certified Ritz loads against the runtime, against mpmath, and against candidates that are wrong on purpose."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import pytest
+from flint import arb
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import freebeam_sym as fb
+from freebeam_derive.certify import balls, certificate, ritz, verifier
+from freebeam_derive.certify.balls import Unproven
+from freebeam_derive.certify.ritz import Enclosure, Question
+
+F = Fraction
+CASES = {
+    "undamped": ("free-free", Question(8)),
+    "damped": ("free-free", Question(8, F("0.001"), F("0.1"))),
+    "limit": ("free-free", Question(8, kappa=F(0))),
+    "limit at a ratio": ("beck", Question(6, kappa=F(2))),
+    "beck": ("beck", Question(8, own={"eta": F(1)})),
+    "beck, dead load": ("beck", Question(8, own={"eta": F(0)})),
+    "beck, heavy damping": ("beck", Question(8, F(10))),
+    "euler": ("euler-pinned", Question(8, F(1, 3), F(2))),
+    "one mode": ("free-free", Question(1)),
+}
+
+
+def candidate(name: str, question: Question) -> tuple[float, float] | None:
+    found = fb.critical_load(
+        fb.column(name),
+        question.modes,
+        float(question.alpha),
+        float(question.beta),
+        kappa=None if question.kappa is None else float(question.kappa),
+        **{n: float(v) for n, v in (question.own or {}).items()},
+    )
+    return None if found.load is None or found.frequency is None else (found.load, found.frequency)
+
+
+@cache
+def certified(case: str, digits: int = 30) -> Enclosure:
+    name, question = CASES[case]
+    return ritz.certify(fb.column(name).kernel, question, candidate(name, question), digits)
+
+
+@pytest.mark.parametrize("name", fb.column_names())
+def test_roots_are_those_of_an_independent_determinant(name: str) -> None:
+    """Roots as balls, Eq. (21), against the verifier's own isolation in another set of functions."""
+    kernel = fb.column(name).kernel
+    with balls.precision(300):
+        quarter, _, delta = balls.roots(kernel, 6)
+        mine = [q * arb.pi() / 4 + d for q, d in zip(quarter, delta, strict=True)]
+        theirs = verifier.roots(list(kernel.COLUMN["ends"]), 6)
+        for a, b in zip(mine, theirs, strict=True):
+            assert a.overlaps(b) and a.rel_accuracy_bits() > 280 and b.rel_accuracy_bits() > 250
+
+
+@pytest.mark.parametrize("name", fb.column_names())
+def test_matrices_overlap_rigorous_quadrature(name: str) -> None:
+    """M, E, H of Eq. (11) from the closed forms on balls, against Arb's integration of the modes."""
+    kernel = fb.column(name).kernel
+    own = {p["name"]: F(p["default"]) for p in kernel.COLUMN["parameters"]}
+    question = Question(4, F(1), own=own)
+    stub = Enclosure(question, "none", None, None, F(1), (), {})
+    data = certificate.write(kernel, stub)
+    with balls.precision(250):
+        mine, theirs = balls.matrices(kernel, 4, own), verifier.matrices(data)
+        for letter, matrix in zip("MEH", mine, strict=True):
+            for i in range(4):
+                for j in range(4):
+                    assert matrix[i, j].overlaps(theirs[letter][i, j])
+                    assert theirs[letter][i, j].rad() < 1e-40
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_enclosure_holds_the_load_of_an_mpmath_determinant(case: str) -> None:
+    """det(λ² M + λ C + K) or its double root, solved by mpmath's own Newton at twice the digits. Eqs. (24), (25)."""
+    name, question = CASES[case]
+    found = certified(case)
+    kernel = fb.column(name).kernel
+    assert found.load is not None and all(found.proof.values())
+    low, high = found.load
+    assert (high - low) / low < F(1, 10**30)
+    with balls.precision(400), mpmath.workdps(70):
+        M, E, H = (
+            mpmath.matrix([[mpmath.mpf(v.mid().str(80, radius=False)) for v in row] for row in m.tolist()])
+            for m in balls.matrices(kernel, question.modes, question.own or {})
+        )
+        alpha, beta = ((mpmath.mpf(v.numerator) / v.denominator) for v in (question.alpha, question.beta))
+
+        def f(P: Any, s: Any) -> Any:
+            return mpmath.det(E + P * H - s * M)
+
+        start = candidate(name, question)
+        assert start is not None
+        if found.kind == "divergence":
+            load = mpmath.findroot(lambda P: f(P, 0), start[0])
+        elif question.undamped or question.kappa is not None:
+            kappa = (
+                None if question.kappa is None else mpmath.mpf(question.kappa.numerator) / question.kappa.denominator
+            )
+
+            def second(P: Any, s: Any) -> Any:
+                slope = mpmath.diff(lambda v: f(P, v), s)
+                return slope if kappa is None else P * mpmath.diff(lambda v: f(v, s), P) + (s + kappa) * slope
+
+            scale = f(0, 0)
+            load = mpmath.findroot(
+                lambda P, s: (f(P, s) / scale, second(P, s) / scale), (start[0], start[1] ** 2), tol=1e-50, maxsteps=30
+            )[0]
+        else:
+            C = alpha * E + beta * M
+
+            def both(P: Any, w: Any) -> tuple[Any, Any]:
+                d = mpmath.det(E + P * H - w * w * M + 1j * w * C) / mpmath.det(E)
+                return d.real, d.imag / w
+
+            load = mpmath.findroot(both, start, tol=1e-50, maxsteps=30)[0]
+        value = F(int(mpmath.floor(load * mpmath.mpf(10) ** 50)), 10**50)
+        assert low - F(1, 10**38) < value < high + F(1, 10**38)
+
+
+@pytest.mark.parametrize("case", ["undamped", "damped", "limit", "beck, dead load"])
+def test_enclosures_nest_as_digits_grow(case: str) -> None:
+    wide, narrow = certified(case, 20), certified(case, 60)
+    assert wide.load is not None and narrow.load is not None
+    assert wide.load[0] < narrow.load[0] < narrow.load[1] < wide.load[1]
+
+
+def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
+    found = ritz.certify(fb.column("free-free").kernel, Question(8), None, 10, load_max=F(100))
+    assert found.kind == "none" and found.stretches[-1].end == 100
+    with pytest.raises(Unproven, match="not known to be stable"):
+        ritz.certify(fb.column("free-free").kernel, Question(8), None, 10, load_max=F(120))
+
+
+@pytest.mark.parametrize(
+    ("question", "near"),
+    [
+        (Question(8), (1604.0, 0.0)),  # a divergence root far above the flutter load
+        (Question(8), (406.0, 60.0)),  # near the restabilisation
+        (Question(8, F("0.001"), F("0.1")), (109.72176, 23.08)),  # the undamped load
+        (Question(3), (399.0, 0.0)),
+    ],
+)
+def test_a_crossing_that_is_not_the_first_is_refused(question: Question, near: tuple[float, float]) -> None:
+    with pytest.raises(Unproven):
+        ritz.certify(fb.column("free-free").kernel, question, near, 20)
+
+
+@pytest.mark.parametrize("case", ["undamped", "damped", "beck, dead load"])
+def test_stability_is_not_proven_past_the_crossing(case: str) -> None:
+    """The last stretch, moved up by 1e-20 of the load, reaches beyond the loss of stability: no signs prove that."""
+    name, question = CASES[case]
+    found = certified(case)
+    kernel = fb.column(name).kernel
+    last = found.stretches[-1]
+    with balls.precision(600):
+        boundary = ritz.boundary(kernel, question, 600)
+        assert ritz.holds(boundary, last)
+        beyond = ritz.Stretch(last.start, last.end * (1 + F(1, 10**20)), last.origin, last.separators)
+        assert not ritz.holds(boundary, beyond)
+
+
+def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = balls.matrices
+
+    def blown(*arguments: Any) -> Any:
+        return tuple(m * arb(1, 1e-3) for m in exact(*arguments))
+
+    monkeypatch.setattr(ritz, "matrices", blown)
+    monkeypatch.setattr(ritz, "MOST_BITS", 2000)
+    ritz._characteristic.cache_clear()
+    try:
+        with pytest.raises(Unproven):
+            ritz.certify(fb.column("beck").kernel, Question(5), (20.05, 11.0), 20)
+    finally:
+        ritz._characteristic.cache_clear()
+
+
+@settings(derandomize=True, deadline=None, max_examples=15)
+@given(
+    name=st.sampled_from(fb.column_names()),
+    modes=st.integers(1, 6),
+    alpha=st.one_of(st.just(0.0), st.floats(-6, 1).map(lambda p: 10**p)),
+    beta=st.one_of(st.just(0.0), st.floats(-3, 2).map(lambda p: 10**p)),
+)
+def test_the_runtimes_load_lies_in_the_certified_interval(name: str, modes: int, alpha: float, beta: float) -> None:
+    question = Question(modes, F(alpha), F(beta))
+    near = candidate(name, question)
+    if near is None:
+        return
+    found = ritz.certify(fb.column(name).kernel, question, near, 12)
+    assert found.load is not None
+    assert math.isclose(near[0], float(found.load[0]), rel_tol=1e-9)
+
+
+# --- certificates -------------------------------------------------------------------------------------------
+
+
+@cache
+def written(case: str) -> str:
+    name, _ = CASES[case]
+    return json.dumps(certificate.write(fb.column(name).kernel, certified(case, 20)))
+
+
+@pytest.mark.parametrize("case", ["one mode", "limit at a ratio", "beck, dead load"])
+def test_a_certificate_is_accepted(case: str) -> None:
+    assert "stable below" in verifier.verify(json.loads(written(case)))
+
+
+def _higher(data: dict[str, Any]) -> None:
+    data["load"] = [str(F(v) * (1 + F(1, 10**15))) for v in data["load"]]
+
+
+def _gap(data: dict[str, Any]) -> None:
+    data["stretches"][0]["end"] = str(F(data["stretches"][0]["end"]) - F(1, 1000))
+
+
+def _kind(data: dict[str, Any]) -> None:
+    data["kind"] = "divergence" if data["kind"] == "flutter" else "flutter"
+
+
+def _separator(data: dict[str, Any]) -> None:
+    data["stretches"][-1]["separators"][0][0] = str(F(data["stretches"][-1]["separators"][0][0]) / 3)
+
+
+def _force(data: dict[str, Any]) -> None:
+    data["forms"]["H"]["points"][0][4] = "9/10"
+
+
+def _beyond(data: dict[str, Any]) -> None:
+    data["stretches"][-1]["end"] = str(F(data["load"][1]) * (1 + F(1, 10**15)))
+
+
+@pytest.mark.parametrize("tamper", [_higher, _gap, _kind, _separator, _force, _beyond])
+def test_a_tampered_certificate_is_refused(tamper: Any) -> None:
+    data = copy.deepcopy(json.loads(written("limit at a ratio")))
+    tamper(data)
+    with pytest.raises(verifier.Refused):
+        verifier.verify(data)
+
+
+def test_what_is_no_certificate_is_refused_in_one_line(tmp_path: Path) -> None:
+    for content in ("", "{", "[]", "{}", '{"format": "freebeam certificate 1"}', '"text"'):
+        path = tmp_path / "file.json"
+        path.write_text(content)
+        with pytest.raises(verifier.Refused) as caught:
+            verifier.verify_file(path)
+        assert "\n" not in str(caught.value)
+    with pytest.raises(verifier.Refused, match="cannot be read"):
+        verifier.verify_file(tmp_path / "missing.json")

@@ -1,0 +1,358 @@
+"""Emitted modules: text, imports and docstrings; values against quadrature by other means."""
+
+from __future__ import annotations
+
+import ast
+import dataclasses
+import hashlib
+import json
+import os
+import subprocess
+import sys
+import warnings
+from collections.abc import Callable
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+import sympy as sp
+from mpmath import mpf
+from scipy.integrate import quad_vec
+
+from freebeam_derive import emit, roots, verify
+from freebeam_derive.notation import alpha, beta
+from freebeam_derive.pipeline import Derivation
+from freebeam_derive.statement import Parameter, StatementError
+
+Derived = Callable[[str], Derivation]
+Text = Callable[[str], str]
+Module = Callable[[str], ModuleType]
+MATRICES = ("mass", "stiffness_elastic", "stiffness_load")
+
+
+# --- text ---------------------------------------------------------------------------------------------------
+
+SCRIPT = """
+import hashlib, json, sys
+from freebeam_derive import emit, pipeline, statement
+texts = [emit.emit(pipeline.derive(statement.load_column(path)).kernel) for path in sys.argv[1:]]
+print(json.dumps([hashlib.sha256(text.encode()).hexdigest() for text in texts]))
+"""
+
+
+def test_same_bytes_under_any_hash_seed(text_of: Text, statement_of: Callable[[str], Path]) -> None:
+    """A fresh process, another seed, other columns before: byte for byte what this process emits."""
+    names = ("euler-pinned", "foundation")
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT, *(str(statement_of(name)) for name in names)],
+        env=os.environ | {"PYTHONHASHSEED": "4294967295"},
+        capture_output=True,
+        check=True,
+        text=True,
+    )
+    assert json.loads(done.stdout) == [hashlib.sha256(text_of(name).encode()).hexdigest() for name in names]
+
+
+def test_imports_numpy_alone(name: str, text_of: Text) -> None:
+    imported = set()
+    for node in ast.walk(ast.parse(text_of(name))):
+        if isinstance(node, ast.Import):
+            imported |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            imported.add(str(node.module).split(".")[0])
+    assert imported == {"__future__", "typing", "numpy"}
+
+
+def test_text_is_clean(name: str, text_of: Text) -> None:
+    """Compiles without a warning, ends in one newline; no tabs, trailing spaces, paths or lines out of sight."""
+    text = text_of(name)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        compile(text, name, "exec")
+    assert text.endswith("\n") and not text.endswith("\n\n") and "\t" not in text and "\r" not in text
+    for line in text.splitlines():
+        assert line == line.rstrip()
+        assert len(line) <= 120 or line.lstrip().startswith('"') or name in ("hauger", "leipholz")
+    assert str(Path(emit.__file__).parent) not in text
+
+
+EQUATIONS = {
+    "basis": "(19)-(22)",
+    "shapes": "(22)",
+    "mass": "(11)",
+    "stiffness_elastic": "(11)",
+    "stiffness_load": "(11)",
+    "damping_factors": "(12)",
+    "damping": "(12)",
+    "force": "(11)",
+    "frequencies": "(23)",
+    "newmark_step": "(10)",
+    "scales": "(5)",
+}
+
+
+def test_docstrings_cite_the_paper_and_state_shapes(name: str, text_of: Text, derived: Derived) -> None:
+    functions = {node.name: node for node in ast.parse(text_of(name)).body if isinstance(node, ast.FunctionDef)}
+    column = derived(name).column
+    for function, equation in EQUATIONS.items():
+        if function == "force" and not derived(name).system.forces:
+            assert function not in functions
+            continue
+        doc = ast.get_docstring(functions[function]) or ""
+        assert equation in doc and "Eq" in doc, function
+        assert all(argument.annotation for argument in functions[function].args.args)
+        assert functions[function].returns is not None
+    for function, letter in zip(MATRICES, "MEH", strict=True):
+        doc = ast.get_docstring(functions[function]) or ""
+        assert "(N, N)" in doc and f"{letter}[i, j] = " in doc
+        assert all(parameter.meaning in doc for parameter in column.parameters)
+
+
+def test_a_user_s_words_come_through(text_of: Text, module_of: Module, derived: Derived) -> None:
+    """Backslashes, quotes and triple quotes in a title or source are data, not syntax."""
+    column = derived("sliding-free").column
+    module = module_of("sliding-free")
+    assert "\\" in column.title and '"""' in column.title and "\\x" in column.source
+    doc = module.__dict__["__doc__"]
+    assert doc is not None and " ".join(doc.split()).startswith(column.title)
+    assert column.source in " ".join(doc.split())
+    assert module.COLUMN["title"] == column.title and module.COLUMN["source"] == column.source
+
+
+def test_what_the_runtime_must_know_is_emitted(name: str, module_of: Module, derived: Derived) -> None:
+    derivation, data = derived(name), module_of(name).COLUMN
+    column = derivation.column
+    assert (data["name"], data["title"], data["ends"]) == (column.name, column.title, column.ends)
+    assert data["rigid"] == len(derivation.beam.rigid)
+    assert [p["name"] for p in data["parameters"]] == [p.name for p in column.parameters]
+    for emitted, stated in zip(data["parameters"], column.parameters, strict=True):
+        assert emitted["low"] <= emitted["default"] <= emitted["high"]
+        assert emitted["default"] == stated.default and emitted["latex"]
+    assert data["damping"] == [str(s) for s in (alpha, beta) if derivation.system.C.map(lambda f, s=s: f.coeff(s))]
+    assert data["force"] == bool(derivation.system.forces) == hasattr(module_of(name), "force")
+
+
+@pytest.mark.parametrize("taken", ["H", "apart", "delta", "shapes", "c_E", "Basis"])
+def test_a_parameter_named_as_something_emitted_is_refused(taken: str, derived: Derived) -> None:
+    """It would hide the emitted thing, or be hidden by it."""
+    built = derived("beck").kernel
+    parameter = Parameter(sp.Symbol(taken, real=True), "a stiffness", 1.0, 0.0, 2.0)
+    column = dataclasses.replace(built.column, parameters=(*built.column.parameters, parameter))
+    with pytest.raises(StatementError, match=f"parameter '{taken}'"):
+        emit.emit(dataclasses.replace(built, column=column))
+
+
+# --- values -------------------------------------------------------------------------------------------------
+
+
+def gauss(panels: int) -> tuple[Any, Any]:
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    starts = np.arange(panels)[:, None]
+    return ((starts + (1 + nodes) / 2) / panels).ravel(), np.tile(weights / 2 / panels, panels)
+
+
+@pytest.mark.parametrize("N", [1, 2, 7, 19])
+def test_free_free_matrices_are_the_integrals_of_equation_11(N: int, module_of: Module) -> None:
+    """M, E, H and Q typed, integrated by NumPy; with and without the rigid functions."""
+    module = module_of("free-free")
+    basis = module.basis(N)
+    x, w = gauss(N + 4)
+    for rigid in (False, True):
+        phi, slope, bent = (module.shapes(basis, x, d, rigid=rigid) for d in range(3))
+        tip = [module.shapes(basis, 1.0, d, rigid=rigid) for d in range(2)]
+        size = np.concatenate([np.ones(2 if rigid else 0), basis.gamma])
+        size = np.outer(size, size)
+        assert np.all(np.abs(module.mass(basis, rigid) - (phi * w) @ phi.T) < 1e-13 * size)
+        elastic = (bent * w) @ bent.T
+        assert np.all(np.abs(module.stiffness_elastic(basis, rigid) - elastic) < 1e-12 * np.maximum(abs(elastic), size))
+        load = -((slope * x * w) @ slope.T) + np.outer(tip[0], tip[1])
+        assert np.all(np.abs(module.stiffness_load(basis, rigid) - load) < 1e-12 * size)
+        assert np.all(module.force(basis, 0.3, rigid) == module.shapes(basis, 0.3, rigid=rigid))
+
+
+def test_leipholz_by_scipy(module_of: Module) -> None:
+    """H = −∫ (1 − x) φ_i' φ_j' dx + ∫ φ_i φ_j' dx, by adaptive quadrature."""
+    module = module_of("leipholz")
+    basis = module.basis(6)
+
+    def integrand(place: float) -> Any:
+        phi, slope = module.shapes(basis, place), module.shapes(basis, place, 1)
+        return -(1 - place) * np.outer(slope, slope) + np.outer(phi, slope)
+
+    load, _ = quad_vec(integrand, 0, 1, epsabs=1e-11, epsrel=1e-12)
+    assert np.all(np.abs(module.stiffness_load(basis) - load) < 1e-11 * np.outer(basis.gamma, basis.gamma))
+
+
+def test_every_column_by_quadrature_of_its_forms(name: str, module_of: Module, derived: Derived) -> None:
+    """At values of the column's own parameters within their range, neither default nor an end of it."""
+    module, derivation = module_of(name), derived(name)
+    own = {p.name: p.low + 0.37 * (p.high - p.low) for p in derivation.column.parameters}
+    symbols = {p.symbol: own[p.name] for p in derivation.column.parameters}
+    basis = module.basis(7)
+    x, w = gauss(10)
+    shapes = [module.shapes(basis, x, d, rigid=True) for d in range(4)]
+    ends = [[module.shapes(basis, float(end), d, rigid=True) for d in range(4)] for end in range(2)]
+    size = np.concatenate([np.ones(len(derivation.beam.rigid)), basis.gamma])
+    size = np.outer(size, size)
+    system = derivation.system
+    for form, found in (
+        (system.M, module.mass(basis, True, **own)),
+        (system.E, module.stiffness_elastic(basis, True, **own)),
+        (system.H, module.stiffness_load(basis, True, **own)),
+        (system.C, module.damping(basis, 0.3, 0.7, True, **own)),
+    ):
+        total = np.zeros_like(size)
+        given = symbols | {alpha: 0.3, beta: 0.7}
+        for (k, p, q), factor in form.along.items():
+            total += float(factor.subs(given)) * ((shapes[p] * w * x**k) @ shapes[q].T)
+        for (a, p, b, q), factor in form.points.items():
+            total += float(factor.subs(given)) * np.outer(ends[int(a)][p], ends[int(b)][q])
+        scale = np.maximum(np.abs(total), size) * max(1.0, *own.values(), 1.0)
+        assert np.all(np.abs(found - total) < 1e-12 * scale)
+
+
+def test_own_parameters_are_keywords_with_their_defaults(module_of: Module) -> None:
+    module = module_of("beck")
+    basis = module.basis(3)
+    assert np.array_equal(module.stiffness_load(basis), module.stiffness_load(basis, eta=1.0))
+    assert not np.array_equal(module.stiffness_load(basis), module.stiffness_load(basis, eta=0.0))
+    dead = module.stiffness_load(basis, eta=0.0)
+    assert np.allclose(dead, dead.T, atol=1e-12)
+    assert np.array_equal(module.mass(basis), module.mass(basis, eta=0.3))
+    with pytest.raises(TypeError):
+        module.stiffness_load(basis, False, 0.3)
+    with pytest.raises(TypeError):
+        module.stiffness_load(basis, kappa=0.3)
+    bedded = module_of("foundation")
+    basis = bedded.basis(3)
+    stiff = bedded.stiffness_elastic(basis, kappa=7.0) - bedded.stiffness_elastic(basis, kappa=0.0)
+    assert np.allclose(stiff, 7 * bedded.mass(basis), rtol=1e-13)
+    assert bedded.damping_factors(0.1, 0.5, kappa=3.0) == pytest.approx((0.5 - 0.3, 0.1))
+
+
+def test_elastic_modes_are_eigenvectors(name: str, module_of: Module) -> None:
+    """E = diag(γ⁴) M for modes; a foundation adds its stiffness times the mass, and a tip mass fills M."""
+    module = module_of(name)
+    basis = module.basis(9)
+    mass, elastic = (getattr(module, which)(basis) for which in MATRICES[:2])
+    if name == "tip-mass":
+        mass = module.mass(basis, mu=0.0)
+    shift = module.COLUMN["parameters"][0]["default"] if name == "foundation" else 0.0
+    expected = (np.diag(basis.gamma**4) + shift * np.eye(9)) @ mass
+    assert np.all(np.abs(elastic - expected) <= 1e-13 * np.abs(expected).max(axis=1, keepdims=True))
+
+
+def test_shapes_take_places_of_any_shape(name: str, module_of: Module) -> None:
+    module = module_of(name)
+    basis, R = module.basis(4), module.COLUMN["rigid"]
+    grid = np.linspace(0, 1, 6).reshape(2, 3)
+    for d in range(6):
+        whole = module.shapes(basis, grid, d)
+        assert whole.shape == (4, 2, 3)
+        assert np.array_equal(whole[:, 1, 2], module.shapes(basis, 1.0, d))
+        with_rigid = module.shapes(basis, grid.tolist(), d, rigid=True)
+        assert with_rigid.shape == (R + 4, 2, 3) and np.array_equal(with_rigid[R:], whole)
+    assert np.allclose(module.shapes(basis, grid, 4), basis.gamma[:, None, None] ** 4 * module.shapes(basis, grid))
+
+
+def test_derivatives_are_derivatives(name: str, module_of: Module) -> None:
+    """By Chebyshev interpolation of each order, differentiated."""
+    module = module_of(name)
+    basis = module.basis(3)
+    nodes = (1 + np.cos(np.pi * (np.arange(48) + 0.5) / 48)) / 2
+    inside = np.linspace(0, 1, 7)
+    for d in range(4):
+        for n, (row, following) in enumerate(
+            zip(module.shapes(basis, nodes, d, True), module.shapes(basis, inside, d + 1, True), strict=True)
+        ):
+            fitted = np.polynomial.Chebyshev.fit(nodes, row, 40, domain=[0, 1]).deriv()
+            assert np.allclose(fitted(inside), following, atol=1e-9 * max(1.0, basis.gamma[-1] ** (d + 1))), (d, n)
+
+
+def test_modes_depend_on_their_number_alone(name: str, module_of: Module) -> None:
+    """The first eight of 200 are the eight: nothing is scaled by what else is computed."""
+    module = module_of(name)
+    few, many = module.basis(8), module.basis(200)
+    for one, other in zip(few, many, strict=True):
+        assert np.array_equal(one, other[:8] if np.ndim(other) else other)
+
+
+def test_two_hundred_modes_without_a_warning(name: str, module_of: Module) -> None:
+    """No overflow, no division by zero, no invalid value; finite everywhere, of size one along the beam."""
+    module = module_of(name)
+    with warnings.catch_warnings(), np.errstate(over="raise", divide="raise", invalid="raise"):
+        warnings.simplefilter("error")
+        basis = module.basis(200)
+        for which in MATRICES:
+            assert np.isfinite(getattr(module, which)(basis, True)).all()
+        shapes = module.shapes(basis, np.linspace(0, 1, 401), rigid=False)
+        first, second = module.frequencies(basis.gamma, 1e-3, 0.1)
+    largest = np.abs(shapes).max(axis=1)
+    assert np.all((largest > 0.9) & (largest < 3))
+    assert np.isfinite(first).all() and np.isfinite(second).all()
+    assert np.allclose(np.diff(basis.gamma[5:]), np.pi, atol=1e-12)
+
+
+HIGH = {("free", "free"): ((2, 3), (2, 3)), ("clamped", "free"): ((0, 1), (2, 3))}
+
+
+@pytest.mark.parametrize("column", ["free-free", "leipholz"])
+def test_high_entries_against_quadrature(column: str, module_of: Module, derived: Derived) -> None:
+    """H for modes 150 to 200 against sums of sinh and cosh at 330 digits: no table, nothing cancels."""
+    module, derivation = module_of(column), derived(column)
+    pairs = [(200, 199), (200, 1), (150, 200), (200, 200)]
+    basis = module.basis(200)
+    H = module.stiffness_load(basis)
+    orders = HIGH[derivation.column.ends]
+    with mpmath.workdps(330):
+        panels = 16
+        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp).calc_nodes(5, mpmath.mp.prec)
+        places = [(k + (1 + node) / 2) / panels for k in range(panels) for node, _ in rule]
+        weights = [weight / 2 / panels for _ in range(panels) for _, weight in rule]
+        values: dict[int, Any] = {}
+        for n in {n for pair in pairs for n in pair}:
+            g = roots.root(derivation.beam, n, 310)
+
+            def at(place: Any, d: int, g: Any = g) -> list[Any]:
+                c, s = mpmath.cos_sin(g * place)
+                grow = mpmath.exp(g * place)
+                sh, ch = (grow - 1 / grow) / 2, (grow + 1 / grow) / 2
+                return [*((s, c), (c, -s), (-s, -c), (-c, s))[d], *((sh, ch), (ch, sh))[d % 2]]
+
+            rows = [at(mpf(end), d) for end in range(2) for d in orders[end]]
+            left = mpmath.matrix([row[1:] for row in rows[:3]])
+            factors = [mpf(1), *mpmath.lu_solve(left, mpmath.matrix([-row[0] for row in rows[:3]]))]
+            values[n] = [[g**d * mpmath.fdot(factors, at(place, d)) for place in (*places, mpf(1))] for d in range(2)]
+        for i, j in pairs:
+            (phi, slope_i), slope_j = values[i], values[j][1]
+            along = zip(places, weights, phi[:-1], slope_i[:-1], slope_j[:-1], strict=True)
+            if column == "free-free":
+                exact = mpmath.fsum(-w * u * a * b for u, w, _, a, b in along) + phi[-1] * slope_j[-1]
+            else:
+                exact = mpmath.fsum(w * (f * b - (1 - u) * a * b) for u, w, f, a, b in along)
+            error = abs(mpf(float(H[i - 1, j - 1])) - exact)
+            size = basis.gamma[i - 1] * basis.gamma[j - 1]
+            assert error < 1e-14 * max(abs(exact), size), (i, j, float(error / size))
+
+
+def test_damped_frequencies_solve_the_quadratic(name: str, module_of: Module, derived: Derived) -> None:
+    """λ² + c_M λ + γ⁴ (1 + c_E λ) = 0 for the comparison beam, light to heavy damping: Eqs. (19), (23)."""
+    module = module_of(name)
+    gamma = module.basis(6).gamma
+    used = set(derived(name).column.damping)
+    shift = module.COLUMN["parameters"][0]["default"] if name == "foundation" else 0.0
+    for a, b in ((0.0, 0.0), (1e-9, 0.0), (1e-3, 0.1), (10.0, 0.0), (10.0, 1e3)):
+        alpha_, beta_ = a * ("alpha" in used), b * ("beta" in used)
+        for value in module.frequencies(gamma, a, b):
+            terms = np.array([value**2, beta_ * value, gamma**4 * (1 + 0 * value), gamma**4 * alpha_ * value])
+            assert np.all(np.abs(terms.sum(axis=0) + shift) < 1e-11 * np.abs(terms).max(axis=0))
+
+
+def test_load_without_a_file(text_of: Text) -> None:
+    """verify.load makes a module of a text, and leaves no trace among the imported ones."""
+    module = verify.load(text_of("beck"), "beck")
+    assert module.basis(1).gamma[0] == pytest.approx(1.8751040687119611, rel=1e-15)
+    assert not any("beck" in loaded and "emitted" in loaded for loaded in sys.modules)

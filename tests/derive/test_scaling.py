@@ -1,0 +1,130 @@
+"""Eq. (5): both statements of a column, evaluated for beams of random size in SI units."""
+
+from __future__ import annotations
+
+import dataclasses
+import random
+import re
+from collections.abc import Callable
+from types import ModuleType
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from freebeam_derive import scaling
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F
+from freebeam_derive.pipeline import Derivation
+from freebeam_derive.statement import Column, StatementError
+
+Derived = Callable[[str], Derivation]
+DIMENSIONAL = ("free-free", "beck", "euler-pinned", "leipholz")
+
+
+def beam(dice: random.Random) -> dict[Any, Any]:
+    """EI, m and L whose time unit is rational."""
+    return {EI: sp.Integer(dice.randint(2, 9)) ** 2, m: sp.Rational(dice.randint(2, 9), 3) ** 2, L: sp.Rational(7, 3)}
+
+
+@pytest.mark.parametrize("column", DIMENSIONAL)
+@pytest.mark.parametrize("work", ["T", "V", "W_c", "dW_nc"])
+def test_energies_in_si_are_the_nondimensional_ones_times_EI_over_L(
+    column: str, work: str, derived: Derived, evaluate: Any
+) -> None:
+    """Eq. (5) typed here: y = L ȳ, x = L x̄, t = t̄ (m L⁴ / EI)^½, P = P̄ EI / L², and so on."""
+    dice, stated = random.Random(column + work), derived(column).column
+    size = beam(dice)
+    unit = sp.sqrt(size[m] * size[L] ** 4 / size[EI])
+    assert unit.is_Rational
+    now = sp.Rational(3, 7)
+    names = (P, alpha, beta, x_F, *(p.symbol for p in stated.parameters))
+    bare = {s: sp.Rational(dice.randint(1, 9), 10) for s in names} | {F_0: sp.Rational(2, 3)}
+    physical = size | {
+        P: bare[P] * size[EI] / size[L] ** 2,
+        F_0: bare[F_0] * size[EI] / size[L] ** 2,
+        C_alpha: bare[alpha] / sp.sqrt(size[EI] / (size[m] * size[L] ** 4)),
+        C_beta: bare[beta] / sp.sqrt(size[L] ** 4 / (size[m] * size[EI])),
+        x_F: bare[x_F] * size[L],
+    }
+    physical |= {p.symbol: bare[p.symbol] for p in stated.parameters}
+    motion = sum(sp.Rational(dice.randint(1, 9), 5) * x**n * t ** (n % 3) for n in range(5))
+    virtual = sum(sp.Rational(dice.randint(1, 9), 5) * x**n for n in range(4))
+    moved = size[L] * motion.subs({x: x / size[L], t: t / unit}, simultaneous=True)
+    displaced = size[L] * virtual.subs(x, x / size[L])
+    assert stated.dimensional is not None
+    small = evaluate(getattr(stated, work).xreplace(bare), motion, virtual).subs(t, now)
+    large = evaluate(getattr(stated.dimensional, work).xreplace(physical), moved, displaced).subs(t, now * unit)
+    assert small != 0
+    assert large == small * size[EI] / size[L]
+
+
+def test_scales_have_the_dimensions_that_they_say() -> None:
+    """Other units of mass, length and time change each scale as its SI unit says."""
+    mass, length, time = sp.symbols("mass length time", positive=True)
+    units = {
+        "m": length,
+        "s": time,
+        "kg": mass,
+        "N": mass * length / time**2,
+        "rad": sp.S.One,
+        "J": mass * length**2 / time**2,
+    }
+    changed = {EI: EI * mass * length**3 / time**2, m: m * mass / length, L: L * length}
+    assert set(scaling.SCALES) == set(scaling.UNITS)
+    for quantity, scale in scaling.SCALES.items():
+        unit = re.sub(r"[a-zA-Z]+", lambda name: f"U['{name[0]}']", scaling.UNITS[quantity].replace("^", "**"))
+        expected = eval(unit.replace("(", "((").replace(")", "))").replace("'] U[", "'] * U["), {"U": units})
+        assert sp.simplify(scale.subs(changed, simultaneous=True) / scale - expected) == 0, quantity
+
+
+def test_scales_invert_equation_5() -> None:
+    """P̄ = P L²/EI, β̄ = C_β (L⁴/(m EI))^½, ᾱ = C_α (EI/(m L⁴))^½, t̄ = t (EI/(m L⁴))^½."""
+    typed = {
+        "load": L**2 / EI,
+        "force": L**2 / EI,
+        "beta": sp.sqrt(L**4 / (m * EI)),
+        "alpha": sp.sqrt(EI / (m * L**4)),
+        "time": sp.sqrt(EI / (m * L**4)),
+        "length": 1 / L,
+    }
+    for quantity, factor in typed.items():
+        assert sp.simplify(scaling.SCALES[quantity] * factor) == 1, quantity
+    rate = scaling.SCALES["length"] / scaling.SCALES["time"]
+    assert sp.simplify(scaling.SCALES["velocity"] / rate) == 1
+    assert sp.simplify(scaling.SCALES["acceleration"] * scaling.SCALES["time"] / rate) == 1
+    assert sp.simplify(scaling.SCALES["frequency"] * scaling.SCALES["time"]) == 1
+    assert sp.simplify(scaling.SCALES["energy"] / (scaling.SCALES["load"] * scaling.SCALES["length"])) == 1
+
+
+def test_emitted_scales_there_and_back(module_of: Callable[[str], ModuleType]) -> None:
+    """A steel strip: load and dampings to nondimensional and back; the first frequency of a cantilever in rad/s."""
+    bending, line, length = 210e9 * 1e-9, 7850 * 1.2e-4, 1.7
+    scale = module_of("beck").scales(bending, line, length)
+    numbers = {EI: bending, m: line, L: length}
+    assert scale == pytest.approx({name: float(e.subs(numbers)) for name, e in scaling.SCALES.items()}, rel=1e-14)
+    frequency = 1.8751040687119611**2 * (bending / (line * length**4)) ** 0.5  # textbook
+    assert module_of("beck").basis(1).gamma[0] ** 2 * scale["frequency"] == pytest.approx(frequency, rel=1e-13)
+
+
+@pytest.mark.parametrize("work", ["T", "V", "W_c", "dW_nc"])
+def test_a_dimensional_statement_that_disagrees_is_refused(work: str, derived: Derived) -> None:
+    stated = derived("free-free").column
+    assert stated.dimensional is not None and scaling.derive_scaling(stated)
+    wrong = dataclasses.replace(stated.dimensional, **{work: 2 * getattr(stated.dimensional, work)})
+    with pytest.raises(StatementError) as caught:
+        scaling.derive_scaling(dataclasses.replace(stated, dimensional=wrong))
+    assert str(caught.value).startswith(work) and "correct one of them" in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("wrong", [L * P, P / L, EI * P])
+def test_wrong_dimensions_are_refused(wrong: Any, derived: Derived) -> None:
+    stated: Column = derived("leipholz").column
+    assert stated.dimensional is not None
+    other = dataclasses.replace(stated.dimensional, W_c=stated.dimensional.W_c.subs(P, wrong))
+    with pytest.raises(StatementError, match=r"^W_c"):
+        scaling.derive_scaling(dataclasses.replace(stated, dimensional=other))
+
+
+def test_without_dimensions_there_is_nothing_to_derive(derived: Derived) -> None:
+    assert scaling.derive_scaling(derived("hauger").column) == ()

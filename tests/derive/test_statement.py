@@ -1,0 +1,305 @@
+"""Statements that make no sense, each refused in one line that names what is wrong and what to do. Eq. (8)."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from freebeam_derive import pipeline, ritz, scaling, statement, variation
+from freebeam_derive.statement import Column, StatementError
+
+SOUND = {
+    "name": '"sample"',
+    "title": '"A sample"',
+    "T": "integral(y.diff(t) ** 2) / 2",
+    "V": "integral(y.diff(x, 2) ** 2) / 2",
+    "W_c": "P * integral(y.diff(x) ** 2) / 2",
+    "dW_nc": "damping - P * at(y.diff(x), 1) * at(delta(y), 1) + F_0 * at(delta(y), x_F)",
+    "ends": '("clamped", "free")',
+    "parameters": "(Parameter(k, 'a stiffness', 1.0, 0.0, 2.0),)",
+}
+
+HEAD = """
+from sympy import Function, Integral, Rational, Symbol, exp, cos, sin, sqrt
+from freebeam_derive.notation import EI, F_0, L, P, alpha, beta, gamma, m, t, x, x_F, y
+from freebeam_derive.statement import Column, Parameter, at, delta, integral
+k, c = Symbol("k", real=True), Symbol("c", real=True)
+w, G = Function("w")(x, t), Function("G")(t)
+damping = -integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
+"""
+
+
+def written(folder: Path, **changes: str) -> Path:
+    fields = SOUND | changes
+    body = ", ".join(f"{name}={value}" for name, value in fields.items())
+    path = folder / "sample.py"
+    path.write_text(f"{HEAD}column = Column({body})\n", encoding="utf-8")
+    return path
+
+
+def considered(path: Path) -> Column:
+    """All stages that judge a statement."""
+    column = statement.load_column(path)
+    ritz.derive(variation.derive_column(column))
+    scaling.derive_scaling(column)
+    return column
+
+
+def refusal(path: Path) -> str:
+    with pytest.raises(StatementError) as caught:
+        considered(path)
+    message = str(caught.value)
+    assert isinstance(caught.value, ValueError)
+    assert "\n" not in message
+    assert str(path) in message or "file" not in message
+    return message
+
+
+def test_the_sound_statement_is_accepted(tmp_path: Path) -> None:
+    """Beck's: the load stands in W_c and in dW_nc, and is not counted twice. Every case below departs from it."""
+    assert considered(written(tmp_path)).ends == ("clamped", "free")
+
+
+FREE = {"ends": '("free", "free")', "dW_nc": "damping"}
+
+REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
+    # work that is not linear in the variation
+    "work without variation": ({"dW_nc": "damping + P * at(y, 1)"}, ("dW_nc", "not linear", "delta(...)")),
+    "variation squared": ({"dW_nc": "damping + P * integral(delta(y) ** 2)"}, ("dW_nc", "not linear", "delta(...)")),
+    "sine of the variation": ({"dW_nc": "damping + P * integral(sin(delta(y)))"}, ("dW_nc", "not linear")),
+    "one term of two without": ({"dW_nc": "damping + P * integral(y * delta(y) + y)"}, ("dW_nc", "not linear")),
+    "bare force": ({"dW_nc": "damping + P * at(delta(y), 1) + F_0"}, ("dW_nc", "not linear")),
+    "constant": ({"dW_nc": "damping + P * at(delta(y), 1) + 1"}, ("dW_nc", "not linear")),
+    "work not linear in y": ({"dW_nc": "damping - P * integral(y**2 * delta(y))"}, ("dW_nc", "linear in y")),
+    "rate of the variation": ({"dW_nc": "damping + P * integral(y * delta(y).diff(t))"}, ("virtual", "no rate")),
+    # a field never varied
+    "second field in V": ({"V": "integral(y.diff(x, 2)**2 + w**2) / 2"}, ("V", "w(x, t)", "never varied")),
+    "second field in dW_nc": ({"dW_nc": "damping + P * integral(w * delta(y))"}, ("w(x, t)", "never varied")),
+    "function of time": ({"dW_nc": "damping + P * integral(y * delta(y)) + G * at(delta(y), 1)"}, ("G(t)",)),
+    "stiffness as a function": ({"V": "integral(Function('B')(x) * y.diff(x, 2)**2) / 2"}, ("B(x)", "never varied")),
+    "y outside an integral": ({"V": "integral(y.diff(x, 2)**2) / 2 + y**2"}, ("V", "at(..., place)")),
+    # no motion, no bending
+    "no kinetic energy": ({"T": "0"}, ("T", "y.diff(t)**2")),
+    "mass at a point alone": ({"T": "at(y.diff(t), 1)**2 / 2"}, ("T", "along the beam")),
+    "kinetic energy of y": ({"T": "integral(y**2) / 2"}, ("T", "rates of y")),
+    "constant kinetic energy": ({"T": "integral(x)"}, ("T", "quadratic")),
+    "accelerations in T": ({"T": "integral(y.diff(t)**2 + y.diff(t, 2)**2) / 2"}, ("T", "first rates")),
+    "no bending energy": ({"V": "integral(y.diff(x)**2) / 2"}, ("V", "y.diff(x, 2)**2")),
+    "bending not squared": (
+        {"V": "integral(y * y.diff(x, 2))", "ends": '("clamped", "clamped")', "dW_nc": "damping"},
+        ("V", "y.diff(x, 2)**2"),
+    ),
+    "negative bending energy": ({"V": "-integral(y.diff(x, 2)**2) / 2"}, ("V", "negative", "sign")),
+    "negative kinetic energy": ({"T": "-integral(y.diff(t)**2) / 2"}, ("T", "negative", "sign")),
+    # degrees
+    "cubic energy": ({"V": "integral(y.diff(x, 2)**2 + y.diff(x, 2)**3)"}, ("V", "second degree")),
+    "quartic work": ({"W_c": "P * integral(y.diff(x)**2 + y.diff(x)**4)"}, ("W_c", "second degree")),
+    "exact curvature": ({"V": "integral(sqrt(1 + y.diff(x, 2)**2) + y.diff(x, 2)**2)"}, ("V", "second degree")),
+    "square of an integral": ({"V": "integral(y.diff(x, 2)**2) / 2 + integral(y)*integral(y)"}, ("V",)),
+    "product of integrals": ({"dW_nc": "damping + P * integral(y) * integral(delta(y))"}, ("dW_nc", "integral")),
+    # what belongs elsewhere
+    "rate in V": ({"V": "integral(y.diff(x, 2)**2 + y.diff(t)**2)"}, ("V", "without rates")),
+    "rate in W_c": ({"W_c": "P * integral(y.diff(x) * y.diff(t))"}, ("W_c", "without rates")),
+    "load in T": ({"T": "P * integral(y.diff(t)**2)"}, ("T", "load P", "W_c")),
+    "load in V": ({"V": "integral(y.diff(x, 2)**2) - P * integral(y.diff(x)**2)"}, ("V", "load P", "W_c")),
+    "damping in V": ({"V": "(1 + alpha) * integral(y.diff(x, 2)**2) / 2"}, ("V", "alpha", "dW_nc")),
+    "damping in W_c": ({"W_c": "(1 + beta) * P * integral(y.diff(x)**2) / 2"}, ("W_c", "beta", "dW_nc")),
+    "damping times y": ({"dW_nc": "damping + alpha * P * at(y, 1) * at(delta(y), 1)"}, ("alpha", "rates")),
+    "load times a rate": ({"dW_nc": "damping - P * integral(y.diff(t) * delta(y))"}, ("load P", "rate")),
+    "third rate": ({"dW_nc": "damping - P * integral(y.diff(t, 3) * delta(y))"}, ("dW_nc", "second")),
+    "variation in an energy": ({"V": "integral(y.diff(x, 2)**2 + y * delta(y))"}, ("V", "delta(...)", "dW_nc")),
+    "no load": ({"W_c": "0", "dW_nc": "damping"}, ("load P", "no work")),
+    "load squared": ({"W_c": "P**2 * integral(y.diff(x)**2)"}, ("W_c", "linearly")),
+    "inverse load": ({"W_c": "integral(y.diff(x)**2) / P"}, ("W_c", "linearly")),
+    "pulsating load": ({"W_c": "cos(t) * P * integral(y.diff(x)**2)"}, ("W_c", "time t")),
+    "ageing beam": ({"V": "integral((1 + t) * y.diff(x, 2)**2)"}, ("V", "time t")),
+    # the same force in W_c and in dW_nc
+    "the same term": ({"dW_nc": "damping + P * integral(y.diff(x) * delta(y.diff(x)))"}, ("P", "twice", "W_c")),
+    "a share of it": ({"dW_nc": "damping + P / 4 * integral(y.diff(x) * delta(y).diff(x))"}, ("P", "twice")),
+    "the same after parts": ({"dW_nc": "damping - P * integral(y.diff(x, 2) * delta(y))"}, ("P", "twice")),
+    "after parts, opposite": ({"dW_nc": "damping + P * integral(y.diff(x, 2) * delta(y))"}, ("P", "twice")),
+    "after parts, with a tip force": (
+        {"dW_nc": "damping - P * integral(y.diff(x, 2) * delta(y)) - P * at(y.diff(x), 1) * at(delta(y), 1)"},
+        ("P", "twice"),
+    ),
+    "after parts, with another load": ({"dW_nc": "damping - P * integral((y.diff(x, 2) + y) * delta(y))"}, ("twice",)),
+    "after parts, by a parameter": ({"dW_nc": "damping - k * P * integral(y.diff(x, 2) * delta(y))"}, ("twice",)),
+    "after parts, along the beam": (
+        {
+            "W_c": "P * integral((1 - x) * y.diff(x)**2) / 2",
+            "dW_nc": "damping - P * integral(((1 - x) * y.diff(x)).diff(x) * delta(y))",
+        },
+        ("P", "twice"),
+    ),
+    "at a point": (
+        {"W_c": "P * at(y, 1)**2 / 2", "dW_nc": "damping + P * at(y, 1) * at(delta(y), 1)"},
+        ("P", "twice"),
+    ),
+    "at a point, as an integral": (
+        {"W_c": "P * (at(y, 1)**2 - at(y, 0)**2) / 2", "dW_nc": "damping + P * integral((y * delta(y)).diff(x))"},
+        ("P", "twice"),
+    ),
+    "the transversal force": (
+        {"W_c": "P * integral(y.diff(x)**2) / 2 + F_0 * at(y, x_F)", "dW_nc": "damping + F_0 * at(delta(y), x_F)"},
+        ("F_0", "twice"),
+    ),
+    # ends that contradict
+    "follower at a clamped end": ({"ends": '("free", "clamped")'}, ("x = 1", "clamped")),
+    "follower at a pinned end": ({"ends": '("clamped", "pinned")'}, ("x = 1", "pinned")),
+    "follower at a sliding end": ({"ends": '("clamped", "sliding")'}, ("x = 1", "sliding")),
+    "moment at a sliding end": (
+        {"ends": '("clamped", "sliding")', "dW_nc": "damping + P * at(y, 1) * at(delta(y.diff(x)), 1)"},
+        ("x = 1", "sliding"),
+    ),
+    "spring at a free end": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 1)**2"}, ("x = 1", "free", "y(1, t)")),
+    "spring at a clamped end": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 0)**2"}, ("x = 0", "clamped")),
+    "turning spring at a pinned end": (
+        {"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y.diff(x), 0)**2", "ends": '("pinned", "free")'},
+        ("x = 0", "pinned"),
+    ),
+    "mass at a clamped end": ({"T": "integral(y.diff(t)**2) / 2 + k * at(y.diff(t), 0)**2"}, ("x = 0", "clamped")),
+    "dashpot at a clamped end": ({"dW_nc": "damping - k * at(y.diff(t), 0) * at(delta(y), 0)"}, ("x = 0", "clamped")),
+    "taut string at a free end": ({"V": "integral(y.diff(x, 2)**2 + k * y.diff(x)**2) / 2"}, ("x = 1", "free")),
+    "string without bending at a free end": (
+        {"V": "integral(k * y.diff(x)**2 + (1 - x) * y.diff(x, 2)**2) / 2", **FREE},
+        ("free", "natural"),
+    ),
+    "third derivative": ({"V": "integral(y.diff(x, 2)**2 + y.diff(x, 3)**2)"}, ("force or a moment",)),
+    # what Ritz's series cannot take
+    "dashpot at the tip": (
+        {"dW_nc": "damping + P * at(delta(y), 1) * at(y, 1) - k * at(y.diff(t), 1) * at(delta(y), 1)"},
+        ("damping", "k φᵢ(1) φⱼ(1)", "Eq. (12)"),
+    ),
+    "spring inside": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, Rational(1, 2))**2"}, ("inside",)),
+    "force inside": ({"dW_nc": "damping - P * at(y.diff(x), Rational(1, 2)) * at(delta(y), 1)"}, ("ends",)),
+    "force beyond the beam": ({"dW_nc": "damping - P * at(y.diff(x), 2) * at(delta(y), 2)"}, ("ends",)),
+    "fourth power of x": ({"W_c": "P * integral(x**4 * y.diff(x)**2)"}, ("x**4", "degree 3")),
+    "sine of x": ({"W_c": "P * integral(sin(x) * y.diff(x)**2)"}, ("sin(x)", "polynomial")),
+    "circulatory foundation": (
+        {"dW_nc": "damping - P * at(y, 1) * at(delta(y), 1) - k * integral(y.diff(x) * delta(y))"},
+        ("not symmetric",),
+    ),
+    "force on the slope": ({"dW_nc": "damping + F_0 * at(delta(y.diff(x)), x_F)"}, ("transversal",)),
+    "force at a fixed place": ({"dW_nc": "damping + F_0 * at(delta(y), 1)"}, ("F_0 * at(delta(y), x_F)",)),
+    "force times two": ({"dW_nc": "damping + 2 * F_0 * at(delta(y), x_F)"}, ("F_0 * at(delta(y), x_F)",)),
+    "force times a parameter": ({"dW_nc": "damping + k * F_0 * at(delta(y), x_F)"}, ("F_0 * at(delta(y), x_F)",)),
+    "force along the beam": ({"dW_nc": "damping + integral(F_0 * delta(y))"}, ("force along the beam",)),
+    # integrals
+    "half the beam": ({"V": "Integral(y.diff(x, 2)**2, (x, 0, Rational(1, 2)))"}, ("V", "run over the beam")),
+    "integral over time": ({"V": "Integral(y.diff(x, 2)**2, (t, 0, 1))"}, ("V", "run over the beam")),
+    "x before an integral": ({"W_c": "P * x * integral(y.diff(x)**2)"}, ("W_c", "constants")),
+    "value inside an integral": ({"V": "integral(y.diff(x, 2)**2 + at(y, 1)**2)"}, ("V", "under the integral")),
+    # symbols
+    "unknown symbol": ({"V": "integral(y.diff(x, 2)**2 + c * y**2)"}, ("V", "c", "Parameter(c")),
+    "another P": ({"W_c": "Symbol('P') * integral(y.diff(x)**2)"}, ("W_c", "P", "import P")),
+    "symbol with dimensions": ({"V": "EI * integral(y.diff(x, 2)**2)"}, ("V", "EI", "nondimensional")),
+    # the rest of the statement
+    "unknown end": ({"ends": '("clamped", "guided")'}, ("guided", "sliding")),
+    "one end": ({"ends": '("free",)'}, ("ends", "sliding")),
+    "no ends": ({"ends": "None"}, ("ends", "sliding")),
+    "ends in a list": ({"ends": '["clamped", "free"]'}, ("ends", "pair")),
+    "name with capitals": ({"name": '"Beck"'}, ("Beck", "lower-case")),
+    "name that leaves the folder": ({"name": '"../beck"'}, ("../beck", "lower-case")),
+    "name of two lines": ({"name": '"beck\\n"'}, ("lower-case",)),
+    "energy that is none": ({"T": "None"}, ("T", "integral")),
+    "energy in a list": ({"V": "[integral(y.diff(x, 2)**2)]"}, ("V", "integral")),
+    "one parameter, no tuple": ({"parameters": "Parameter(k, 'k', 1, 0, 2)"}, ("parameters", "tuple")),
+    "parameter named as the load": ({"parameters": "(Parameter(P, 'p', 1, 0, 2),)"}, ("'P'", "taken")),
+    "parameter named as an argument": ({"parameters": "(Parameter(Symbol('rigid'), 'p', 1, 0, 2),)"}, ("'rigid'",)),
+    "parameter named by a keyword": ({"parameters": "(Parameter(Symbol('in'), 'p', 1, 0, 2),)"}, ("'in'",)),
+    "parameter of one mode": ({"parameters": "(Parameter(Symbol('k_i'), 'p', 1, 0, 2),)"}, ("'k_i'",)),
+    "parameter twice": ({"parameters": "(Parameter(k, 'k', 1, 0, 2), Parameter(k, 'k', 1, 0, 2))"}, ("k", "twice")),
+    "default out of range": ({"parameters": "(Parameter(k, 'k', 3, 0, 2),)"}, ("k", "3", "0 to 2")),
+    "default not a number": ({"parameters": "(Parameter(k, 'k', float('nan'), 0, 2),)"}, ("k", "nan", "finite")),
+    "endless range": ({"parameters": "(Parameter(k, 'k', 1, 0, float('inf')),)"}, ("k", "inf", "finite")),
+    "default in words": ({"parameters": "(Parameter(k, 'k', 'one', 0, 2),)"}, ("k", "one", "finite")),
+}
+
+
+@pytest.mark.parametrize("case", REFUSED)
+def test_refused_with_the_reason(case: str, tmp_path: Path) -> None:
+    changes, words = REFUSED[case]
+    message = refusal(written(tmp_path, **changes))
+    assert all(word in message for word in words), message
+
+
+ACCEPTED = {
+    "tip force as an integral": {"dW_nc": "damping - P * integral((y.diff(x) * delta(y)).diff(x))"},
+    "distributed follower": {
+        "W_c": "P * integral((1 - x) * y.diff(x)**2) / 2",
+        "dW_nc": "damping - P * integral(y.diff(x) * delta(y))",
+    },
+    "follower along half a parameter": {"dW_nc": "damping - k * P * at(y.diff(x), 1) * at(delta(y), 1)"},
+    "foundation": {"V": "integral(y.diff(x, 2)**2 + k * y**2) / 2"},
+    "moment at a pinned end": {
+        "ends": '("clamped", "pinned")',
+        "dW_nc": "damping + P * at(y.diff(x), 1) * at(delta(y.diff(x)), 1)",
+    },
+    "force with a potential": {"W_c": "P * integral(y.diff(x)**2) / 2 + F_0 * at(y, x_F)", "dW_nc": "damping"},
+    "turning inertia, undamped": {"T": "integral(y.diff(t)**2 + k * y.diff(x, t)**2) / 2", "dW_nc": "0"},
+    "tapered, undamped": {"V": "integral((1 + x)**3 * y.diff(x, 2)**2) / 2", "dW_nc": "0"},
+}
+
+
+@pytest.mark.parametrize("case", ACCEPTED)
+def test_sense_is_not_refused(case: str, tmp_path: Path) -> None:
+    considered(written(tmp_path, **ACCEPTED[case]))
+
+
+def test_decimals_are_what_they_say(tmp_path: Path) -> None:
+    """0.1 in a statement is one tenth; the derivation holds no rounded number."""
+    column = statement.load_column(written(tmp_path, W_c="0.1 * P * integral(y.diff(x)**2)", dW_nc="damping"))
+    (factor,) = ritz.derive(variation.derive_column(column)).H.along.values()
+    assert factor == -1 * factor.func(1) / 5 if factor.is_Integer else factor.p * 5 == -factor.q
+
+
+@pytest.mark.parametrize(
+    ("data", "words"),
+    [
+        (b"column = (", ("line 1", "does not parse")),
+        (b"x = 1\n  y = 2\n", ("line 2", "does not parse")),
+        (b"column = 1\0\n", ("does not parse",)),
+        (bytes(range(256)), ("does not parse",)),
+        (b"raise RuntimeError('one\\ntwo')", ("fails", "RuntimeError", "one two")),
+        (b"1 / 0", ("fails", "ZeroDivisionError")),
+        (b"import sys\nsys.exit(3)", ("fails", "SystemExit")),
+        (b"from freebeam_derive.notation import nothing", ("fails", "nothing")),
+        (b"", ("states no column", "column = Column")),
+        (b"column = 'beck'", ("states no column", "column = Column")),
+        (b"from freebeam_derive.statement import Column\ncolumn = Column", ("states no column",)),
+    ],
+)
+def test_files_that_state_nothing(data: bytes, words: tuple[str, ...], tmp_path: Path) -> None:
+    path = tmp_path / "sample.py"
+    path.write_bytes(data)
+    message = refusal(path)
+    assert str(path) in message
+    assert "None" not in message
+    assert all(word in message for word in words), message
+
+
+def test_places_where_no_file_is(tmp_path: Path) -> None:
+    assert "cannot be read" in refusal(tmp_path / "missing.py")
+    assert "is a folder" in refusal(tmp_path)
+    assert "is a folder" in refusal(tmp_path / "..")
+
+
+def test_unknown_name_lists_the_known(tmp_path: Path) -> None:
+    with pytest.raises(StatementError) as caught:
+        pipeline.find("bech")
+    assert all(known in str(caught.value) for known in ("'bech'", "beck", "free-free", "euler-pinned"))
+    assert pipeline.find("beck").name == "beck"
+    assert pipeline.find(written(tmp_path)).name == "sample"
+    assert pipeline.find(str(written(tmp_path))).name == "sample"
+
+
+def test_a_statement_is_checked_when_it_is_made() -> None:
+    """No method need be called first: an unsound Column cannot be had."""
+    from freebeam_derive.notation import P, t, x, y
+    from freebeam_derive.statement import integral
+
+    energies = {"T": integral(y.diff(t) ** 2), "V": integral(y.diff(x, 2) ** 2), "W_c": P * integral(y.diff(x) ** 2)}
+    Column("sample", "", **energies, dW_nc=0, ends=("pinned", "pinned"))
+    with pytest.raises(StatementError, match="load P"):
+        Column("sample", "", **energies | {"W_c": 0}, dW_nc=0, ends=("pinned", "pinned"))

@@ -1,0 +1,230 @@
+"""Verification finds what is wrong with a kernel: texts changed in one place each, and what is said of them."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import pytest
+import sympy as sp
+
+from freebeam_derive import verify
+from freebeam_derive.pipeline import Derivation
+from freebeam_derive.verify import VerificationError
+
+Derived = Callable[[str], Derivation]
+Text = Callable[[str], str]
+
+
+# the reference depends on the ends alone: computed once for all tampered texts
+independent_mode = cache(verify.independent_mode)
+products = cache(verify._Products)
+
+
+@pytest.fixture(autouse=True)
+def few_modes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The same checks on fewer modes; the full ones run where a kernel is generated (test_pipeline.py)."""
+    monkeypatch.setattr(verify, "MATRIX_MODES", 8)
+    monkeypatch.setattr(verify, "EXACT_MODES", 7)
+    monkeypatch.setattr(verify, "HIGH_MODES", (9,))
+    monkeypatch.setattr(verify, "independent_mode", independent_mode)
+    monkeypatch.setattr(verify, "_Products", lambda modes, rigid: products(tuple(modes), rigid))
+
+
+def function_of(text: str, name: str) -> tuple[int, int]:
+    """Where the body of a function begins and ends."""
+    start = text.index(f"def {name}(")
+    start = text.index('"""', text.index('"""', start) + 3)
+    end = text.find("\n\n\n", start)
+    return start, len(text) if end < 0 else end
+
+
+def changed(text: str, name: str, pattern: str, replacement: str) -> str:
+    """A text with one change in a function: the pattern's last match there."""
+    start, end = function_of(text, name)
+    matches = list(re.finditer(pattern, text[start:end], re.MULTILINE))
+    assert matches, f"{name} has no {pattern}"
+    last = matches[-1]
+    result = text[: start + last.start()] + last.expand(replacement) + text[start + last.end() :]
+    assert result != text
+    return result
+
+
+TAMPERED: dict[str, tuple[str, str, str, str, tuple[str, ...]]] = {
+    # case: column, function, pattern, replacement, what is said
+    "a constant of H in its 13th digit": (
+        "free-free",
+        "stiffness_load",
+        r"-0\.5 \*",
+        "-0.5000000000001 *",
+        ("entries of H", "row", "column"),
+    ),
+    "a constant of M in its 13th digit": (
+        "free-free",
+        "mass",
+        r"0\.25 \*",
+        "0.2500000000001 *",
+        ("entries of M", "row"),
+    ),
+    "a constant of E": ("beck", "stiffness_elastic", r"0\.25 \*", "0.2500000000001 *", ("entries of E", "row")),
+    "H transposed": ("beck", "stiffness_load", r"return H$", "return H.T", ("entries of H", "row", "column")),
+    "the sign of H": ("beck", "stiffness_load", r"return H$", "return -H", ("entries of H", "row")),
+    "one entry of H": (
+        "beck",
+        "stiffness_load",
+        r"    return H$",
+        "    H[3, 1] += 1e-11\n    return H",
+        ("entries of H", "row 4, column 2"),
+    ),
+    "a parameter's share": ("beck", "stiffness_load", r"return H$", "return H + 1e-11 * (1 - eta)", ("entries of H",)),
+    "the push of the translation": (
+        "free-free",
+        "stiffness_load",
+        r"\[\[0(?:\.0)?, 1(?:\.0)?\]",
+        "[[0, 0]",
+        ("entries of H", "row 1, column 2"),
+    ),
+    "the rotation's mass": ("free-free", "mass", r"0\.0833\d*|1 / 12", "1 / 13", ("entries of M", "row 2, column 2")),
+    "rigid and elastic parts that differ": (
+        "free-free",
+        "stiffness_load",
+        r"return H$",
+        "return 1.5 * H",
+        ("without the rigid functions",),
+    ),
+    "the first mode skipped": ("free-free", "basis", r"quarter = 6 \+", "quarter = 10 +", ("first root",)),
+    "the first mode of another": ("beck", "basis", r"quarter = 2 \+", "quarter = 6 +", ("first root",)),
+    "a later mode skipped": (
+        "free-free",
+        "basis",
+        r"quarter = 6 \+ 4 \* n",
+        "quarter = 6 + 4 * (n + (n > 10))",
+        ("neighbouring roots",),
+    ),
+    "a mode twice": (
+        "free-free",
+        "basis",
+        r"quarter = 6 \+ 4 \* n",
+        "quarter = 6 + 4 * (n - (n > 10))",
+        ("neighbouring roots",),
+    ),
+    "roots without Newton's steps": ("beck", "basis", r"in range\(\d\)", "in range(0)", ("root",)),
+    "one Newton step too few": ("beck", "basis", r"in range\(\d\)", "in range(1)", ("root",)),
+    "a derivative's sign": (
+        "free-free",
+        "shapes",
+        r"\(cosine, -sine\)",
+        "(cosine, sine)",
+        ("derivative 1", "mode"),
+    ),
+    "a third derivative's sign": (
+        "free-free",
+        "shapes",
+        r"\(-cosine, sine\)",
+        "(-cosine, -sine)",
+        ("derivative 3", "mode"),
+    ),
+    "the force's place": (
+        "free-free",
+        "force",
+        r"shapes\(basis, x_F",
+        "shapes(basis, 1 - x_F",
+        ("generalised force", "x_F = 0.3"),
+    ),
+    "dampings exchanged": (
+        "free-free",
+        "damping_factors",
+        r"return beta, alpha",
+        "return alpha, beta",
+        ("entries of C", "row"),
+    ),
+    "the external damping halved": (
+        "free-free",
+        "frequencies",
+        r"0\.5 \* beta",
+        "0.25 * beta",
+        ("eigenvalues of Eq. (23)", "beta"),
+    ),
+    "a power in the scales": ("beck", "scales", r"float\(EI / L\)", "float(EI / L**2)", ("scales", "SI")),
+    "Newmark's weight": (
+        "beck",
+        "newmark_step",
+        r"0\.5 - b",
+        "0.25 - b",
+        ("Newmark step", "two coordinates"),
+    ),
+}
+
+
+@pytest.mark.parametrize("case", TAMPERED)
+def test_tampered_kernels_are_refused(case: str, derived: Derived, text_of: Text) -> None:
+    column, function, pattern, replacement, words = TAMPERED[case]
+    text = changed(text_of(column), function, pattern, replacement)
+    with pytest.raises(VerificationError) as caught:
+        verify.verify(derived(column).kernel, text)
+    message = str(caught.value)
+    assert all(word in message for word in words), message
+    assert "\n" not in message
+
+
+@pytest.mark.parametrize("column", ["free-free", "beck", "foundation"])
+def test_true_kernels_pass(column: str, derived: Derived, text_of: Text) -> None:
+    """With figures for all that is promised, each within its bound, and none of them exactly nothing."""
+    told: list[str] = []
+    figures = verify.verify(derived(column).kernel, text_of(column), told.append)
+    assert all(figure.error <= figure.bound for figure in figures)
+    assert sum(figure.error > 0 for figure in figures) > len(figures) / 2
+    whats = " ".join(figure.what for figure in figures)
+    for part in (
+        "roots",
+        "derivative 0",
+        "derivative 3",
+        "entries of M",
+        "of E",
+        "of H",
+        "of C",
+        "force",
+        "Newmark",
+        "SI",
+    ):
+        assert part in whats
+    assert told == ["roots", "modes", "matrices", "the rest"]
+
+
+def test_another_statement_s_kernel_is_refused(derived: Derived, text_of: Text) -> None:
+    """Beck's kernel is not Leipholz's: the forms decide, not the text."""
+    with pytest.raises(VerificationError, match="entries of H"):
+        verify.verify(derived("leipholz").kernel, text_of("beck"))
+
+
+def test_the_closed_forms_are_not_believed(derived: Derived, text_of: Text) -> None:
+    """A form changed behind the kernel's back is noticed, so the reference is computed from the forms themselves."""
+    built = derived("free-free").kernel
+    form = dataclasses.replace(built.system.H, points={})
+    system = dataclasses.replace(built.system, H=form)
+    with pytest.raises(VerificationError, match="entries of H"):
+        verify.verify(dataclasses.replace(built, system=system), text_of("free-free"))
+    scaled = dataclasses.replace(built.system, M=built.system.M.map(lambda f: f * (1 + sp.Rational(1, 10**12))))
+    with pytest.raises(VerificationError, match="entries of M"):
+        verify.verify(dataclasses.replace(built, system=scaled), text_of("free-free"))
+
+
+def test_a_text_that_is_no_module_is_not_passed(derived: Derived) -> None:
+    for text in ("basis = ", "", "import numpy as np\n"):
+        with pytest.raises((SyntaxError, AttributeError)):
+            verify.verify(derived("beck").kernel, text)
+
+
+def test_error_is_an_arithmetic_error() -> None:
+    assert issubclass(VerificationError, ArithmeticError)
+
+
+def test_precision_is_left_alone(derived: Derived, text_of: Text) -> None:
+    import mpmath
+
+    before: Any = mpmath.mp.dps
+    verify.verify(derived("beck").kernel, text_of("beck"))
+    assert mpmath.mp.dps == before
