@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.critical import CriticalLoad, critical_load
-    from freebeam_sym.proofs import Certified, certified_load, verify_certificate
+    from freebeam_sym.proofs import Certified, certified_load, exact_load, verify_certificate
     from freebeam_sym.response import Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
 
@@ -25,7 +25,7 @@ __all__ = [
     "column", "column_names", "Column", "System",
     "spectrum", "branches", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
-    "certified_load", "Certified", "verify_certificate",
+    "certified_load", "exact_load", "Certified", "verify_certificate",
     "respond", "state_space", "Response",
     "InputError",
     "__version__",
@@ -45,6 +45,7 @@ _HOMES = {
     "critical_load": ("critical", "critical_load"),
     "CriticalLoad": ("critical", "CriticalLoad"),
     "certified_load": ("proofs", "certified_load"),
+    "exact_load": ("proofs", "exact_load"),
     "Certified": ("proofs", "Certified"),
     "verify_certificate": ("proofs", "verify_certificate"),
     "respond": ("response", "respond"),

@@ -19,7 +19,7 @@ from freebeam_sym.critical import critical_load
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
-__all__ = ["Certified", "certified_load", "rational", "verify_certificate"]
+__all__ = ["Certified", "certified_load", "exact_load", "rational", "verify_certificate"]
 
 MOST_DIGITS = 10_000
 
@@ -39,7 +39,7 @@ class Certified:
     proof: Mapping[str, bool]
     digits: int
     inputs: Mapping[str, str]
-    certificate: Mapping[str, Any] = field(repr=False)
+    certificate: Mapping[str, Any] | None = field(repr=False, default=None)
 
 
 def rational(name: str, value: object) -> tuple[Fraction, str]:
@@ -141,6 +141,71 @@ def certified_load(
         {name: text for name, (_, text) in taken.items()},
         certificate.write(column.kernel, enclosure),
     )
+
+
+def exact_load(
+    column: Column,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    modes: int = 24,
+    load_max: object = 1000,
+    **parameters: object,
+) -> Certified:
+    """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
+
+    The candidate is the Ritz value at `modes` functions; otherwise as `certified_load`. Proven are the crossing, alone
+    in its interval, and its kind; that it is the first one, over all modes, is not (proof says so).
+
+    Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
+    """
+    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.beam import Beam, NoSeries
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    given = {"alpha": alpha, "beta": beta, "load_max": load_max, **parameters}
+    taken = {name: rational(name, value) for name, value in given.items()}
+    if kappa is not None:
+        taken["kappa"] = rational("kappa", kappa)
+    exact = {name: value for name, (value, _) in taken.items()}
+    own = {name: exact[name] for name in parameters}
+    found = critical_load(
+        column,
+        modes,
+        float(exact["alpha"]),
+        float(exact["beta"]),
+        load_max=float(exact["load_max"]),
+        kappa=None if kappa is None else float(exact["kappa"]),
+        **{name: float(value) for name, value in own.items()},
+    )
+    if found.load is None or found.frequency is None:
+        raise InputError(f"load_max = {load_max}: no loss of stability is found up to there at N = {modes}")
+    near = found.load, found.frequency
+    try:
+        beam = Beam(column.kernel, own)
+        if found.kind == "divergence":
+            crossing = beams.divergence(beam, found.load, digits + 2)
+        elif kappa is not None:
+            crossing = beams.flutter_limit(beam, exact["kappa"], near, digits + 2)
+        elif exact["alpha"] == exact["beta"] == 0:
+            crossing = beams.flutter_undamped(beam, near, digits + 2)
+        else:
+            crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
+    except (Unproven, NoSeries) as error:
+        raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
+    load = outward(*_ends(crossing.load), digits + 2)
+    frequency = ("0", "0") if crossing.kind == "divergence" else outward(*_ends(crossing.frequency), digits + 2)
+    inputs = {name: text for name, (_, text) in taken.items()}
+    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, inputs)
+
+
+def _ends(ball: Any) -> tuple[Fraction, Fraction]:
+    """Lower and upper end of a ball, as fractions."""
+    middle, radius = (Fraction(*map(int, (v.fmpq().p, v.fmpq().q))) for v in (ball.mid(), ball.rad()))
+    return middle - radius, middle + radius
 
 
 def verify_certificate(path: str) -> str:

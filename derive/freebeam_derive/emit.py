@@ -10,6 +10,7 @@ import ast
 import re
 import textwrap
 from collections.abc import Iterable
+from functools import reduce
 from typing import Any
 
 from sympy import (
@@ -22,12 +23,14 @@ from sympy import (
     Pow,
     S,
     Symbol,
+    cancel,
     cos,
     cse,
     expand,
     factor,
     fraction,
     integrate,
+    lcm,
     numbered_symbols,
     sin,
     together,
@@ -942,14 +945,16 @@ def _series_matrix(kernel: PolynomialKernel, matrix: SeriesProgram) -> str:
         terms.append(("np.diag(basis.norm)", matrix.diagonal))
     lines: list[str] = []
     for (p, q), factors in matrix.along.items():
-        between = [_times(c, f"_integrals_{power}(basis.order)") for power, c in factors.items()]
         if len(factors) == 1:
             ((power, c),) = factors.items()
             terms.append((f"(basis.{QUANTITIES[p]} @ _integrals_{power}(basis.order) @ basis.{QUANTITIES[q]}.T)", c))
         else:
+            # divided last: NumPy's zeros off the bands are plain integers, whose quotients would be floats
+            below = reduce(lcm, (fraction(together(c))[1] for c in factors.values()))
             name = f"between_{p}{q}"
+            between = (_times(cancel(c * below), f"_integrals_{power}(basis.order)") for power, c in factors.items())
             lines.append(f"{name} = {_sum(between)}")
-            terms.append((f"(basis.{QUANTITIES[p]} @ {name} @ basis.{QUANTITIES[q]}.T)", S.One))
+            terms.append((f"(basis.{QUANTITIES[p]} @ {name} @ basis.{QUANTITIES[q]}.T)", 1 / below))
     terms += [(f"basis.{row}[:, None] * basis.{column}", c) for c, row, column in matrix.points]
     for n, (term, c) in enumerate(terms):
         added = _times(c, term)

@@ -167,11 +167,12 @@ def polynomials(ends: tuple[str, str]) -> Polynomials:
 
 def coefficients(basis: Polynomials, degree: int) -> tuple[Rational, ...]:
     """φ_degree in P_0, P_1, …, exact."""
-    lower = []
-    for order in range(degree):
-        signs = {0: (-1) ** (degree + order), 1: 1}
-        share = sum((signs[c.end] * (c.weight * c.of).subs({d: degree, k: order}) for c in basis.conditions), S.Zero)
-        lower.append(-(2 * order + 1) * share)
+    held = [(c.end, c.weight.subs(d, degree), Poly(c.of, k)) for c in basis.conditions]
+    lower = [
+        -(2 * order + 1)
+        * sum((w * of.eval(order) * (1 if end else (-1) ** (degree + order)) for end, w, of in held), S.Zero)
+        for order in range(degree)
+    ]
     return (*lower, S.One)
 
 

