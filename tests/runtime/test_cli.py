@@ -280,7 +280,8 @@ def test_own_column_in_every_command(freebeam, clamped, tmp_path):
     kernels = tmp_path / "kernels"
     assert freebeam("generate", clamped, "--output", kernels).status == 0
     assert freebeam("generate", clamped, "--output", kernels, "--check").status == 0
-    (file,) = (file for file in kernels.glob("*.py") if file.name != "__init__.py")
+    file, polynomials = sorted(file for file in kernels.glob("*.py") if file.name != "__init__.py")
+    assert polynomials.stem == f"{file.stem}_legendre"
     assert freebeam("critical", "--column", file, "--json").json == found
     file.write_text(file.read_text(encoding="utf-8") + "# edited\n", encoding="utf-8")
     run = freebeam("generate", clamped, "--output", kernels, "--check")
