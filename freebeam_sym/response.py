@@ -270,8 +270,7 @@ def _single(function: Function, point: float) -> Any:
 def _real(name: str, values: NDArray[Any], points: Array) -> Array:
     if values.shape != points.shape or values.dtype.kind not in "biuf":
         raise InputError(
-            f"{name} gives values of shape {values.shape} and type {values.dtype}: must give one real "
-            "number a point"
+            f"{name} gives values of shape {values.shape} and type {values.dtype}: must give one real number a point"
         )
     result = values.astype(float)
     bad = np.flatnonzero(~np.isfinite(result))
@@ -305,8 +304,7 @@ def _start(system: System, name: str, value: Function | ArrayLike | None) -> tup
     values = np.asarray(value)
     if values.shape != (n,):
         raise InputError(
-            f"{name} has shape {values.shape}: must be of shape ({n},), one value a trial function, or a "
-            "function of x"
+            f"{name} has shape {values.shape}: must be of shape ({n},), one value a trial function, or a function of x"
         )
     return _real(name, values, np.arange(n, dtype=float)), 0.0
 
@@ -613,8 +611,7 @@ def _overflow(t: float, exact: NDArray[np.complex128]) -> InputError:
     worst = exact[np.argmax(exact.real)]
     if worst.real * t < 1:
         return InputError(
-            f"the response passes the range of floats at t = {t:.6g}: the force or the initial state is "
-            "too large"
+            f"the response passes the range of floats at t = {t:.6g}: the force or the initial state is too large"
         )
     kind = "flutter" if worst.imag else "divergence"
     return InputError(

@@ -17,7 +17,7 @@ import freebeam_sym as fb
 from freebeam_sym import cli, own
 
 # A column that the tree does not hold: clamped at both ends under a dead load, which diverges at 4 π².
-CLAMPED = '''
+CLAMPED = """
 from freebeam_derive.notation import P, alpha, beta, t, x, y
 from freebeam_derive.statement import Column, delta, integral
 
@@ -30,7 +30,7 @@ column = Column(
     dW_nc=-integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2))),
     ends=("clamped", "clamped"),
 )
-'''
+"""
 
 BEAM = {"bending-stiffness": 2.5e6, "mass-per-length": 40.0, "length": 12.0}
 RESPOND = ["respond", "--load", "9", "--duration", "1", "--step", "0.01"]
@@ -232,7 +232,7 @@ def test_a_response_that_ends_early_leaves_the_old_file(freebeam, tmp_path, monk
     def fail(*_: object, **__: object) -> None:
         raise failure
 
-    monkeypatch.setattr(cli, "write_csv", fail)
+    monkeypatch.setattr(cli.respond, "write_csv", fail)
     run = freebeam(*RESPOND, "--output", file, "--force")
     assert run.status == (130 if failure is KeyboardInterrupt else 2)
     assert len(run.err.split("\n")) == 2 and run.err.startswith("freebeam: ")

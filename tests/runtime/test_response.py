@@ -126,9 +126,7 @@ def test_blocks_are_the_plain_loop(steps: int, rigid: bool) -> None:
             close(output, state @ shapes, 1e-11)
         part = slice(system.rigid_count, None)
         close(found.dy_elastic, expected[1][:, part] @ shapes[part], 1e-11)
-        np.testing.assert_allclose(
-            found.y, found.y_elastic + found.y_rigid, atol=1e-13 * np.abs(found.y).max()
-        )
+        np.testing.assert_allclose(found.y, found.y_elastic + found.y_rigid, atol=1e-13 * np.abs(found.y).max())
         if options.get("states"):
             close(found.q, expected[0], 1e-11)
             close(found.dq, expected[1], 1e-11)

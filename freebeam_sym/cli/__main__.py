@@ -1,0 +1,3 @@
+from freebeam_sym.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,162 @@
+"""`freebeam respond`."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import IO, Annotated, Any
+
+import typer
+
+from freebeam_sym.cli.application import app
+from freebeam_sym.cli.options import (
+    ZERO,
+    AlphaOption,
+    BetaOption,
+    ColumnOption,
+    JsonOption,
+    LengthOption,
+    LoadOption,
+    MassOption,
+    ModesOption,
+    Number,
+    RigidOption,
+    SetOption,
+    StiffnessOption,
+    case_of,
+    nondimensional,
+    number,
+)
+from freebeam_sym.cli.output import plain, print_json, working, written
+
+
+@app.command(epilog="Example: freebeam respond --load 9 --alpha 1e-3 --beta 0.1 --duration 20 --step 0.01 --sensor 0.1")
+def respond(
+    load: LoadOption,
+    duration: Annotated[Number, typer.Option(parser=number, metavar="T", help="Length of the response.")],
+    step: Annotated[Number, typer.Option(parser=number, metavar="H", help="Time step.")],
+    column: ColumnOption = "free-free",
+    modes: ModesOption = 8,
+    alpha: AlphaOption = ZERO,
+    beta: BetaOption = ZERO,
+    rigid: RigidOption = False,
+    own: SetOption = None,
+    sensor: Annotated[
+        list[Number] | None,
+        typer.Option(parser=number, metavar="X ...", help="Positions of sensors; 0.1 L where not given."),
+    ] = None,
+    more_sensors: Annotated[list[Number] | None, typer.Argument(parser=number, hidden=True)] = None,
+    force_amplitude: Annotated[
+        Number | None, typer.Option(parser=number, metavar="F", help="A force F sin(w t).")
+    ] = None,
+    force_frequency: Annotated[
+        Number | None, typer.Option(parser=number, metavar="w", help="Its angular frequency.")
+    ] = None,
+    force_position: Annotated[
+        Number | None, typer.Option(parser=number, metavar="X", help="Where it acts; at L where not given.")
+    ] = None,
+    initial_mode: Annotated[
+        int | None, typer.Option(metavar="K", help="Mode of the initial state: 1 is the lowest elastic one.")
+    ] = None,
+    initial_amplitude: Annotated[
+        Number | None, typer.Option(parser=number, metavar="A", help="Its coordinate q at t = 0.")
+    ] = None,
+    initial_velocity: Annotated[
+        Number | None, typer.Option(parser=number, metavar="V", help="Its rate dq/dt at t = 0.")
+    ] = None,
+    output: Annotated[Path | None, typer.Option(metavar="FILE", help="A .csv or .npz file to write.")] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace an output that exists.")] = False,
+    bending_stiffness: StiffnessOption = None,
+    mass_per_length: MassOption = None,
+    length: LengthOption = None,
+    as_json: JsonOption = False,
+) -> None:
+    """Compute the response at sensors in time, from an initial state or to a sinusoidal force.
+
+    Without a force and an initial state, mode 1 starts with q = 0.01 (modes normalised as in Eq. (22)).
+    """
+    import numpy as np
+
+    import freebeam_sym as fb
+    from freebeam_sym.checks import InputError, count, positive
+
+    if more_sensors and not sensor:
+        raise InputError(f"{more_sensors[0]}: belongs to no option; positions of sensors follow --sensor")
+    if output is not None and output.suffix not in (".csv", ".npz"):
+        raise InputError(f"{output}: the name must end in .csv or .npz")
+    if (force_amplitude is None) != (force_frequency is None):
+        raise InputError("a force needs both --force-amplitude and --force-frequency")
+    if force_amplitude is None and force_position is not None:
+        raise InputError("--force-position: there is no force; give --force-amplitude and --force-frequency")
+    positive("duration", duration)
+    positive("step", step)
+    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length))
+    units = case.units
+    system = case.system(units.into("load", load), rigid)
+
+    places = [*(sensor or ()), *(more_sensors or ())]
+    sensors = [units.into("length", x) for x in places] or [0.1]
+    labels = [str(x) for x in places] or [f"{units.out('length', 0.1):.6g}"]
+    excitation: dict[str, Any] = {}
+    if force_amplitude is not None and force_frequency is not None:
+        size, rate = units.into("force", force_amplitude), units.into("frequency", force_frequency)
+        excitation = {
+            "force": lambda t: size * np.sin(rate * t),
+            "force_position": 1.0 if force_position is None else units.into("length", force_position),
+        }
+    start: dict[str, Any] = {}
+    if initial_mode is not None or initial_amplitude is not None or initial_velocity is not None:
+        k = count("--initial-mode", 1 if initial_mode is None else initial_mode, high=system.modes) - 1
+        mode = np.eye(len(system.M))[system.rigid_count + k]
+        velocity = 0.0 if initial_velocity is None else units.into("velocity", initial_velocity)
+        amplitude = 0.01 if initial_velocity is None else 0.0
+        if initial_amplitude is not None:
+            amplitude = units.into("length", initial_amplitude)
+        start = {"initial": amplitude * mode, "initial_velocity": velocity * mode}
+
+    record = case.record(load=load, rigid=rigid, duration=duration, step=step, sensors=places or sensors)
+
+    def series() -> dict[str, Any]:
+        with working("response") as report, nondimensional(units):
+            found = fb.respond(
+                system, units.into("time", duration), units.into("time", step), sensors=sensors,
+                progress=lambda share: report(f"{share:.0%}"), **start, **excitation,
+            )  # fmt: skip
+        record["period_error"] = found.period_error
+        return {
+            "t": units.out("time", found.t),
+            "y": units.out("length", found.y),
+            "dy": units.out("velocity", found.dy),
+            "ddy": units.out("acceleration", found.ddy),
+        }
+
+    if output is None:
+        found = series()
+        if as_json:
+            print_json({**record, **found})
+        else:
+            write_csv(sys.stdout, labels, **found)
+        return
+    with written(output, replace=force) as stream:
+        found = series()
+        if output.suffix == ".npz":
+            np.savez(stream, sensors=sensors, settings=json.dumps(plain(record)), **found)
+        else:
+            text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
+            write_csv(text, labels, **found)
+            text.detach()
+    if as_json:
+        print_json({**record, "output": output})
+
+
+def write_csv(stream: IO[str], labels: Sequence[str], t: Any, y: Any, dy: Any, ddy: Any) -> None:
+    """Write a response as CSV; numbers are written so that they read back as the same floats."""
+    import numpy as np
+
+    stream.write(",".join(["t", *(f"{name}({x})" for x in labels for name in ("y", "dy", "ddy"))]) + "\n")
+    table = np.stack([y, dy, ddy], axis=-1).reshape(len(t), -1)
+    for moment, row in zip(t.tolist(), table, strict=True):
+        stream.write(",".join(map(repr, [moment, *row.tolist()])) + "\n")
