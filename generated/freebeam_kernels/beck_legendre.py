@@ -69,7 +69,10 @@ COLUMN: dict[str, Any] = {
         "x_F": "place of the transversal (controller) force",
         "y": "deflection",
     },
-    "source": ("Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228"),
+    "source": (
+        "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 "
+        "(1952) 225-228"
+    ),
 }
 
 
@@ -105,14 +108,14 @@ def complete(order: Array, sigma: Array) -> Basis:
     """
     degree = order[2:]
     weight_1 = (-2 * degree - 4) / (degree**2 * (degree - 1))
-    weight_2 = (-6) / (degree**2 * (degree - 1) ** 2)
+    weight_2 = (-6) / (degree**2 * (degree - 1)**2)
     share = sigma[2:, None] * sigma * (weight_1[:, None] + weight_2[:, None] * (-order * (order + 1)))
     deflection = np.tril(-(2 * order + 1) * share, 1)
     deflection[np.arange(degree.size), np.arange(2, order.size)] = 1
     derivative = _derivative(order, sigma)
     slope = deflection @ derivative
     moment = slope @ derivative
-    norm = ((degree + 1) ** 2 * (degree + 2) ** 2) / (degree**2 * (degree - 1) ** 2 * (2 * degree + 1))
+    norm = ((degree + 1)**2 * (degree + 2)**2) / (degree**2 * (degree - 1)**2 * (2 * degree + 1))
     deflection_1 = ((degree + 1) * (degree + 2)) / (degree * (degree - 1))
     slope_1 = ((degree + 1) * (degree + 2) * (degree**2 + degree - 4)) / (degree * (degree - 1))
     return Basis(order, sigma, norm, deflection_1, slope_1, deflection, slope, moment)
@@ -238,14 +241,10 @@ def forms(one: Any = 1, *, eta: Any = 1.0) -> dict[str, Any]:
 
 
 def equation(
-    P: Any,
-    alpha: Any = 0,
-    beta: Any = 0,
-    one: Any = 1,
-    *,
-    eta: Any = 1.0,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
 ) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
+    """
     return {
         (0, 1): (beta,),
         (0, 2): (1,),
@@ -256,12 +255,7 @@ def equation(
 
 
 def end_conditions(
-    P: Any,
-    alpha: Any = 0,
-    beta: Any = 0,
-    one: Any = 1,
-    *,
-    eta: Any = 1.0,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
 ) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
@@ -277,14 +271,7 @@ def end_conditions(
 
 
 def newmark_step(
-    M: Array,
-    C: Array,
-    K: Array,
-    q: Array,
-    dq: Array,
-    ddq: Array,
-    F: Array,
-    h: float,
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
@@ -308,8 +295,8 @@ def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> floa
     b, g = newmark
     bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
     bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
         else 0
     )
     inverse = max(0.0, bound_2, bound_3)

@@ -186,12 +186,10 @@ def forms(one: Any = 1) -> dict[str, Any]:
 
 
 def equation(
-    P: Any,
-    alpha: Any = 0,
-    beta: Any = 0,
-    one: Any = 1,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
 ) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
+    """
     return {
         (0, 1): (beta,),
         (0, 2): (1,),
@@ -202,10 +200,7 @@ def equation(
 
 
 def end_conditions(
-    P: Any,
-    alpha: Any = 0,
-    beta: Any = 0,
-    one: Any = 1,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
 ) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
@@ -227,7 +222,7 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
     the product of both, so that no digits cancel in heavy damping.
     """
     gamma = np.asarray(gamma, dtype=complex)
-    shared_1 = (gamma**2) ** 2
+    shared_1 = (gamma**2)**2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
     second = -half - np.sqrt(half * half - product)
@@ -235,14 +230,7 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
 
 
 def newmark_step(
-    M: Array,
-    C: Array,
-    K: Array,
-    q: Array,
-    dq: Array,
-    ddq: Array,
-    F: Array,
-    h: float,
+    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
@@ -266,8 +254,8 @@ def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> floa
     b, g = newmark
     bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
     bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
         else 0
     )
     inverse = max(0.0, bound_2, bound_3)
