@@ -13,6 +13,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    import freebeam_sym.figures  # noqa: F401 (fb.figures, for type checkers)
     from freebeam_sym.checks import InputError
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
@@ -54,11 +55,15 @@ _HOMES = {
     "InputError": ("checks", "InputError"),
 }
 
+_PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
+
 
 def __getattr__(name: str) -> object:
     value: object
     if name == "__version__":
         value = import_module("importlib.metadata").version("freebeam")
+    elif name in _PACKAGES:
+        value = import_module(f"{__name__}.{name}")
     elif name in _HOMES:
         module, attribute = _HOMES[name]
         value = getattr(import_module(f"{__name__}.{module}"), attribute)
@@ -69,4 +74,4 @@ def __getattr__(name: str) -> object:
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *__all__})
+    return sorted({*globals(), *__all__, *_PACKAGES})

@@ -1,0 +1,400 @@
+"""What the pictures show, as numbers: branches along the load, the tangent construction, a cycle of a motion.
+
+Everything is nondimensional. Each result has a `table()`, the columns of its data by name.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebeam_sym.checks import InputError, count, positive
+from freebeam_sym.critical import CriticalLoad, critical_load
+from freebeam_sym.spectra import ROUNDING, branches, spectrum
+
+if TYPE_CHECKING:
+    from freebeam_sym.columns import Column, System
+
+__all__ = [
+    "Coalescence", "CriticalCurve", "Cycle", "FrequencyLoad", "Locus", "Tangent",
+    "coalescence", "critical_curve", "cycle", "frequency_load", "locus", "tangent",
+]  # fmt: skip
+
+Real = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+def unstable(values: Complex) -> NDArray[np.bool_]:
+    """Which of these eigenvalues grow, Re λ > 0 beyond rounding."""
+    return np.asarray(values.real > ROUNDING * np.maximum(np.abs(values), 1.0))
+
+
+@dataclass(frozen=True)
+class Locus:
+    """Eigenvalues followed along the load: `loads` (m,), `eigenvalues` (m, k), column j one branch, Im λ ≥ 0 at the
+    first load. `critical` is the first loss of stability. `reference` is λ₀ of Eq. (26), None where it says nothing.
+    """
+
+    loads: Real
+    eigenvalues: Complex
+    critical: CriticalLoad
+    reference: float | None
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Which grow, (m, k)."""
+        return unstable(self.eigenvalues)
+
+    def scaled(self, normalised: bool) -> Complex:
+        """λ, or λ/λ₀ as Eq. (26) has it. Raises InputError where λ₀ does not exist."""
+        if not normalised:
+            return self.eigenvalues
+        return self.eigenvalues / self.scale(True)
+
+    def scale(self, normalised: bool) -> float:
+        """What the eigenvalues are divided by: λ₀ of Eq. (26), or 1. Raises InputError where λ₀ does not exist."""
+        if normalised and self.reference is None:
+            c = self.critical
+            raise InputError(
+                f"alpha = {c.alpha:g}, beta = {c.beta:g}: mode 1 of the unloaded beam is overdamped, and Eq. (26) has "
+                "no frequency to divide by; use normalised=False"
+            )
+        return self.reference if normalised and self.reference is not None else 1.0
+
+    def table(self, normalised: bool = False) -> dict[str, Real]:
+        """Columns P, Re and Im of each branch, and whether it grows (1) or not (0)."""
+        values, found = self.scaled(normalised), {"P": self.loads}
+        for k in range(values.shape[1]):
+            found[f"Re_lambda_{k + 1}"], found[f"Im_lambda_{k + 1}"] = values[:, k].real, values[:, k].imag
+            found[f"unstable_{k + 1}"] = self.unstable[:, k].astype(float)
+        return found
+
+
+def locus(
+    column: Column,
+    loads: ArrayLike | None = None,
+    *,
+    modes: int = 8,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    count: int = 2,
+    points: int = 240,
+    **parameters: Any,
+) -> Locus:
+    """The first `count` eigenvalues along the load, each followed by continuity. Eqs. (24), (25).
+
+    loads: (m,), or the largest load, or None for a quarter beyond the critical load; where no sequence is given the
+    loads lie closer near the critical one, which has a root there. Raises InputError for bad values.
+    """
+    critical = critical_load(column, modes, alpha, beta, **parameters)
+    P = _loads(loads, critical, points)
+    followed = branches(column, P, modes, alpha, beta, **parameters)
+    start = followed.eigenvalues[0]
+    kept = np.flatnonzero(start.imag >= -1e-12 * np.abs(start))[: _branches(count, modes)]
+    reference = spectrum(column.system(modes, 0.0, alpha, beta, **parameters)).reference_frequency
+    return Locus(P, followed.eigenvalues[:, kept], critical, reference)
+
+
+def _branches(wanted: int, modes: int) -> int:
+    return count("count", wanted, 1, modes, "branches to draw, no more than modes")
+
+
+def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int) -> Real:
+    if loads is not None and np.ndim(loads):
+        P = np.asarray(loads, dtype=float)
+        if P.ndim != 1 or len(P) < 2 or not np.isfinite(P).all():
+            raise InputError(f"loads = {loads!r:.60}: must be two or more finite numbers, or the largest load")
+        return P
+    if loads is not None:
+        top = positive("loads", loads, "the largest load")
+    elif critical.load is not None:
+        top = 1.25 * critical.load
+    else:
+        raise InputError(
+            f"loads: {critical.column.name} is stable up to P = {critical.load_max:g}; give the largest load to draw"
+        )
+    P = np.linspace(0.0, top, points)
+    if critical.load is not None:
+        near = np.geomspace(1e-9, 0.05, 18)
+        P = np.concatenate([P, critical.load * (1 - near), critical.load * (1 + near)])
+    return np.unique(P[P <= top])
+
+
+@dataclass(frozen=True)
+class FrequencyLoad:
+    """Squared frequencies s = ω² of the undamped column along the load: `loads` (m,), `squares` (m, k) complex, each
+    column one branch. Real as long as the branch is a free vibration; `critical` is the undamped critical load."""
+
+    loads: Real
+    squares: Complex
+    critical: CriticalLoad
+
+    @property
+    def unstable(self) -> NDArray[np.bool_]:
+        """Where a branch is no vibration that stays bounded, (m, k): s complex, or negative."""
+        size = np.maximum(np.abs(self.squares), 1.0)
+        return np.asarray((np.abs(self.squares.imag) > 1e-9 * size) | (self.squares.real < -1e-9 * size))
+
+    def table(self) -> dict[str, Real]:
+        """Columns P, real and imaginary part of ω² of each branch."""
+        found = {"P": self.loads}
+        for k, s in enumerate(self.squares.T):
+            found[f"Re_omega2_{k + 1}"], found[f"Im_omega2_{k + 1}"] = s.real, s.imag
+        return found
+
+
+def frequency_load(
+    column: Column,
+    loads: ArrayLike | None = None,
+    *,
+    modes: int = 8,
+    count: int = 2,
+    points: int = 240,
+    **parameters: Any,
+) -> FrequencyLoad:
+    """ω²(P) of the first `count` frequencies of the undamped column. `loads` as `locus` has them."""
+    found = locus(column, loads, modes=modes, count=count, points=points, **parameters)
+    return FrequencyLoad(found.loads, -(found.eigenvalues**2), found.critical)
+
+
+@dataclass(frozen=True)
+class Tangent:
+    """The tangent rule: vanishing damping at β/α = κ destabilises where P s′(P) − s(P) = κ, that is, where the tangent
+    to s = ω²(P) meets P = 0 at −κ. `load`, `square`: that point; `slope`: s′ there; `limit`: the critical load of
+    vanishing damping; `curves`: the undamped branches, whose critical load is the coalescence.
+    """
+
+    curves: FrequencyLoad
+    limit: CriticalLoad
+    kappa: float
+    load: float
+    square: float
+    slope: float
+
+    @property
+    def drop(self) -> float:
+        """What vanishing damping takes from the undamped critical load, as a share of it."""
+        return 1 - self.load / float(self.curves.critical.load or math.nan)
+
+    def line(self, loads: ArrayLike) -> Real:
+        """The tangent at these loads."""
+        return np.asarray(self.square + self.slope * (np.asarray(loads, dtype=float) - self.load))
+
+    def table(self) -> dict[str, Real]:
+        """The curves' columns, and the tangent's."""
+        return {**self.curves.table(), "tangent": self.line(self.curves.loads)}
+
+
+def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, points: int = 240, **parameters: Any) -> Tangent:
+    """The construction of the critical load of vanishing damping on the undamped curve ω²(P), β/α = `kappa`.
+
+    Raises InputError where the column does not flutter, and for κ = ∞, whose point is the coalescence itself.
+    """
+    if not kappa < math.inf:
+        raise InputError(f"kappa = {kappa}: must be finite (external damping alone leaves the coalescence where it is)")
+    curves = frequency_load(column, modes=modes, points=points, **parameters)
+    limit = critical_load(column, modes, kappa=kappa, **parameters)
+    if curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
+        raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
+    c_M, c_E = column.damping_factors(1.0, kappa, **parameters)
+    square = limit.frequency**2
+    return Tangent(curves, limit, c_M / c_E, limit.load, square, (square + c_M / c_E) / limit.load)
+
+
+@dataclass(frozen=True)
+class Coalescence:
+    """Two undamped eigenvalues near the load where they meet at λ = iω: `loads` (m,), `eigenvalues` (m, 2), `load`,
+    `frequency` of the meeting, and `rate`: λ = iω ± √(rate (P − load)) to first order, an exceptional point."""
+
+    loads: Real
+    eigenvalues: Complex
+    load: float
+    frequency: float
+    rate: float
+
+    def law(self, loads: ArrayLike) -> Complex:
+        """√(rate (P − load)), the departure from iω to first order."""
+        return np.asarray(np.sqrt(self.rate * (np.asarray(loads, dtype=complex) - self.load)))
+
+    def table(self) -> dict[str, Real]:
+        """Columns P, Re and Im of λ₁ and λ₂ and of the square root's law."""
+        a, b = self.eigenvalues.T
+        law = self.law(self.loads)
+        names = ("P", "Re_lambda_1", "Im_lambda_1", "Re_lambda_2", "Im_lambda_2", "Re_law", "Im_law")
+        return dict(zip(names, (self.loads, a.real, a.imag, b.real, b.imag, law.real, law.imag), strict=True))
+
+
+def coalescence(
+    column: Column, *, modes: int = 8, width: float = 0.04, points: int = 201, **parameters: Any
+) -> Coalescence:
+    """The pair that flutters, without damping, at loads within a share `width` of its meeting.
+
+    Raises InputError where the first loss of stability is not a coalescence.
+    """
+    critical = critical_load(column, modes, **parameters)
+    if critical.kind != "flutter" or critical.load is None or critical.frequency is None:
+        raise InputError(f"{column.name}: does not flutter without damping, so no two frequencies meet")
+    if not 0 < width < 1:
+        raise InputError(f"width = {width}: must lie between 0 and 1, a share of the load where the frequencies meet")
+    P_c, target = critical.load, 1j * critical.frequency
+    # squares of u on both sides make the square root of the load a straight line
+    u = np.linspace(-1.0, 1.0, points)
+    P = np.unique(np.append(P_c * (1 + width * u * np.abs(u)), P_c))
+    M, E, H = column.matrices(modes, False, **parameters)
+
+    def pair(load: float) -> Complex:
+        s = np.linalg.eigvals(np.linalg.solve(M, E + load * H)).astype(complex)
+        values = 1j * np.sqrt(s)
+        both = values[np.argsort(np.abs(values - target))[:2]]
+        # the growing one first, else the faster one; past the meeting λ and −λ̄ are one pair's
+        if np.abs(both.real).max() > 1e-6 * abs(target):
+            r = np.abs(both.real).mean()
+            return np.array([r + 1j * abs(both.imag).mean(), -r + 1j * abs(both.imag).mean()])
+        ordered: Complex = both[np.argsort(-both.imag)]
+        return ordered
+
+    values = np.array([pair(load) for load in P])
+    h = 1e-4 * P_c
+    a, b = (((pair(P_c + side)[0] - pair(P_c + side)[1]) ** 2).real for side in (h, -h))
+    return Coalescence(P, values, P_c, critical.frequency, float(a - b) / (8 * h))
+
+
+@dataclass(frozen=True)
+class CriticalCurve:
+    """Critical loads along one parameter: `name` of it, `values` (m,), `loads` and `frequencies` (m,), NaN where there
+    is none up to `load_max`; `kinds` (m,)."""
+
+    name: str
+    values: Real
+    loads: Real
+    frequencies: Real
+    kinds: tuple[str, ...]
+
+    def table(self) -> dict[str, Any]:
+        """Columns: the parameter, the critical load, its frequency and kind."""
+        return {self.name: self.values, "P_cr": self.loads, "omega": self.frequencies, "kind": list(self.kinds)}
+
+
+def critical_curve(
+    column: Column, name: str, values: ArrayLike, *, modes: int = 8, load_max: float = 1000.0, **fixed: Any
+) -> CriticalCurve:
+    """The critical load along `name`, "alpha", "beta" or a parameter of the column's own, at `values` (m,).
+
+    fixed: the other parameters. Raises InputError for an unknown name and bad values.
+    """
+    known = ["alpha", "beta", *(p.name for p in column.parameters)]
+    if name not in known:
+        raise InputError(f"{name!r}: is no parameter of {column.name}; it has {', '.join(known)}")
+    if name in fixed:
+        raise InputError(f"{name} = {fixed[name]}: is what the curve runs along; leave it out")
+    given = np.atleast_1d(np.asarray(values, dtype=float))
+    found = [critical_load(column, modes, load_max=load_max, **{**fixed, name: value}) for value in given.tolist()]
+    loads, frequencies = (
+        np.array([math.nan if x is None else x for x in part])
+        for part in zip(*((f.load, f.frequency) for f in found), strict=True)
+    )
+    return CriticalCurve(name, given, loads, frequencies, tuple(f.kind for f in found))
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """One period of y = Re(Y(x) e^(λt)), the least stable motion of a system: `phase` (m,) of 2π, `vector` (n,) q̂, and
+    up to each phase `work`, what the part of the load without a potential has given, −P ∫ q̇ᵀ ½(H − Hᵀ) q dt, and
+    `dissipated`, ∫ q̇ᵀ C q̇ dt; `energy` is that of motion, of bending and of the load's other part, so that
+    energy = energy at the start + work − dissipated. All in shares of twice the mean kinetic energy at the start.
+    """
+
+    system: System = field(repr=False)
+    eigenvalue: complex
+    vector: Complex = field(repr=False)
+    phase: Real
+    work: Real
+    dissipated: Real
+    energy: Real
+
+    def shape(self, x: ArrayLike, derivative: int = 0) -> Complex:
+        """Y(x) or a derivative of it, largest |Y| on the beam 1, shape of x."""
+        places = np.linspace(0.0, 1.0, 401)
+        top = np.abs(self.vector @ self.system.shapes(places)).max()
+        return np.asarray(self.vector @ self.system.shapes(x, derivative) / top)
+
+    def table(self) -> dict[str, Real]:
+        """Columns: phase, work of the load, dissipated, energy."""
+        return {"phase": self.phase, "work": self.work, "dissipated": self.dissipated, "energy": self.energy}
+
+
+def cycle(
+    column: Column,
+    load: float | None = None,
+    *,
+    modes: int = 8,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    rigid: bool = False,
+    points: int = 361,
+    **parameters: Any,
+) -> Cycle:
+    """The least stable motion at a load, by default the critical one, over one period.
+
+    rigid: with the rigid motion that the elastic one drives. Raises InputError where the least stable motion does not
+    oscillate, and where there is no critical load and none is given.
+    """
+    if load is None:
+        critical = critical_load(column, modes, alpha, beta, **parameters)
+        if critical.load is None:
+            raise InputError(f"load: {column.name} is stable up to P = {critical.load_max:g}; give a load")
+        load = critical.load
+    system = column.system(modes, load, alpha, beta, rigid, **parameters)
+    found = spectrum(system)
+    elastic = found.elastic
+    above = elastic[elastic.imag > 1e-6 * np.abs(elastic).max()]
+    worst = above[above.real.argmax()] if len(above) else 0j
+    if not len(above) or worst.real < elastic.real.max() - 1e-6 * np.abs(elastic).max():
+        raise InputError(f"load = {load:g}: the least stable motion of {column.name} there does not oscillate")
+    if not alpha and not beta and abs(worst.real) < 1e-3 * abs(worst):
+        # all decay alike: the pair that flutters is the one that the load brings together
+        target = critical_load(column, modes, **parameters).frequency or above.imag.min()
+        worst = above[np.abs(above.imag - target).argmin()]
+    k = int(np.abs(found.eigenvalues - worst).argmin())
+    lam, v = complex(found.eigenvalues[k]), found.vectors[:, k]
+    e = slice(system.rigid_count, None)
+    u = v[e]
+    M, C, E, H = (np.asarray(X)[e, e] for X in (system.M, system.C, system.E, system.H))
+    r, w = lam.real, lam.imag
+    phase = np.linspace(0.0, 2 * math.pi, points)
+    t = phase / w
+
+    def integral(A: Real, a: Complex, b: Complex) -> Real:
+        """∫₀ᵗ Re(a e^(λt))ᵀ A Re(b e^(λt)) dt, in closed form."""
+        steady = (np.conj(a) @ A @ b).real / 2
+        swing = a @ A @ b / 2
+        growth = np.expm1(2 * r * t) / (2 * r) if r else t
+        return np.asarray(steady * growth + (swing * np.expm1(2 * lam * t) / (2 * lam)).real)
+
+    def square(A: Real, a: Complex) -> Real:
+        now = np.real(np.exp(lam * t)[:, None] * a)
+        return np.asarray(np.einsum("ti,ij,tj->t", now, A, now))
+
+    P, half = system.load, H / 2
+    energy = (square(M, lam * u) + square(E + P * (half + half.T), u)) / 2
+    size = (np.conj(lam * u) @ M @ (lam * u)).real / 2
+    given, taken = -P * integral(half - half.T, lam * u, u), integral(C, lam * u, lam * u)
+    return Cycle(system, lam, v, phase, given / size, taken / size, energy / size)
+
+
+def follower_share(column: Column, **parameters: Any) -> float:
+    """η, the share of the force at x = 1 that follows the slope there: 1 a follower, 0 a dead load or no force.
+
+    From the equation of motion, whose axial force at the end is P a(1), and the end's condition, in which the
+    shear takes up the rest, P (a(1) − η) y′.
+    """
+    own = column.own_parameters(parameters)
+    axial = sum(column.kernel.equation(1.0, **own).get((2, 0), ()))
+    for condition in column.kernel.end_conditions(1.0, **own)[1]:
+        if (3, 0) in condition:
+            return float(axial + condition.get((1, 0), 0.0) / condition[3, 0] * -1)
+    return 0.0
