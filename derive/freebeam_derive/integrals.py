@@ -17,7 +17,6 @@ from sympy import (
     Expr,
     Mul,
     Poly,
-    Rational,
     S,
     Symbol,
     cancel,
@@ -28,7 +27,6 @@ from sympy import (
     fraction,
     symbols,
 )
-from sympy import integrate as integrate_polynomial
 from sympy.polys.matrices import DomainMatrix
 
 from freebeam_derive.modes import ComparisonBeam, canonical, sigma
@@ -166,10 +164,9 @@ def _collected(expression: Expr, signs: list[Symbol], named: list[Symbol]) -> Ex
     ):
         product = Mul(*(s ** (n % 2 if s in signs else n) for s, n in zip((*signs, *named), powers, strict=True)))
         gathered[product] = gathered.get(product, S.Zero) + coefficient
-    total = Add(
-        *(factor(cancel(c)) * product for product, c in sorted(gathered.items(), key=lambda item: str(item[0])))
-    )
-    return min((total, factor(total), factor_terms(total)), key=lambda e: (int(e.count_ops()), str(e)))
+    total = Add(*(factor(c) * product for product, c in sorted(gathered.items(), key=lambda item: str(item[0]))))
+    written = (total, factor(total), factor_terms(total)) if total.is_Add else (total,)
+    return min(written, key=lambda e: (int(e.count_ops()), str(e)))
 
 
 @cache
@@ -195,17 +192,18 @@ def integral_modes(beam: ComparisonBeam, k: int, p: int, q: int) -> tuple[Expr, 
                 number, product = term.as_coeff_Mul()
                 product *= gamma_i**r * gamma_j**s
                 ends[product] = ends.get(product, S.Zero) + number * coefficient
+    quotients: dict[Expr, tuple[Expr, int]] = {}  # numerator, power of a − b below it
+    for product, coefficient in ends.items():
+        numerator, denominator = fraction(cancel(coefficient))
+        power = Poly(denominator, _a).degree()
+        quotients[product] = cancel(numerator * (_a - _b) ** power / denominator), power
     choices = []
     # (γ_i⁴ − γ_j⁴) may take a power of either γ⁴ with it, or none: whichever leaves the fewest operations
     for eliminated, by in ((_a, _a), (_a, _b + _apart), (_b, _a - _apart)):
         parts: dict[int, Expr] = {}
-        for product, coefficient in ends.items():
-            numerator, denominator = fraction(cancel(coefficient))
-            power = Poly(denominator, _a).degree()
-            constant = cancel(denominator / (_a - _b) ** power)
-            polynomial = Poly(expand(numerator.subs(eliminated, by)), _apart)
-            for (n,), c in polynomial.terms():
-                parts[power - n] = parts.get(power - n, S.Zero) + product * c / constant
+        for product, (numerator, power) in quotients.items():
+            for (n,), c in Poly(numerator.subs(eliminated, by), _apart).terms():
+                parts[power - n] = parts.get(power - n, S.Zero) + product * c
         least = min(parts, default=0)
         if least < 0:
             raise AssertionError("an integral of modes holds a positive power of γ_i⁴ − γ_j⁴")
@@ -261,11 +259,6 @@ def integral_rigid(beam: ComparisonBeam, polynomial: Expr, order: int) -> Expr:
         total += scale * gamma_i**r * (factor_.subs(x, 1) * of_i.at[1][r] - factor_.subs(x, 0) * of_i.at[0][r])
         factor_ = expand(-factor_.diff(x) * scale)
     return _collected(total, *_signs(of_i))
-
-
-def integral_polynomials(first: Expr, second: Expr) -> Rational:
-    """∫ of a product of polynomials over the beam: a rational number."""
-    return integrate_polynomial(expand(first * second), (x, 0, 1))
 
 
 def _within(k: int, p: int, q: int) -> None:

@@ -12,18 +12,25 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import mpmath
-from sympy import Add, Expr, Mul, S, Symbol, cos, cse, expand, factor_terms, numbered_symbols, pi, sin, sqrt
+from sympy import Add, Expr, Mul, S, Symbol, cos, cse, expand, factor_terms, lambdify, numbered_symbols, pi, sin, sqrt
 
 from freebeam_derive.integrals import (
     end_values,
     integral_modes,
-    integral_polynomials,
     integral_rigid,
     integral_same,
     operations,
 )
 from freebeam_derive.legendre import Polynomials, polynomials
-from freebeam_derive.modes import ComparisonBeam, DampedModes, comparison_beam, epsilon, eta, sigma
+from freebeam_derive.modes import (
+    ComparisonBeam,
+    DampedModes,
+    comparison_beam,
+    epsilon,
+    eta,
+    integral_polynomials,
+    sigma,
+)
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import x
 from freebeam_derive.ritz import Form, RitzSystem, display_form
@@ -223,16 +230,13 @@ def _newton_steps(first: int, function: Expr, derivative: Expr, start: Expr) -> 
     with mpmath.workdps(40):
         asymptote = first * mpmath.pi / 4
 
-        def value(e: Expr, d: mpmath.mpf) -> mpmath.mpf:
-            numbers = {delta: d, epsilon: mpmath.exp(-asymptote - d), sigma: 1}
-            return mpmath.mpf(e.subs({s: mpmath.mpmathify(n) for s, n in numbers.items()}).evalf(35)._to_mpmath(120))
-
-        d, steps = value(start, mpmath.mpf(0)), 0
+        value = lambdify((delta, epsilon, sigma), (function, derivative, start), "mpmath")
+        d, steps = value(0, mpmath.exp(-asymptote), 1)[2], 0
         while True:
-            change = value(function, d) / value(derivative, d)
-            if abs(change) < mpmath.mpf(2) ** -60:
+            found, slope, _ = value(d, mpmath.exp(-asymptote - d), 1)
+            if abs(found / slope) < mpmath.mpf(2) ** -60:
                 return steps
-            d, steps = d - change, steps + 1
+            d, steps = d - found / slope, steps + 1
 
 
 QUANTITIES = ("deflection", "slope", "moment", "shear")

@@ -18,7 +18,6 @@ from functools import cache
 
 from sympy import (
     QQ,
-    Eq,
     Expr,
     Function,
     Integral,
@@ -37,7 +36,7 @@ from sympy.polys.matrices import DomainMatrix
 
 from freebeam_derive.modes import comparison_beam
 from freebeam_derive.notation import x
-from freebeam_derive.record import Step
+from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import GEOMETRIC
 
 STAGE = "polynomials"
@@ -186,14 +185,14 @@ def series(polynomial: Expr) -> tuple[Rational, ...]:
 
 def _steps(basis: Polynomials) -> tuple[Step, ...]:
     phi, P = Function("phi")(x), Function("P")(d, x)
-    held = tuple(Eq(Function(f"phi^({c.order})")(c.end), 0) for c in basis.conditions)
+    held = tuple(equal(Function(f"phi^({c.order})")(c.end), 0) for c in basis.conditions)
     return (
         Step(
             STAGE,
             "Take a polynomial of each degree that meets the geometric conditions",
             "each orthogonal to all of lower degree; natural conditions are the energies' own and need not be met",
             held,
-            Eq(phi, P, evaluate=False) if not held else tuple(c.weight for c in basis.conditions),
+            equal(phi, P) if not held else tuple(c.weight for c in basis.conditions),
             "Eq. (9)",
             "the conditions vanish identically in the degree",
         ),
@@ -227,7 +226,7 @@ def admissibility(basis: Polynomials) -> tuple[Step, ...]:
         raise AssertionError(f"the mass of a polynomial of {basis.ends} is not known to be positive")
     phi = Function("phi")(x)
     P = Function("P")
-    slope = Eq(P(k + 1, x).diff(x) - P(k - 1, x).diff(x), 2 * (2 * k + 1) * P(k, x))
+    slope = equal(P(k + 1, x).diff(x) - P(k - 1, x).diff(x), 2 * (2 * k + 1) * P(k, x))
     conditions = (
         ("1) they satisfy the geometric conditions", basis.ends, values, "each vanishes identically in the degree"),
         ("2) they can be differentiated as often as needed", phi, slope, "they are polynomials"),

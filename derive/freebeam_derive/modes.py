@@ -14,14 +14,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache, reduce
+from typing import Any
 
 from sympy import (
+    QQ,
+    Add,
     Eq,
     Expr,
     Function,
     Integer,
     Matrix,
     Poly,
+    Rational,
     S,
     Subs,
     Symbol,
@@ -31,22 +35,18 @@ from sympy import (
     exp,
     expand,
     factor,
-    fraction,
     gcd,
-    integrate,
-    nan,
     pi,
     prod,
     sin,
     sinh,
-    solve,
     sqrt,
-    together,
-    zoo,
+    symbols,
 )
+from sympy.polys.fields import FracField
 
 from freebeam_derive.notation import P, alpha, chi, gamma, lambda_, x
-from freebeam_derive.record import Step
+from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import ALONG, GEOMETRIC, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion, by_parts
 
@@ -111,8 +111,8 @@ class ComparisonBeam:
         """φ^(d)(x) / γ^d in γ, x and the symbols ε, σ, η, root."""
         A, B, C, D = self.coefficients
         u, v = gamma * x, gamma * (1 - x)
-        sine, cosine = ((sin(u), cos(u)), (cos(u), -sin(u)), (-sin(u), -cos(u)), (-cos(u), sin(u)))[derivative % 4]
-        return A * sine + B * cosine + (-1) ** derivative * C * exp(-u) + D * exp(-v)
+        sine, cosine, left, right = _derivatives(sin(u), cos(u), exp(-u), exp(-v))[derivative % 4]
+        return A * sine + B * cosine + C * left + D * right
 
     def numeric(self, expression: Expr, index: int) -> Expr:
         """Replace ε, σ, η and root of the `index`-th mode (from 1) by functions of γ."""
@@ -121,41 +121,59 @@ class ComparisonBeam:
         return expression.subs(root, sqrt(self.square)).subs(values)
 
 
+_FIELD = FracField((eta, sigma, root), QQ)
+
+
+def _element(expression: Expr) -> Any:
+    """A rational expression in ε, η, σ and root as an element of Q(η, σ, root)."""
+    return _FIELD.from_expr(expression.subs(epsilon, sigma * eta))
+
+
+def _reduced(value: Any, square: Expr) -> Any:
+    """An element of Q(η, σ, root) with σ² = 1 and root² = square(ε): denominator in η alone, powers 0 or 1 above it."""
+    ring = _FIELD.ring
+    square_eta = ring.from_expr(square.subs(epsilon, eta))  # even in ε
+
+    def lowered(polynomial: Any) -> Any:
+        terms = polynomial.terms()
+        return sum((ring({(n, i % 2, j % 2): f}) * square_eta ** (j // 2) for (n, i, j), f in terms), ring.zero)
+
+    numerator, denominator = lowered(value.numer), lowered(value.denom)
+    for place in (1, 2):
+        if any(powers[place] for powers in denominator):
+            conjugate = ring({powers: -f if powers[place] else f for powers, f in denominator.items()})
+            numerator, denominator = lowered(numerator * conjugate), lowered(denominator * conjugate)
+    return _FIELD.new(numerator, denominator)
+
+
+def _written(value: Any) -> Expr:
+    """A reduced element as an expression: a sum over the powers of σ and root, factors in lowest terms."""
+    parts: dict[tuple[int, int], dict[tuple[int, int, int], Any]] = {}
+    for (n, i, j), factor_ in value.numer.terms():
+        parts.setdefault((i, j), {})[n, 0, 0] = factor_
+    quotients = {powers: _FIELD.new(_FIELD.ring(terms), value.denom) for powers, terms in parts.items()}
+    return Add(*(factor(f.as_expr()) * sigma**i * root**j for (i, j), f in quotients.items()))
+
+
 def canonical(expression: Expr, square: Expr = S.One) -> Expr:
     """A rational expression in ε, σ (σ² = 1) and root (root² = square(ε)), in its simplest form over η = σ ε."""
-    square_eta = square.subs(epsilon, eta)  # even in ε
-    written = expression.subs(epsilon, sigma * eta)
-
-    def rewrite(numerator: Expr) -> Expr:
-        polynomial = Poly(expand(numerator), sigma, root)
-        total = S.Zero
-        for (i, j), factor_ in polynomial.terms():
-            total += factor_ * sigma ** (i % 2) * square_eta ** (j // 2) * root ** (j % 2)
-        return expand(total)
-
-    numerator, denominator = fraction(together(written))
-    numerator, denominator = rewrite(numerator), rewrite(denominator)
-    for generator in (sigma, root):
-        if denominator.has(generator):
-            conjugate = denominator.subs(generator, -generator)
-            numerator, denominator = rewrite(numerator * conjugate), rewrite(denominator * conjugate)
-    parts = Poly(numerator, sigma, root) if numerator != 0 else None
-    if parts is None:
-        return S.Zero
-    return sum((factor(cancel(f / denominator)) * sigma**i * root**j for (i, j), f in parts.terms()), S.Zero)
+    return _written(_reduced(_element(expression), square))
 
 
-def _trig(which: int, d: int) -> Expr:
-    """d-th derivative of sin (0) or cos (1) at γ, divided by γ^d, in the symbols for sin γ and cos γ."""
-    cycle = (_s, _c, -_s, -_c)
-    return cycle[(d + which) % 4]
+def _derivatives(sine: Expr, cosine: Expr, left: Expr, right: Expr) -> tuple[tuple[Expr, ...], ...]:
+    """Derivatives 0…3 of sin γx, cos γx, e^(−γx), e^(−γ(1−x)), over γ^d, where they have the values given."""
+    return (
+        (sine, cosine, left, right),
+        (cosine, -sine, -left, right),
+        (-sine, -cosine, left, right),
+        (-cosine, sine, -left, right),
+    )
 
 
 def _conditions(orders: tuple[tuple[int, ...], tuple[int, ...]]) -> Matrix:
     """The four end conditions as rows over (sin γx, cos γx, e^(−γx), e^(−γ(1−x)))."""
-    at_0 = [[_trig(0, d).subs({_s: 0, _c: 1}), _trig(1, d).subs({_s: 0, _c: 1}), (-1) ** d, epsilon] for d in orders[0]]
-    at_1 = [[_trig(0, d), _trig(1, d), (-1) ** d * epsilon, 1] for d in orders[1]]
-    return Matrix([*at_0, *at_1])
+    at_0, at_1 = _derivatives(S.Zero, S.One, S.One, epsilon), _derivatives(_s, _c, epsilon, S.One)
+    return Matrix([*(at_0[d] for d in orders[0]), *(at_1[d] for d in orders[1])])
 
 
 def _split(determinant: Expr) -> tuple[Expr, Expr, Expr]:
@@ -174,18 +192,22 @@ def _without_common_factor(p: Expr, q: Expr, r: Expr) -> tuple[Expr, Expr, Expr]
     return cancel(p / common), cancel(q / common), cancel(r / common)
 
 
+def integral_polynomials(first: Expr, second: Expr) -> Rational:
+    """∫ of a product of polynomials over the beam: a rational number."""
+    product = Poly(first, x) * Poly(second, x)
+    return Add(*(c / (n + 1) for (n,), c in product.terms()))
+
+
 def _rigid(orders: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[Expr, ...]:
     """Functions of γ = 0: cubics that meet the end conditions, orthogonalised on 0 ≤ x ≤ 1."""
-    unknown = [Symbol(f"c{k}") for k in range(4)]
-    cubic = sum(c * x**k for k, c in enumerate(unknown))
-    conditions = [cubic.diff(x, d).subs(x, end) for end, ds in enumerate(orders) for d in ds]
-    (general,) = solve(conditions, unknown, dict=True)
-    free = [c for c in unknown if c not in general]
+    conditions = Matrix(
+        [[(x**k).diff(x, d).subs(x, end) for k in range(4)] for end, ds in enumerate(orders) for d in ds]
+    )
     functions: list[Expr] = []
-    for c in free:
-        function = cubic.subs(general).subs({other: int(other == c) for other in free})
+    for coefficients in conditions.nullspace():
+        function = sum((c * x**k for k, c in enumerate(coefficients)), S.Zero)
         for earlier in functions:
-            function -= earlier * integrate(function * earlier, (x, 0, 1)) / integrate(earlier**2, (x, 0, 1))
+            function -= earlier * integral_polynomials(function, earlier) / integral_polynomials(earlier, earlier)
         functions.append(expand(function))
     return tuple(functions)
 
@@ -223,25 +245,14 @@ def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
     sine = canonical((-r * q + sign * sigma * p * w) / size, square)
     cosine = canonical((-r * p - sign * sigma * q * w) / size, square)
 
-    coefficients = _null_vector(conditions.subs({_s: sine, _c: cosine}).subs(eta, sigma * epsilon), square)
-    A, B, C, D = coefficients
-    values_0 = tuple(
-        canonical(
-            A * _trig(0, d).subs({_s: 0, _c: 1}) + B * _trig(1, d).subs({_s: 0, _c: 1}) + (-1) ** d * C + D * epsilon,
-            square,
-        )
-        for d in range(4)
-    )
-    values_1 = tuple(
-        canonical(
-            A * _trig(0, d).subs({_s: sine, _c: cosine})
-            + B * _trig(1, d).subs({_s: sine, _c: cosine})
-            + (-1) ** d * C * epsilon
-            + D,
-            square,
-        )
-        for d in range(4)
-    )
+    held = [[_element(e.subs({_s: sine, _c: cosine})) for e in conditions.row(k)] for k in range(4)]
+    vector = _null_vector(held, square)
+
+    def at_end(*functions: Expr) -> tuple[Expr, ...]:
+        rows = [map(_element, row) for row in _derivatives(*functions)]
+        sums = (sum((a * e for a, e in zip(vector, row, strict=True)), _FIELD.zero) for row in rows)
+        return tuple(_written(_reduced(value, square)) for value in sums)
+
     equation = _classical(*split)
     beam = ComparisonBeam(
         ends,
@@ -253,8 +264,8 @@ def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
         first,
         sine,
         cosine,
-        coefficients,
-        (values_0, values_1),
+        tuple(map(_written, vector)),
+        (at_end(S.Zero, S.One, S.One, epsilon), at_end(sine, cosine, epsilon, S.One)),
         square,
         _rigid(orders),
         (),
@@ -273,8 +284,9 @@ def _at_end(d: int, end: int) -> Expr:
 def _mode_steps(beam: ComparisonBeam, conditions: Matrix) -> tuple[Step, ...]:
     """What the derivation of the modes did. Eqs. (18), (20)-(22)."""
     held = [(d, end) for end in range(2) for d in beam.orders[end]]
-    damped = tuple(Eq((1 + lambda_ * alpha if d > 1 else 1) * _at_end(d, end), 0) for d, end in held)
+    damped = tuple(equal((1 + lambda_ * alpha if d > 1 else 1) * _at_end(d, end), 0) for d, end in held)
     written = {_s: sin(gamma), _c: cos(gamma), epsilon: exp(-gamma)}
+    rows = conditions.xreplace(written).as_immutable()
     found = (beam.p * _c + beam.q * _s + beam.r).xreplace(written)
     steps = [
         Step(
@@ -291,7 +303,7 @@ def _mode_steps(beam: ComparisonBeam, conditions: Matrix) -> tuple[Step, ...]:
             "Strike out the damping",
             "the factor 1 + λ₀α cannot vanish for every mode",
             damped,
-            tuple(Eq(_at_end(d, end), 0) for d, end in held),
+            tuple(equal(_at_end(d, end), 0) for d, end in held),
             "Eq. (20)",
             "division by the factor",
         ),
@@ -299,8 +311,8 @@ def _mode_steps(beam: ComparisonBeam, conditions: Matrix) -> tuple[Step, ...]:
             STAGE,
             "Set the determinant to zero",
             "four conditions on four coefficients have a solution besides zero only where it vanishes",
-            conditions.xreplace(written).as_immutable(),
-            (Eq(found, 0), beam.equation),
+            rows,
+            (equal(found, 0), beam.equation),
             "Eq. (21)",
             "the determinant, expanded; e^γ and e^(−γ) written as cosh and sinh",
         ),
@@ -308,8 +320,8 @@ def _mode_steps(beam: ComparisonBeam, conditions: Matrix) -> tuple[Step, ...]:
             STAGE,
             "Solve for the coefficients",
             "on a root three conditions decide the mode up to its size; the coefficient of sin γx is taken as 1",
-            conditions.xreplace(written).as_immutable(),
-            Eq(chi, beam.mode()),
+            rows,
+            equal(chi, beam.mode()),
             "Eq. (22)",
             "all four end conditions vanish identically",
         ),
@@ -320,7 +332,7 @@ def _mode_steps(beam: ComparisonBeam, conditions: Matrix) -> tuple[Step, ...]:
                 STAGE,
                 "Keep what the ends let move as a rigid body",
                 "the root γ = 0 has polynomials for modes",
-                Eq(chi.diff(x, 4), 0),
+                equal(chi.diff(x, 4), 0),
                 beam.rigid,
                 "section 3.1",
                 "cubics that meet the end conditions, orthogonalised",
@@ -335,15 +347,15 @@ def admissibility(beam: ComparisonBeam) -> tuple[Step, ...]:
     Raises AssertionError where one does not hold.
     """
     geometric = tuple(
-        Eq(_at_end(d, end), beam.values[end][d]) for end, kind in enumerate(beam.ends) for d in GEOMETRIC[kind]
+        equal(_at_end(d, end), beam.values[end][d]) for end, kind in enumerate(beam.ends) for d in GEOMETRIC[kind]
     )
-    cycle = [expand(beam.mode(d + 1) - beam.mode(d).diff(x) / gamma) for d in range(4)]
-    cycle.append(expand(beam.mode(4) - beam.mode()))
+    any_mode = replace(beam, coefficients=symbols(NAMES))  # an identity in constant coefficients
+    cycle = [expand(any_mode.mode(d + 1) - any_mode.mode(d).diff(x) / gamma) for d in range(4)]
     # the bracket u‴v − u″v′ + u′v″ − uv‴ vanishes at an end where each product holds an order that does
     adjoint = all(r in orders or 3 - r in orders for orders in beam.orders for r in range(4))
     if any(beam.values[end][d] for end, kind in enumerate(beam.ends) for d in GEOMETRIC[kind]):
         raise AssertionError(f"the modes of {beam.ends} miss a geometric condition")
-    if any(cycle) or not adjoint:
+    if any(cycle) or any(c.has(x) for c in beam.coefficients) or not adjoint:
         raise AssertionError(f"the modes of {beam.ends} are not admissible")
     u, v = Function("u")(x), Function("v")(x)
     bracket = sum(((-1) ** r * u.diff(x, 3 - r) * v.diff(x, r) for r in range(4)), S.Zero)
@@ -352,13 +364,13 @@ def admissibility(beam: ComparisonBeam) -> tuple[Step, ...]:
         (
             "2) they can be differentiated as often as needed",
             beam.mode(),
-            Eq(chi.diff(x, 4), gamma**4 * chi),
+            equal(chi.diff(x, 4), gamma**4 * chi),
             "each derivative is the next in a cycle of four, times γ",
         ),
         (
             "3) they are complete: with the rigid functions, the eigenfunctions of a regular self-adjoint problem",
             beam.orders,
-            Eq(bracket, 0, evaluate=False),
+            equal(bracket, 0),
             "at each end every product of the bracket holds a derivative that vanishes there",
         ),
         (
@@ -382,41 +394,47 @@ def _first_asymptote(p: Expr, q: Expr, r: Expr, offset: int) -> int:
     return int(min(range(offset, offset + 40, 4), key=lambda k: abs(k * 0.7853981633974483 - estimate)))
 
 
-def _null_vector(conditions: Matrix, square: Expr) -> tuple[Expr, ...]:
+def _null_vector(rows: list[list[Any]], square: Expr) -> list[Any]:
     """Coefficients of the mode, the sine's (or else the cosine's) being 1, as in Eq. (22)."""
-    unknown = Matrix([Symbol(n) for n in NAMES])
-    for fixed in ({unknown[0]: S.One}, {unknown[0]: S.Zero, unknown[1]: S.One}):
-        rest = [u for u in unknown if u not in fixed]
-        for last in (2, 3):
-            equations = [conditions.row(k).dot(unknown).subs(fixed) for k in (0, 1, last)]
-            solution = solve(equations, rest, dict=True)
-            if not solution or len(solution[0]) != len(rest):
-                continue
-            vector = Matrix([canonical((fixed | solution[0])[u], square) for u in unknown])
-            if vector.has(zoo, nan):
-                continue
-            if not any(canonical(conditions.row(k).dot(vector), square) for k in range(4)):
-                return tuple(vector)
+    for last in (2, 3):
+        # three conditions decide the vector up to its size: their minors
+        chosen = (*rows[:2], rows[last])
+        minors = [_determinant([row[:c] + row[c + 1 :] for row in chosen]) * (-1) ** c for c in range(4)]
+        minors = [_reduced(minor, square) for minor in minors]
+        lead = next((minor for minor in minors[:2] if minor), None)
+        if lead is None:
+            continue
+        vector = [_reduced(minor / lead, square) for minor in minors]
+        left = (sum((a * v for a, v in zip(row, vector, strict=True)), _FIELD.zero) for row in rows)
+        if not any(_reduced(residual, square) for residual in left):
+            return vector
     raise AssertionError("no mode meets the four end conditions")
+
+
+def _determinant(rows: list[list[Any]]) -> Any:
+    """By the first row, in as few quotients as the entries bring."""
+    if len(rows) == 1:
+        return rows[0][0]
+    minors = ([[*row[:c], *row[c + 1 :]] for row in rows[1:]] for c in range(len(rows)))
+    return sum(
+        ((-1) ** c * rows[0][c] * _determinant(minor) for c, minor in enumerate(minors) if rows[0][c]), _FIELD.zero
+    )
 
 
 def _classical(p: Expr, q: Expr, r: Expr) -> Eq:
     """The characteristic equation in circular and hyperbolic functions. Eq. (21)."""
-    # 2ε cosh γ = 1 + ε², 2ε sinh γ = 1 − ε²: the factors of degree two are combinations of these
-    a, b = Symbol("a"), Symbol("b")
 
+    # 2ε cosh γ = 1 + ε², 2ε sinh γ = 1 − ε²: the factors of degree two are combinations of these
     def hyperbolic(f: Expr) -> Expr:
-        f2 = Poly(f, epsilon)
-        even = f2.coeff_monomial(1), f2.coeff_monomial(epsilon**2)
-        (s,) = solve([a + b - even[0], a - b - even[1]], [a, b], dict=True)
-        return s[a] * cosh(gamma) + s[b] * sinh(gamma) + f2.coeff_monomial(epsilon) / 2
+        constant, linear, squared = (Poly(f, epsilon).coeff_monomial(epsilon**n) for n in range(3))
+        return (constant + squared) / 2 * cosh(gamma) + (constant - squared) / 2 * sinh(gamma) + linear / 2
 
     left = hyperbolic(p) * cos(gamma) + hyperbolic(q) * sin(gamma)
     right = -hyperbolic(r)
     if right == 0:
-        return Eq(left, 0)
+        return equal(left, 0)
     left = expand(left / right)
-    return Eq(-left, -1) if left.could_extract_minus_sign() else Eq(left, 1)
+    return equal(-left, -1) if left.could_extract_minus_sign() else equal(left, 1)
 
 
 @dataclass(frozen=True)
@@ -457,7 +475,7 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
         if expand(polynomial.as_expr().subs(lambda_, value)) != 0:
             raise AssertionError("Eq. (23) does not solve the separated equation")
     conditions = tuple(
-        Eq(
+        equal(
             expand(
                 e.subs(P, 0).xreplace({j: lambda_ ** int(j.args[2]) * chi.diff(x, int(j.args[1])) for j in jets(e)})
             ),
@@ -471,7 +489,7 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
             "Take the load and the force away",
             "the comparison beam: free vibration of the same beam",
             motion.equation,
-            Eq(show(unloaded), 0),
+            equal(show(unloaded), 0),
             "Eq. (14)",
             "the equation of motion at P = 0 and F_0 = 0",
         ),
@@ -479,8 +497,8 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
             STAGE,
             "Separate the variables",
             "every term keeps the factor e^(λ₀t)",
-            Eq(show(unloaded), 0),
-            (Eq(separated, 0), *conditions),
+            equal(show(unloaded), 0),
+            (equal(separated, 0), *conditions),
             "Eq. (17)",
             "each derivative in time becomes a factor λ₀",
         ),
@@ -488,8 +506,8 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
             STAGE,
             "Name the factor of χ",
             "the damping has gone into the eigenvalue: the shapes are those of the undamped beam",
-            Eq(separated, 0),
-            (Eq(chi.diff(x, 4) - gamma**4 * chi, 0), Eq(gamma**4, quartic)),
+            equal(separated, 0),
+            (equal(chi.diff(x, 4) - gamma**4 * chi, 0), equal(gamma**4, quartic)),
             "Eq. (19)",
             "division by the factor of χ''''",
         ),
@@ -497,7 +515,7 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
             STAGE,
             "Solve for the eigenvalues",
             "a quadratic equation in λ₀",
-            Eq(gamma**4, quartic),
+            equal(gamma**4, quartic),
             eigenvalues,
             "Eq. (23)",
             "put back, both solve the quadratic",

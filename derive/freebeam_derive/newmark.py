@@ -13,7 +13,7 @@ from typing import Any
 
 import sympy as sp
 
-from .record import Step
+from .record import Step, equal
 
 __all__ = ["Newmark", "derive_newmark"]
 
@@ -241,10 +241,10 @@ def _pencil(h: sp.Symbol, b: sp.Symbol, g: sp.Symbol, rho: sp.Symbol) -> tuple[t
         "lambda and 1 at lambda = 2 (rho - 1) / (h (rho + 1)): the exact eigenvalues mapped one to one, "
         "|rho| < 1 where Re lambda < 0. Average acceleration invents no flutter and hides none",
         (
-            sp.Eq(sp.Symbol("q_next"), rho * sp.Symbol("q")),
-            sp.Eq(sp.Symbol("dq_next"), rho * sp.Symbol("dq")),
+            equal(sp.Symbol("q_next"), rho * sp.Symbol("q")),
+            equal(sp.Symbol("dq_next"), rho * sp.Symbol("dq")),
         ),
-        ((m, c, k), sp.Eq(lam, bilinear)),
+        ((m, c, k), equal(lam, bilinear)),
         "Eq. (24)",
         "both assumptions hold identically for q : dq : ddq = k : c : m; m / k and c / k of (1/4, 1/2) equal "
         "lambda^2 and lambda identically",
@@ -342,15 +342,19 @@ def _accuracy(
     Omega: sp.Symbol,
 ) -> tuple[Any, tuple[sp.Matrix, sp.Matrix], Any, Any, list[Step]]:
     """Order by series in h against the exact propagator; leading errors of period and damping."""
-    generator = sp.Matrix([[0, 1], [-1, -2 * xi]])  # ω = 1, so h = Ω and the state (q, dq)
+    # ω = 1, so h = Ω and the state (q, dq)
+    generator = sp.Matrix([[0, 1], [-1, -2 * xi]])
     exact, power = sp.eye(2), sp.eye(2)
     for k in range(1, 4):
         power = generator * power * Omega / k
         exact += power
     # Entry (i, j) in (q, dq) is that in (q, h dq) times h^(j - i). The denominator is 1 + O(h): multiplied
     # by it, the leading term of the error is what it was.
-    error = sp.Matrix(2, 2, lambda i, j: sp.expand(two[i, j] * Omega ** (j - i) - denominator * exact[i, j]))
-    terms = [error.applyfunc(lambda entry, k=k: sp.factor(entry.coeff(Omega, k))) for k in range(4)]
+    ring = sp.polys.rings.PolyRing((xi, b, g, Omega), sp.QQ)
+    scaled = sp.Matrix(2, 2, lambda i, j: two[i, j] * Omega ** (1 + j - i))
+    whole, h = ring.from_expr(denominator), ring.from_expr(Omega)
+    error = [ring.from_expr(a) - h * whole * ring.from_expr(e) for a, e in zip(scaled, exact, strict=True)]
+    terms = [sp.Matrix(2, 2, [sp.factor(entry.coeff_wrt(h, k + 1).as_expr()) for entry in error]) for k in range(4)]
     _prove(terms[0], "consistency, h^0")
     _prove(terms[1], "consistency, h^1")
     # No damping ratio makes all coefficients vanish: the polynomials in ξ have no common root, complex ones
@@ -405,7 +409,7 @@ def _accuracy(
             "log rho is h times the numerical eigenvalue; its series about the exact one, s = lambda / "
             "omega, shows what a step size costs: at zero damping the method damps by the first, and "
             "lengthens the period by the second (g = 1/2)",
-            sp.Eq(sp.log(sp.Symbol("rho")), exponent),
+            equal(sp.log(sp.Symbol("rho")), exponent),
             (c2_value, c3_value, numerical_damping, elongation),
             check="the characteristic polynomial vanishes through Omega^4 with these coefficients, for any damping",
         )

@@ -10,7 +10,6 @@ from dataclasses import dataclass, field
 
 from sympy import (
     Add,
-    Eq,
     Expr,
     Function,
     Integer,
@@ -27,7 +26,7 @@ from sympy import (
 
 from freebeam_derive.integrals import HIGHEST_POWER
 from freebeam_derive.notation import F_0, P, t, x, x_F
-from freebeam_derive.record import Step
+from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import ALONG, StatementError, display, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion
 
@@ -132,9 +131,9 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
     c_M, c_E = _proportions(M, C, E)
     forces = _forces(motion)
 
-    series = Eq(show(jet(Integer(0), Integer(0), Integer(0), ALONG)), Symbol("Sigma_j") * phi_j * q_j, evaluate=False)
+    series = equal(show(jet(Integer(0), Integer(0), Integer(0), ALONG)), Symbol("Sigma_j") * phi_j * q_j)
     matrices = {"M": M, "C": C, "K": K}
-    stated = tuple(Eq(Symbol(f"{name}_ij"), form.expression) for name, form in matrices.items())
+    stated = tuple(equal(Symbol(f"{name}_ij"), form.expression) for name, form in matrices.items())
     geometric = H.map(lambda f: P * f)
     identity = _difference(C, M.map(lambda f: c_M * f) + (K + geometric.map(lambda f: -f)).map(lambda f: c_E * f))
     if identity:
@@ -153,7 +152,7 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
             STAGE,
             "Substitute it into the weak form",
             "the factors of the accelerations, rates and coordinates are the matrices",
-            Eq(display(motion.weak, motion.length), 0),
+            equal(display(motion.weak, motion.length), 0),
             stated,
             "Eq. (11)",
             "each term of the weak form is bilinear in the test and the trial function",
@@ -163,7 +162,7 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
             "Collect the equation of the coordinates",
             "one equation for each test function",
             stated,
-            Eq(Add(*(Symbol(f"{n}_ij") * q_j.diff(t, 2 - k) for k, n in enumerate(matrices))), Symbol("Q_i")),
+            equal(Add(*(Symbol(f"{n}_ij") * q_j.diff(t, 2 - k) for k, n in enumerate(matrices))), Symbol("Q_i")),
             "Eq. (10)",
             "row i is the test function",
         ),
@@ -171,8 +170,8 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
             STAGE,
             "Split the geometric stiffness off",
             "the load's part of the stiffness does not enter the damping",
-            Eq(Symbol("K_ij"), K.expression),
-            Eq(Symbol("K^G_ij"), geometric.expression),
+            equal(Symbol("K_ij"), K.expression),
+            equal(Symbol("K^G_ij"), geometric.expression),
             "Eq. (13)",
             "coefficient of the load",
         ),
@@ -180,8 +179,8 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
             STAGE,
             "Compare the damping with mass and elastic stiffness",
             "proportional damping, the load's stiffness left out",
-            Eq(Symbol("C_ij"), C.expression),
-            Eq(Symbol("C_ij"), c_M * Symbol("M_ij") + c_E * (Symbol("K_ij") - Symbol("K^G_ij"))),
+            equal(Symbol("C_ij"), C.expression),
+            equal(Symbol("C_ij"), c_M * Symbol("M_ij") + c_E * (Symbol("K_ij") - Symbol("K^G_ij"))),
             "Eq. (12)",
             "identity of the bilinear forms, term by term",
         ),

@@ -243,7 +243,7 @@ def read_functional(expression: Expr, name: str, length: Expr) -> Functional:
 
 def show(expression: Expr) -> Expr:
     """A jet expression in derivatives of y(x, t) and delta_y(x, t), for printing."""
-    return expression.replace(jet, _shown)
+    return expression.xreplace({j: _shown(*j.args) for j in expression.atoms(jet)})
 
 
 @cache

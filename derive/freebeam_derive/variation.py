@@ -11,10 +11,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Add, DiracDelta, Eq, Expr, Integer, S, diff, expand
+from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, expand
 
 from freebeam_derive.notation import F_0, P, alpha, beta, x
-from freebeam_derive.record import Step
+from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import (
     ALONG,
     GEOMETRIC,
@@ -50,11 +50,11 @@ class EquationOfMotion:
     @property
     def equation(self) -> Eq:
         """Equation of motion in y(x, t). Eq. (2) with dimensions, Eq. (6) without."""
-        return Eq(show(self.strong) - Add(*(force * DiracDelta(x - place) for place, force in self.forces)), 0)
+        return equal(show(self.strong) - Add(*(force * DiracDelta(x - place) for place, force in self.forces)), 0)
 
     def condition(self, end: int, order: int) -> Eq:
         """Natural condition at an end. Eq. (15)."""
-        return Eq(show(self.natural[end, order]), 0)
+        return equal(show(self.natural[end, order]), 0)
 
 
 def raised(j: Expr, p: int = 0, r: int = 0) -> Expr:
@@ -64,10 +64,20 @@ def raised(j: Expr, p: int = 0, r: int = 0) -> Expr:
 
 
 def total_derivative(expression: Expr) -> Expr:
-    """d/dx of an expression in x and in jets along the beam."""
-    # jets hold their place as an argument: keep them from being differentiated with respect to it
-    along = [j for j in jets(expression) if j.args[3] == ALONG]
-    return expand(diff(expression, x) + Add(*(expression.diff(j) * raised(j, p=1) for j in along)))
+    """d/dx of an expression in x and in jets along the beam: factor by factor."""
+    total = []
+    for term in Add.make_args(expand(expression)):
+        factors = Mul.make_args(term)
+        for n, factor in enumerate(factors):
+            base, power = factor.as_base_exp()
+            if base.func == jet and base.args[3] == ALONG:
+                changed = power * base ** (power - 1) * raised(base, p=1)
+            elif base.func != jet and factor.has(x):
+                changed = factor.diff(x)
+            else:
+                continue
+            total.append(Mul(*factors[:n], changed, *factors[n + 1 :]))
+    return expand(Add(*total))
 
 
 def by_parts(density: Expr) -> tuple[Expr, Expr]:
@@ -137,8 +147,8 @@ def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False)
             STAGE,
             "Take the first variation of the energies and add the virtual work",
             "Hamilton's principle: between two instants at which the motion is given, the sum is zero for every δy",
-            tuple(Eq(s, display(w, length)) for s, w in _named(T, V, W_c, dW_nc)),
-            Eq(display(action, length), 0),
+            tuple(equal(s, display(w, length)) for s, w in _named(T, V, W_c, dW_nc)),
+            equal(display(action, length), 0),
             "Eq. (7)",
             "degree one in the variation",
         )
@@ -161,8 +171,8 @@ def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False)
             STAGE,
             "Read off the weak form",
             "virtual work of inertia, stiffness and damping less that of the forces",
-            Eq(display(action, length), 0),
-            Eq(display(balance, length), 0),
+            equal(display(action, length), 0),
+            equal(display(balance, length), 0),
             "Eq. (8)",
             "sum of the terms above, negated",
         )
@@ -215,7 +225,7 @@ def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False)
             STAGE,
             "State the equation of motion",
             "the factor of δy along the beam",
-            Eq(display(balance, length), 0),
+            equal(display(balance, length), 0),
             motion.equation,
             "Eq. (2)" if dimensional else "Eq. (6)",
             "weak form minus strong form is a boundary term",
