@@ -8,8 +8,23 @@ Each drawing takes `ax`, or makes axes, and returns them. matplotlib is loaded w
 
 from __future__ import annotations
 
-from freebeam_sym.figures.motion import mode_shape, work, work_loop
-from freebeam_sym.figures.stability import coalescence, frequency_load, tangent
-from freebeam_sym.figures.style import style
+from freebeam_sym.figures.look import style
+from freebeam_sym.figures.motion import history, mode_shape, trajectory, work, work_loop
+from freebeam_sym.figures.published import paper
+from freebeam_sym.figures.sketch import beam
+from freebeam_sym.figures.stability import (
+    coalescence,
+    critical_curve,
+    eigenvalues,
+    frequency_load,
+    root_locus,
+    stability_map,
+    tangent,
+)
 
-__all__ = ["coalescence", "frequency_load", "mode_shape", "style", "tangent", "work", "work_loop"]
+__all__ = [
+    "beam", "paper",
+    "coalescence", "critical_curve", "eigenvalues", "frequency_load", "root_locus", "stability_map", "tangent",
+    "history", "mode_shape", "trajectory", "work", "work_loop",
+    "style",
+]  # fmt: skip

@@ -65,12 +65,13 @@ class Locus:
             )
         return self.reference if normalised and self.reference is not None else 1.0
 
-    def table(self, normalised: bool = False) -> dict[str, Real]:
+    def table(self, normalised: bool = False) -> dict[str, Any]:
         """Columns P, Re and Im of each branch, and whether it grows (1) or not (0)."""
-        values, found = self.scaled(normalised), {"P": self.loads}
+        values = self.scaled(normalised)
+        found: dict[str, Any] = {"P": self.loads}
         for k in range(values.shape[1]):
             found[f"Re_lambda_{k + 1}"], found[f"Im_lambda_{k + 1}"] = values[:, k].real, values[:, k].imag
-            found[f"unstable_{k + 1}"] = self.unstable[:, k].astype(float)
+            found[f"unstable_{k + 1}"] = self.unstable[:, k].astype(int)
         return found
 
 
@@ -87,14 +88,19 @@ def locus(
 ) -> Locus:
     """The first `count` eigenvalues along the load, each followed by continuity. Eqs. (24), (25).
 
-    loads: (m,), or the largest load, or None for a quarter beyond the critical load; where no sequence is given the
-    loads lie closer near the critical one, which has a root there. Raises InputError for bad values.
+    loads: (m,), or the largest load, or None for a quarter beyond the critical load, with damping or without; where
+    no sequence is given the loads lie closer near the critical one, which has a root there. Raises InputError for bad
+    values.
     """
     critical = critical_load(column, modes, alpha, beta, **parameters)
-    P = _loads(loads, critical, points)
+    undamped = critical_load(column, modes, **parameters) if loads is None and (alpha or beta) else critical
+    P = _loads(loads, critical, points, max(x.load or 0.0 for x in (critical, undamped)))
     followed = branches(column, P, modes, alpha, beta, **parameters)
     start = followed.eigenvalues[0]
-    kept = np.flatnonzero(start.imag >= -1e-12 * np.abs(start))[: _branches(count, modes)]
+    # those that swing, by |λ|, which is the mode's undamped frequency; then the overdamped, whose Im λ is 0
+    still = np.abs(start.imag) <= 1e-12 * np.abs(start)
+    order = np.lexsort((np.abs(start), still))
+    kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, modes)]
     reference = spectrum(column.system(modes, 0.0, alpha, beta, **parameters)).reference_frequency
     return Locus(P, followed.eigenvalues[:, kept], critical, reference)
 
@@ -103,7 +109,7 @@ def _branches(wanted: int, modes: int) -> int:
     return count("count", wanted, 1, modes, "branches to draw, no more than modes")
 
 
-def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int) -> Real:
+def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int, highest: float) -> Real:
     if loads is not None and np.ndim(loads):
         P = np.asarray(loads, dtype=float)
         if P.ndim != 1 or len(P) < 2 or not np.isfinite(P).all():
@@ -111,8 +117,8 @@ def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int) -> Real
         return P
     if loads is not None:
         top = positive("loads", loads, "the largest load")
-    elif critical.load is not None:
-        top = 1.25 * critical.load
+    elif highest:
+        top = 1.25 * highest
     else:
         raise InputError(
             f"loads: {critical.column.name} is stable up to P = {critical.load_max:g}; give the largest load to draw"

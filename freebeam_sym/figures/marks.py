@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebeam_sym.figures.style import ACCENT, COLOURS, HALO, INK, MUTED
+from freebeam_sym.figures.look import ACCENT, COLOURS, HALO, INK, MUTED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -56,17 +56,21 @@ def symbol(column: Column, name: str) -> str:
 
 
 def branch(
-    ax: Axes, x: Any, y: Any, unstable: Any, k: int, label: str | None = None, zorder: float = 3.0, **more: Any
+    ax: Axes,
+    x: Any,
+    y: Any,
+    unstable: Any,
+    k: int,
+    label: str | None = None,
+    color: str | None = None,
+    lw: float | None = None,
 ) -> None:
-    """Branch k in its colour, solid where it is stable and dashed from the last point that is."""
+    """Branch k in its colour, solid (lw wide) where it is stable and dashed from the last point that is."""
     cuts = [0, *(np.flatnonzero(np.diff(np.asarray(unstable, dtype=int))) + 1).tolist(), len(x)]
     for a, b in pairwise(cuts):
         part = slice(max(a - 1, 0), b)
-        grows = bool(unstable[a])
-        ax.plot(
-            x[part], y[part], color=colour(k), ls=dashes(k) if grows else "-", zorder=zorder + 0.2 * grows,
-            label=label, **more,
-        )  # fmt: skip
+        line: Any = {"ls": dashes(k), "zorder": 3.2} if unstable[a] else {"ls": "-", "lw": lw, "zorder": 3.0}
+        ax.plot(x[part], y[part], color=color or colour(k), label=label, **line)
         label = None
 
 

@@ -9,17 +9,18 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, count
 from freebeam_sym.figures import curves
+from freebeam_sym.figures.look import ACCENT, INK, MUTED, drawing, shades
 from freebeam_sym.figures.marks import colour, digits, legend, note, plain, symbol
-from freebeam_sym.figures.style import ACCENT, MUTED, drawing, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from freebeam_sym.columns import Column
+    from freebeam_sym.response import Response
 
-__all__ = ["mode_shape", "work", "work_loop"]
+__all__ = ["history", "mode_shape", "trajectory", "work", "work_loop"]
 
 
 def mode_shape(
@@ -146,3 +147,51 @@ def _state(column: Column, found: curves.Cycle) -> str:
     grows = abs(lam.real) > 1e-9 * abs(lam)
     real = f"{plain(lam.real)} + " if grows else ""
     return f"{symbol(column, 'P')} = {digits(load)}, $\\lambda$ = {real}{lam.imag:.4g}$\\,i$"
+
+
+QUANTITIES = {"y": "displacement $y$", "dy": r"velocity $\dot{y}$", "ddy": r"acceleration $\ddot{y}$"}
+
+
+def history(
+    response: Response,
+    quantity: str = "y",
+    *,
+    sensor: int = 0,
+    label: str | None = None,
+    color: str | None = None,
+    ax: Axes | None = None,
+) -> Axes:
+    """What a sensor feels in time: Figs. 8 to 10 of the paper.
+
+    quantity: "y", "dy" or "ddy", or of these the elastic or rigid part, such as "y_elastic". sensor: which of the
+    response's, from 0. Raises InputError where there is no such quantity or sensor.
+    """
+    kind, _, part = quantity.partition("_")
+    if kind not in QUANTITIES or part not in ("", "elastic", "rigid"):
+        names = [f"{k}{p}" for p in ("", "_elastic", "_rigid") for k in QUANTITIES]
+        raise InputError(f"quantity = {quantity!r}: must be one of {', '.join(names)}")
+    k = count("sensor", sensor, 0, len(response.sensors) - 1, "the response's sensors, counted from 0")
+    with drawing(ax) as ax:
+        more: dict[str, Any] = {} if color is None else {"color": color}
+        ax.plot(response.t, getattr(response, quantity)[:, k], label=label, lw=1.2, **{"color": colour(0), **more})
+        ax.set_xlim(response.t[0], response.t[-1])
+        ax.axhline(0.0, color=MUTED, lw=0.7, zorder=1)
+        ax.set_xlabel("time $t$")
+        ax.set_ylabel(QUANTITIES[kind] + (f", {part}" if part else ""))
+    return ax
+
+
+def trajectory(response: Response, *, sensor: int = 0, color: str | None = None, ax: Axes | None = None) -> Axes:
+    """Velocity against displacement at a sensor, from the dot on: Figs. 8(d) and 9(d) of the paper."""
+    k = count("sensor", sensor, 0, len(response.sensors) - 1, "the response's sensors, counted from 0")
+    y, dy = response.y[:, k], response.dy[:, k]
+    with drawing(ax, (4.2, 3.6)) as ax:
+        ax.axhline(0.0, color=MUTED, lw=0.7, zorder=1)
+        ax.axvline(0.0, color=MUTED, lw=0.7, zorder=1)
+        ax.plot(y, dy, color=colour(0) if color is None else color, lw=0.8)
+        ax.plot(y[:1], dy[:1], "o", color=INK, mec="white", mew=1.1, ms=7, zorder=6)
+        note(ax, y[0], dy[0], "$t = 0$", (9, 5))
+        ax.margins(0.1)
+        ax.set_xlabel(QUANTITIES["y"])
+        ax.set_ylabel(QUANTITIES["dy"])
+    return ax

@@ -5,21 +5,27 @@ Each takes a column and its parameters, draws in the axes `ax` or in new ones, a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from freebeam_sym.checks import InputError
 from freebeam_sym.figures import curves
+from freebeam_sym.figures.look import ACCENT, INK, MAP, MUTED, drawing
 from freebeam_sym.figures.marks import branch, colour, dashes, digits, key, legend, mark, note, symbol
-from freebeam_sym.figures.style import ACCENT, INK, MUTED, drawing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from freebeam_sym.columns import Column
 
-__all__ = ["coalescence", "frequency_load", "tangent"]
+__all__ = [
+    "coalescence", "critical_curve", "eigenvalues", "frequency_load", "root_locus", "stability_map", "tangent",
+]  # fmt: skip
+
+GREEK = {"alpha": r"internal damping $\alpha$", "beta": r"external damping $\beta$", "eta": r"$\eta$"}
+"""What a map's dimensions are called."""
 
 
 def frequency_load(
@@ -146,4 +152,243 @@ def coalescence(
         ax.set_xlabel(f"load {letter}")
         ax.set_ylabel(r"$\lambda - i\omega$: imaginary before, real after")
         legend(ax, loc="center right")
+    return ax
+
+
+def root_locus(
+    column: Column,
+    loads: ArrayLike | None = None,
+    *,
+    modes: int = 8,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    count: int = 2,
+    normalised: bool = False,
+    ax: Axes | None = None,
+    **parameters: Any,
+) -> Axes:
+    """The first `count` eigenvalues in the complex plane as the load grows: Figs. 3 and 7 of the paper. Eqs. (24)-(26).
+
+    loads: a sequence, the largest load, or None for a quarter beyond the critical load. normalised: divided by λ₀ of
+    Eq. (26). Each branch keeps its colour; dots stand at round loads. Raises InputError for bad values.
+    """
+    found = curves.locus(column, loads, modes=modes, alpha=alpha, beta=beta, count=count, **parameters)
+    with drawing(ax, (5.2, 4.2)) as ax:
+        draw_locus(ax, column, found, normalised)
+    return ax
+
+
+def draw_locus(ax: Axes, column: Column, found: curves.Locus, normalised: bool) -> None:
+    """A locus in the complex plane."""
+    from matplotlib.ticker import MaxNLocator
+
+    values, P = found.scaled(normalised), found.loads
+    for k in range(values.shape[1]):
+        branch(ax, values[:, k].real, values[:, k].imag, found.unstable[:, k], k, lw=2.0)
+    ax.axvline(0.0, color=MUTED, lw=0.8, zorder=1)
+    ax.margins(0.12, 0.1)
+    width = max(abs(v) for v in ax.get_xlim())
+    if width < 1e-6 * max(abs(v) for v in ax.get_ylim()):  # all on the imaginary axis
+        ax.set_xlim(-1, 1)
+    over = "/\\lambda_0" if normalised else ""
+    ax.set_xlabel(rf"Re$\,\lambda{over}$")
+    ax.set_ylabel(rf"Im$\,\lambda{over}$")
+    taken: list[Any] = []
+    critical = found.critical
+    letter = symbol(column, "P")
+    if critical.load is not None and critical.frequency is not None and P.min() <= critical.load <= P.max():
+        height = critical.frequency / found.scale(normalised)
+        mark(ax, 0.0, height, f"{letter} = {digits(critical.load)}", (11, -9))
+        taken.append(ax.transData.transform((0.0, height)))
+    for load in MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(P.min(), P.max()):
+        if not P.min() <= load <= P.max():
+            continue
+        for k in range(values.shape[1]):
+            point = complex(np.interp(load, P, values[:, k]))
+            ax.plot([point.real], [point.imag], "o", color=colour(k), mec="white", mew=0.8, ms=5, zorder=5)
+            place = ax.transData.transform((point.real, point.imag))
+            if all(np.hypot(*(place - other)) > 15 for other in taken):
+                taken.append(place)
+                text = f"{letter} = {load:g}" if load == 0 else f"{load:g}"
+                i = min(max(int(np.searchsorted(P, load)), 1), len(P) - 1)
+                ends = values[[i - 1, i], k]
+                along, up = np.abs(np.diff(ax.transData.transform(np.column_stack([ends.real, ends.imag])), axis=0)[0])
+                at, ha = ((0, 5), "center") if along > up else ((8, 0), "left") if k % 2 else ((-8, 0), "right")
+                note(ax, point.real, point.imag, text, at, color=colour(k), fontsize=8, ha=ha)
+    key(ax)
+
+
+def eigenvalues(
+    column: Column,
+    loads: ArrayLike | None = None,
+    *,
+    part: Literal["real", "imaginary"] = "imaginary",
+    modes: int = 8,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    count: int = 2,
+    normalised: bool = False,
+    ax: Axes | None = None,
+    **parameters: Any,
+) -> Axes:
+    """Real or imaginary part of the first `count` eigenvalues along the load: Fig. 2 of the paper. Eqs. (24)-(26).
+
+    The arguments are those of `root_locus`, and `part`. Raises InputError for bad values.
+    """
+    if part not in ("real", "imaginary"):
+        raise InputError(f"part = {part!r}: must be 'real' or 'imaginary'")
+    found = curves.locus(column, loads, modes=modes, alpha=alpha, beta=beta, count=count, **parameters)
+    with drawing(ax) as ax:
+        draw_part(ax, column, found, part, normalised)
+    return ax
+
+
+def draw_part(ax: Axes, column: Column, found: curves.Locus, part: str, normalised: bool) -> None:
+    """A part of a locus along the load."""
+    values, P = found.scaled(normalised), found.loads
+    shown = values.real if part == "real" else values.imag
+    for k in range(values.shape[1]):
+        width = 1.7 if part == "imaginary" or k else 3.6  # real parts may all be 0: the first one's rim shows
+        branch(ax, P, shown[:, k], found.unstable[:, k], k, lw=width)
+    ax.set_xlim(P.min(), P.max())
+    ax.margins(y=0.13)
+    if part == "real":
+        ax.axhline(0.0, color=MUTED, lw=0.8, zorder=1)
+    else:
+        for k in range(values.shape[1]):
+            note(ax, P[0], shown[0, k], f"mode {k + 1}", (7, 7), color=colour(k))
+    critical = found.critical
+    if critical.load is not None and critical.frequency is not None and P.min() <= critical.load <= P.max():
+        height = 0.0 if part == "real" else critical.frequency / found.scale(normalised)
+        at, ha = ((-9, 7), "right") if part == "real" else ((0, -10), "center")
+        if part == "imaginary" and not (critical.alpha or critical.beta):  # between the two that meet
+            at, ha = (-11, 0), "right"
+        mark(ax, critical.load, height, f"{symbol(column, 'P')} = {digits(critical.load)}", at, ha=ha)
+    ax.set_xlabel(f"load {symbol(column, 'P')}")
+    over = "/\\lambda_0" if normalised else ""
+    ax.set_ylabel(rf"{'Re' if part == 'real' else 'Im'}$\,\lambda{over}$")
+
+
+def critical_curve(
+    column: Column,
+    name: str,
+    values: ArrayLike,
+    *,
+    modes: int = 8,
+    load_max: float = 1000.0,
+    label: str | None = None,
+    color: str | None = None,
+    ax: Axes | None = None,
+    **fixed: Any,
+) -> Axes:
+    """The critical load along one parameter: Figs. 4 and 5 of the paper, and one curve of Fig. 6.
+
+    name: "alpha", "beta" or a parameter of the column's own; values: (m,), on a logarithmic axis where they grow by
+    a factor; fixed: the other parameters. Flutter is solid, divergence dashed. Raises InputError for bad values.
+    """
+    found = curves.critical_curve(column, name, values, modes=modes, load_max=load_max, **fixed)
+    with drawing(ax) as ax:
+        draw_critical(ax, column, found, label, color)
+    return ax
+
+
+def draw_critical(
+    ax: Axes, column: Column, found: curves.CriticalCurve, label: str | None = None, color: str | None = None
+) -> None:
+    """Critical loads along a parameter."""
+    kinds = np.array(found.kinds)
+    for kind, line in (("flutter", "-"), ("divergence", dashes())):
+        if (kinds == kind).any():
+            loads = np.where(kinds == kind, found.loads, np.nan)
+            name = label if label or len(set(found.kinds)) == 1 else kind
+            ax.plot(found.values, loads, color=color or colour(0), ls=line, label=name)
+            label = label and "_" + label  # one entry of a legend for both
+    if label is None and len(set(found.kinds)) > 1:
+        legend(ax)
+    if geometric(found.values):
+        ax.set_xscale("log")
+    ax.set_xlim(found.values.min(), found.values.max())
+    ax.set_xlabel(GREEK.get(found.name, symbol(column, found.name)))
+    letter = symbol(column, "P")[1:-1].removesuffix("_0")
+    ax.set_ylabel(rf"critical load ${letter}_{{\mathrm{{cr}}}}$")
+
+
+def geometric(values: Any) -> bool:
+    """Whether values span a decade or more and grow by a factor rather than by a step."""
+    v = np.sort(np.asarray(values, dtype=float))
+    if len(v) < 3 or v[0] <= 0 or v[-1] < 10 * v[0]:
+        return False
+    return bool(np.ptp(np.diff(np.log(v))) / np.log(v[-1] / v[0]) < np.ptp(np.diff(v)) / (v[-1] - v[0]))
+
+
+def stability_map(
+    loads: Any,
+    x: ArrayLike | None = None,
+    y: ArrayLike | None = None,
+    *,
+    xlabel: str | None = None,
+    ylabel: str | None = None,
+    levels: int | ArrayLike = 10,
+    ax: Axes | None = None,
+) -> Axes:
+    """Critical loads over two parameters, as shades with lines of equal load.
+
+    loads: an xarray Dataset with a variable `load` (and `kind`, so that divergence is hatched), a DataArray, both with
+    two dimensions, of which the first is drawn along x; or an array of shape (len(x), len(y)) with the values x, y.
+    NaN, no critical load, stays grey. Raises InputError where that does not fit together.
+    """
+    kinds = None
+    if hasattr(loads, "data_vars"):
+        if "load" not in loads:
+            raise InputError(f"map: the Dataset has no variable 'load', only {', '.join(map(str, loads.data_vars))}")
+        kinds, loads = (loads["kind"] if "kind" in loads else None), loads["load"]
+    names: tuple[str, ...] = ()
+    if hasattr(loads, "dims"):
+        names = tuple(map(str, loads.dims))
+        if len(names) != 2:
+            raise InputError(f"map: has the dimensions {', '.join(names) or '()'}; select two of them to draw")
+        x = loads[names[0]].values if x is None else x
+        y = loads[names[1]].values if y is None else y
+    values = np.asarray(loads, dtype=float)
+    if x is None or y is None:
+        raise InputError("x, y: are needed with a plain array, the values of its two parameters")
+    across, up = np.asarray(x, dtype=float), np.asarray(y, dtype=float)
+    if values.shape != (len(across), len(up)) or min(values.shape) < 2:
+        raise InputError(
+            f"map has shape {values.shape}: must be (len(x), len(y)) = ({len(across)}, {len(up)}), two or more each"
+        )
+    if not np.isfinite(values).any():
+        raise InputError("map: holds no critical load, only NaN")
+    with drawing(ax, (5.4, 4.0)) as ax:
+        from matplotlib.ticker import MaxNLocator
+
+        steps: Any = levels
+        if not np.ndim(levels):
+            steps = MaxNLocator(steps).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
+        ax.set_facecolor("#D9D9D9")
+        shown = np.ma.masked_invalid(values.T)
+        filled = ax.contourf(across, up, shown, steps, cmap=MAP, extend="neither")
+        light = len(steps) * 0.6
+        inks = ["white" if k < light else INK for k in range(len(steps))]
+        lines = ax.contour(across, up, shown, steps, colors=inks, linewidths=0.6)
+        texts_on_lines = ax.clabel(lines, fontsize=8, fmt="%g")
+        if kinds is not None:
+            still = np.asarray(np.asarray(kinds) == "divergence").T
+            if still.any():
+                ax.contourf(across, up, still.astype(float), [0.5, 1.5], colors="none", hatches=["////"])
+        for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
+            if geometric(where):
+                scale("log")
+        for text in texts_on_lines:  # none that the frame would cut
+            spot = ax.transAxes.inverted().transform(ax.transData.transform(text.get_position()))
+            text.set_visible(bool((np.abs(spot - 0.5) < 0.45).all()))
+        ax.grid(False)
+        texts = [xlabel, ylabel]
+        for k, name in enumerate(names):
+            texts[k] = texts[k] or GREEK.get(name, name)
+        ax.set_xlabel(texts[0] or "")
+        ax.set_ylabel(texts[1] or "")
+        bar = ax.figure.colorbar(filled, ax=ax, pad=0.02)
+        bar.set_label(r"critical load $P_{\mathrm{cr}}$")
+        bar.outline.set_visible(False)
     return ax

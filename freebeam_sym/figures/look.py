@@ -134,7 +134,7 @@ def shades(count: int) -> list[str]:
     from matplotlib import colormaps
     from matplotlib.colors import to_hex
 
-    places = [0.0] if count == 1 else [0.86 * k / (count - 1) for k in range(count)]
+    places = [0.0] if count == 1 else [0.8 * k / (count - 1) for k in range(count)]
     return [to_hex(colormaps[MAP](place)) for place in places]
 
 
