@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.critical import CriticalLoad, critical_load
     from freebeam_sym.proofs import Certified, certified_load, exact_load, verify_certificate
-    from freebeam_sym.response import Response, respond, state_space
+    from freebeam_sym.response import Harmonic, Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
 
 __all__ = [
@@ -27,7 +27,7 @@ __all__ = [
     "spectrum", "branches", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "certified_load", "exact_load", "Certified", "verify_certificate",
-    "respond", "state_space", "Response",
+    "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
 ]  # fmt: skip
@@ -51,6 +51,7 @@ _HOMES = {
     "verify_certificate": ("proofs", "verify_certificate"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
+    "Harmonic": ("response", "Harmonic"),
     "Response": ("response", "Response"),
     "InputError": ("checks", "InputError"),
 }

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 import io
 import json
+import shutil
 import sys
-from collections.abc import Sequence
+import tempfile
+import zipfile
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from pathlib import Path
 from typing import IO, Annotated, Any
 
@@ -31,6 +35,8 @@ from freebeam_sym.cli.options import (
     number,
 )
 from freebeam_sym.cli.output import plain, print_json, working, written
+
+QUANTITIES = {"y": "length", "dy": "velocity", "ddy": "acceleration"}
 
 
 @app.command(epilog="Example: freebeam respond --load 9 --alpha 1e-3 --beta 0.1 --duration 20 --step 0.01 --sensor 0.1")
@@ -67,7 +73,14 @@ def respond(
     initial_velocity: Annotated[
         Number | None, typer.Option(parser=number, metavar="V", help="Its rate dq/dt at t = 0.")
     ] = None,
-    output: Annotated[Path | None, typer.Option(metavar="FILE", help="A .csv or .npz file to write.")] = None,
+    quantity: Annotated[
+        list[str] | None,
+        typer.Option(metavar="y|dy|ddy", help="Displacement, velocity or acceleration; all three where not given."),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="A .csv or .npz file to write, part by part, however long the response is."),
+    ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace an output that exists.")] = False,
     bending_stiffness: StiffnessOption = None,
     mass_per_length: MassOption = None,
@@ -91,6 +104,9 @@ def respond(
         raise InputError("a force needs both --force-amplitude and --force-frequency")
     if force_amplitude is None and force_position is not None:
         raise InputError("--force-position: there is no force; give --force-amplitude and --force-frequency")
+    for name in quantity or ():
+        if name not in QUANTITIES:
+            raise InputError(f"--quantity {name}: must be one of {', '.join(QUANTITIES)}")
     positive("duration", duration)
     positive("step", step)
     case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length))
@@ -104,7 +120,7 @@ def respond(
     if force_amplitude is not None and force_frequency is not None:
         size, rate = units.into("force", force_amplitude), units.into("frequency", force_frequency)
         excitation = {
-            "force": lambda t: size * np.sin(rate * t),
+            "force": fb.Harmonic(size, rate),
             "force_position": 1.0 if force_position is None else units.into("length", force_position),
         }
     start: dict[str, Any] = {}
@@ -118,45 +134,81 @@ def respond(
         start = {"initial": amplitude * mode, "initial_velocity": velocity * mode}
 
     record = case.record(load=load, rigid=rigid, duration=duration, step=step, sensors=places or sensors)
+    names = [name for name in QUANTITIES if not quantity or name in quantity]
 
-    def series() -> dict[str, Any]:
+    def series(target: Callable[[dict[str, Any]], None] | None) -> dict[str, Any]:
         with working("response") as report, nondimensional(units):
             found = fb.respond(
-                system, units.into("time", duration), units.into("time", step), sensors=sensors,
+                system, units.into("time", duration), units.into("time", step), sensors=sensors, outputs=names,
+                target=None if target is None else lambda part: target(values(part)),
                 progress=lambda share: report(f"{share:.0%}"), **start, **excitation,
             )  # fmt: skip
         record["period_error"] = found.period_error
+        return values(found)
+
+    def values(found: Any) -> dict[str, Any]:
         return {
             "t": units.out("time", found.t),
-            "y": units.out("length", found.y),
-            "dy": units.out("velocity", found.dy),
-            "ddy": units.out("acceleration", found.ddy),
+            **{name: units.out(QUANTITIES[name], getattr(found, name)) for name in names},
         }
 
     if output is None:
-        found = series()
+        found = series(None)
         if as_json:
             print_json({**record, **found})
         else:
             write_csv(sys.stdout, labels, **found)
         return
     with written(output, replace=force) as stream:
-        found = series()
         if output.suffix == ".npz":
-            np.savez(stream, sensors=sensors, settings=json.dumps(plain(record)), **found)
+            # Each array has a file of its own until its length is known; the members of the archive follow each other.
+            with ExitStack() as stack:
+                beside: dict[str, IO[bytes]] = {
+                    name: stack.enter_context(tempfile.TemporaryFile(dir=output.parent)) for name in ("t", *names)
+                }
+
+                def keep(part: dict[str, Any]) -> None:
+                    for name, array in part.items():
+                        beside[name].write(memoryview(array).cast("B"))
+
+                series(keep)
+                write_npz(stream, beside, len(sensors), {"sensors": sensors, "settings": json.dumps(plain(record))})
         else:
             text = io.TextIOWrapper(stream, encoding="utf-8", newline="")
-            write_csv(text, labels, **found)
+            series(lambda part: write_csv(text, labels, **part))
             text.detach()
     if as_json:
         print_json({**record, "output": output})
 
 
-def write_csv(stream: IO[str], labels: Sequence[str], t: Any, y: Any, dy: Any, ddy: Any) -> None:
-    """Write a response as CSV; numbers are written so that they read back as the same floats."""
+def write_csv(stream: IO[str], labels: Sequence[str], t: Any, **quantities: Any) -> None:
+    """Write a response, or a part of it, as CSV; numbers are written so that they read back as the same floats."""
     import numpy as np
 
-    stream.write(",".join(["t", *(f"{name}({x})" for x in labels for name in ("y", "dy", "ddy"))]) + "\n")
-    table = np.stack([y, dy, ddy], axis=-1).reshape(len(t), -1)
+    if t[0] == 0:
+        stream.write(",".join(["t", *(f"{name}({x})" for x in labels for name in quantities)]) + "\n")
+    table = np.stack([*quantities.values()], axis=-1).reshape(len(t), -1)
     for moment, row in zip(t.tolist(), table, strict=True):
         stream.write(",".join(map(repr, [moment, *row.tolist()])) + "\n")
+
+
+def write_npz(stream: IO[bytes], files: dict[str, IO[bytes]], sensors: int, arrays: dict[str, Any]) -> None:
+    """Write files of floats, t of shape (times,) and others (times, sensors), and arrays, as NumPy's archive."""
+    import numpy as np
+
+    with zipfile.ZipFile(stream, "w", zipfile.ZIP_STORED, allowZip64=True) as archive:
+        for name, file in files.items():
+            times = file.tell() // (8 if name == "t" else 8 * sensors)
+            shape = (times,) if name == "t" else (times, sensors)
+            file.seek(0)
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                header = {
+                    "descr": "<f8" if sys.byteorder == "little" else ">f8",
+                    "fortran_order": False,
+                    "shape": shape,
+                }
+                np.lib.format.write_array_header_1_0(member, header)
+                shutil.copyfileobj(file, member)
+        for name, value in arrays.items():
+            with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                np.lib.format.write_array(member, np.asarray(value))

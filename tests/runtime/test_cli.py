@@ -215,6 +215,22 @@ def test_outputs_agree_and_are_whole(freebeam, tmp_path):
     assert sorted(file.name for file in tmp_path.iterdir()) == ["r.csv", "r.npz"]
 
 
+@pytest.mark.parametrize("suffix", ["csv", "npz"])
+def test_a_long_response_is_written_part_by_part(freebeam, tmp_path, monkeypatch, suffix):
+    """As the whole of it, and only what is asked for."""
+    monkeypatch.setattr("freebeam_sym.propagation.STRETCH", 8)
+    file = tmp_path / f"r.{suffix}"
+    options = ["respond", "--load", "9", "--duration", "3", "--step", "0.001", "--sensor", "0.1", "--quantity", "ddy"]
+    freebeam(*options, "--output", file)
+    monkeypatch.undo()
+    whole = freebeam(*options).table
+    stored = np.genfromtxt(file, delimiter=",", names=True, deletechars="") if suffix == "csv" else np.load(file)
+    assert whole["t"].size == 3001 and set(whole) == {"t", "ddy(0.1)"}
+    np.testing.assert_array_equal(stored["t"], whole["t"])
+    found = stored["ddy"][:, 0] if suffix == "npz" else stored["ddy(0.1)"]
+    np.testing.assert_allclose(found, whole["ddy(0.1)"], rtol=0, atol=1e-12 * np.abs(found).max())
+
+
 def test_an_output_that_exists_is_kept_unless_forced(freebeam, tmp_path):
     file = tmp_path / "r.csv"
     file.write_text("precious", encoding="utf-8")
@@ -359,6 +375,7 @@ def test_own_column_without_a_cache(clamped, tmp_path, monkeypatch):
         ([*RESPOND, "--initial-mode", "9"], "--initial-mode = 9"),
         ([*RESPOND, "--initial-mode", "0"], "--initial-mode = 0"),
         ([*RESPOND, "--output", "response.txt"], ".csv or .npz"),
+        ([*RESPOND, "--quantity", "speed"], "--quantity speed: must be one of y, dy, ddy"),
         ([*RESPOND, "--output", "no-such-folder/response.csv"], "no-such-folder"),
         (["respond", "--load", "5000", "--duration", "1000", "--step", "0.01"], "t = "),
         (["generate", "no-such-column"], "no-such-column"),

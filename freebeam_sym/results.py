@@ -1,0 +1,153 @@
+"""A response's arrays, and where they go: memory, the caller's arrays, or a function that takes part after part."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .checks import InputError
+
+Array = NDArray[np.float64]
+Fill = Callable[[str, Array], None]
+
+OUTPUTS = ("y", "dy", "ddy")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Response:
+    """Response at the sensors, nondimensional. Arrays (*cases, steps + 1, sensors) unless said otherwise.
+
+    None stands for what was not asked for. Without rigid functions the elastic part is all there is and the rigid part
+    is zero.
+    """
+
+    sensors: Array
+    """Positions x_s, shape (sensors,)."""
+    step: float
+    newmark: tuple[float, float]
+    growth: float
+    """Largest real part of the exact elastic spectrum; positive where the beam flutters or diverges."""
+    frequencies: Array
+    """Im λ > 0 of the elastic spectrum, ascending."""
+    period_errors: Array
+    """Newmark's relative period error, numerical period / exact period − 1, one a frequency."""
+    initial_lost: float
+    """‖y − Σ φᵢ qᵢ‖ / ‖y‖ over the beam, what the functions cannot hold of the initial shape; 0 for a given q."""
+    velocity_lost: float
+    """The same of the initial velocity."""
+    begin: int = 0
+    """Number of steps before the first time: 0, or more in a part of a response."""
+    end: int = 0
+    """Number of steps before the last time, and one."""
+    y: Any = None
+    dy: Any = None
+    ddy: Any = None
+    y_elastic: Any = None
+    dy_elastic: Any = None
+    ddy_elastic: Any = None
+    y_rigid: Any = None
+    dy_rigid: Any = None
+    ddy_rigid: Any = None
+    q: Any = None
+    """Generalised coordinates, shape (*cases, steps + 1, n), where `states` asked for them."""
+    dq: Any = None
+
+    @property
+    def t(self) -> Array:
+        """Times, shape (steps + 1,)."""
+        return self.step * np.arange(self.begin, self.end, dtype=np.float64)
+
+    @property
+    def period_error(self) -> float:
+        """Newmark's relative period error of the lowest frequency; NaN where nothing oscillates."""
+        return float(self.period_errors[0]) if self.period_errors.size else math.nan
+
+
+Target = Callable[[Response], object] | Mapping[str, Any]
+
+
+def names_of(outputs: Sequence[str], rigid: bool, states: bool, target: Target | None) -> list[str]:
+    """Names of the arrays that are asked for. Raises InputError for those that there are not."""
+    if isinstance(outputs, str) or not len(outputs) or any(name not in OUTPUTS for name in outputs):
+        raise InputError(f'outputs = {outputs!r}: must be a sequence of names from "y", "dy", "ddy"')
+    parts = ("", "_elastic", "_rigid") if rigid else ("",)
+    names = [name + part for part in parts for name in OUTPUTS if name in outputs]
+    names += ["q", "dq"] if states else []
+    if target is None or callable(target):
+        return names
+    known = [name + part for name in OUTPUTS for part in parts] + ["q", "dq"]
+    for name in target:
+        if name not in known:
+            raise InputError(f"target[{name!r}]: there is no such array; there are {', '.join(known)}")
+    if not target:
+        raise InputError("target = {}: must name an array, such as y, to be filled")
+    return list(target)
+
+
+class Results:
+    """Takes a response, a stretch of times after another."""
+
+    def __init__(
+        self,
+        about: Response,
+        widths: Mapping[str, int],
+        rigid: bool,
+        cases: tuple[int, ...],
+        count: int,
+        target: Target | None,
+    ) -> None:
+        self.about, self.rigid, self.cases, self.count, self.target = about, rigid, cases, count, target
+        self.widths = widths
+        self.number = math.prod(cases)
+        self.last = about
+        if target is None:
+            self.arrays = {name: np.empty((self.number, count, width)) for name, width in widths.items()}
+        elif not callable(target):
+            for name, width in widths.items():
+                shape, wanted = getattr(target[name], "shape", None), (*cases, count, width)
+                if shape != wanted:
+                    raise InputError(f"target[{name!r}] has shape {shape}: must be an array of shape {wanted}")
+
+    def take(self, begin: int, end: int, fill: Fill, safe: bool, overflow: Callable[[int], InputError]) -> None:
+        """Fill the times begin, …, end − 1. Raises what `overflow` makes of the first time that is not finite."""
+        parts: dict[str, Array] = {}
+        self.last = self.about  # no two parts at once
+        for name, width in self.widths.items():
+            own = self.target is not None
+            part = np.empty((self.number, end - begin, width)) if own else self.arrays[name][:, begin:end]
+            parts[name] = part
+            fill(name, part)
+        if not safe:
+            finite = np.logical_and.reduce([np.isfinite(part).all(axis=(0, 2)) for part in parts.values()])
+            if not finite.all():
+                raise overflow(begin + int(np.argmin(finite)))
+        if self.target is None:
+            return
+        shaped = {name: part.reshape(*self.cases, end - begin, -1) for name, part in parts.items()}
+        if callable(self.target):
+            self.last = self._response(begin, end, shaped)
+            self.target(self.last)
+        else:
+            for name, part in shaped.items():
+                self.target[name][..., begin:end, :] = part
+
+    def response(self) -> Response:
+        """The whole of it; of what a function took, the last part."""
+        if callable(self.target):
+            return self.last
+        if self.target is not None:
+            return self._response(0, self.count, dict(self.target))
+        whole = {name: array.reshape(*self.cases, self.count, -1) for name, array in self.arrays.items()}
+        return self._response(0, self.count, whole)
+
+    def _response(self, begin: int, end: int, arrays: dict[str, Any]) -> Response:
+        for name in OUTPUTS:
+            if name in arrays and not self.rigid:
+                arrays[f"{name}_elastic"] = arrays[name]
+                arrays[f"{name}_rigid"] = np.broadcast_to(0.0, arrays[name].shape)
+        return replace(self.about, begin=begin, end=end, **arrays)

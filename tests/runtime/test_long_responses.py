@@ -1,0 +1,383 @@
+"""The fast Newmark's method against the recurrence itself, in many digits and over up to a million steps."""
+
+from __future__ import annotations
+
+import tracemalloc
+from fractions import Fraction
+from typing import Any
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+import freebeam_sym as fb
+from freebeam_sym import double, modal, powers
+from freebeam_sym.checks import InputError
+
+COLUMN = fb.column("free-free")
+STEPS = 1_000_000
+X = np.array([0.1, 0.6])
+
+
+def recurrence(system: Any, h: float, newmark: tuple[float, float] = (0.25, 0.5)) -> tuple[Any, Any, Any]:
+    """A, B₀, B₁ of x⁺ = A x + B₀ F + B₁ F⁺ for a force at x = 1, from the textbook's two formulas, in 50 digits."""
+    M, C, K = (mp.matrix(np.asarray(part).tolist()) for part in (system.M, system.C, system.K))
+    n, H = M.rows, mp.mpf(h)
+    b, g = (mp.mpf(value) for value in newmark)
+    Q = mp.matrix(system.Q(1.0).tolist())
+    inverse, one = M**-1, mp.eye(n)
+    # ddq = a x + f F with x = (q, dq)
+    a, f = mp.zeros(n, 2 * n), inverse * Q
+    a[:, :n], a[:, n:] = -inverse * K, -inverse * C
+
+    def stacked(upper: Any, lower: Any) -> Any:
+        whole = mp.zeros(2 * n, upper.cols)
+        whole[:n, :], whole[n:, :] = upper, lower
+        return whole
+
+    old, left = mp.zeros(2 * n), mp.zeros(2 * n)
+    old[:n, :n], old[:n, n:], old[n:, n:] = one, H * one, one
+    left[:n, :n], left[n:, n:] = one, one
+    old += stacked(H**2 * (mp.mpf(1) / 2 - b) * a, H * (1 - g) * a)
+    left -= stacked(H**2 * b * a, H * g * a)
+    inverse = left**-1
+    before = inverse * stacked(H**2 * (mp.mpf(1) / 2 - b) * f, H * (1 - g) * f)
+    return inverse * old, before, inverse * stacked(H**2 * b * f, H * g * f)
+
+
+def state_after(A: Any, x: Any, counts: list[int]) -> list[Any]:
+    """A^n x for each n, by squaring."""
+    states, power = [x for _ in counts], A
+    for k in range(max(counts).bit_length()):
+        states = [power * state if n >> k & 1 else state for n, state in zip(counts, states, strict=True)]
+        power = power * power
+    return states
+
+
+def floats(matrix: Any) -> Any:
+    return np.array(matrix.tolist(), dtype=float)
+
+
+def worst(found: Any, states: list[Any], system: Any, counts: list[int] | None = None) -> float:
+    """Largest difference in y and dy at some times, relative to the largest response."""
+    n, errors = len(system.M), []
+    for values, part in ((found.y, slice(0, n)), (found.dy, slice(n, 2 * n))):
+        reference = np.array([state[part] @ system.shapes(X) for state in states])
+        errors.append(np.abs(values[counts or COUNTS] - reference).max() / np.abs(values).max())
+    return float(max(errors))
+
+
+@pytest.fixture(params=["modes", "matrix"])
+def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Both ways to a closed form: eigenvalues, and the matrix that serves where these do not."""
+    if request.param == "matrix":
+        monkeypatch.setattr("freebeam_sym.response.modes_of", lambda *_: None)
+    else:
+        monkeypatch.setattr("freebeam_sym.response.exact_step", None)
+    return str(request.param)
+
+
+COUNTS = [1, 2, 1023, 1024, 77_777, 524_288, 999_999, STEPS]
+STEP = 0.01
+START = np.array([0.01, 0, 0, -0.003, 0, 0, 0, 0, 0, 0.1, 0, 0, 0, 0, 0, 0])
+
+
+@pytest.fixture(scope="module")
+def light() -> Any:
+    """Eight modes, light damping."""
+    return COLUMN.system(8, load=50, alpha=1e-7, beta=1e-3)
+
+
+@pytest.fixture(scope="module")
+def exact(light: Any) -> Any:
+    """The step in 50 digits; the states after COUNTS steps, free, and under the force sin 3t from rest."""
+    with mp.workdps(50):
+        A, before, after = recurrence(light, STEP)
+        whole, theta = mp.zeros(18), 3 * mp.mpf(STEP)
+        turned = mp.matrix([[mp.cos(theta), -mp.sin(theta)], [mp.sin(theta), mp.cos(theta)]])
+        whole[:16, :16], whole[16:, 16:] = A, turned
+        whole[:16, 16:] = before * mp.matrix([[0, 1]]) + after * mp.matrix([[0, 1]]) * turned
+        start = mp.zeros(18, 2)  # both cases are columns of one matrix
+        start[:16, 0], start[16, 1] = mp.matrix(START.tolist()), 1
+        return (A, before, after), [floats(state) for state in state_after(whole, start, COUNTS)]
+
+
+def test_a_million_free_steps_of_light_damping(light: Any, exact: Any, route: str) -> None:
+    found = fb.respond(light, STEPS * STEP, STEP, initial=START[:8], initial_velocity=START[8:], sensors=X)
+    assert worst(found, [state[:16, 0] for state in exact[1]], light) < 1e-13
+
+
+def test_a_million_harmonic_steps_of_light_damping(light: Any, exact: Any, route: str) -> None:
+    force = fb.Harmonic(1.0, 3.0)
+    found = fb.respond(light, STEPS * STEP, STEP, force=force, force_position=1, sensors=X)
+    assert worst(found, [state[:16, 1] for state in exact[1]], light) < 1e-13
+
+
+@pytest.mark.skipif(np.finfo(np.longdouble).eps > 1e-18, reason="the loop needs more digits than floats have")
+def test_any_force_is_the_plain_loop_over_stretches(light: Any, exact: Any) -> None:
+    """Against a loop in extended precision, whose own drift stays below 1e-14."""
+    steps = 150_001
+    f = np.random.default_rng(0).normal(size=steps + 1)
+    A, before, after = (extended(part) for part in exact[0])
+    row = np.concatenate([light.shapes(X[:1])[:, 0], np.zeros(8)]).astype(np.longdouble)
+    x, y = np.zeros(16, dtype=np.longdouble), np.zeros(steps + 1, dtype=np.longdouble)
+    drives = np.outer(f[:-1].astype(np.longdouble), before[:, 0]) + np.outer(f[1:].astype(np.longdouble), after[:, 0])
+    for k, drive in enumerate(drives):
+        x = A @ x + drive
+        y[k + 1] = row @ x
+    found = fb.respond(light, steps * STEP, STEP, force=f, force_position=1, sensors=X[:1], outputs=("y",))
+    assert float(np.abs(found.y[:, 0] - y).max() / np.abs(y).max()) < 1e-13
+
+
+def extended(matrix: Any) -> Any:
+    """Long doubles."""
+    high = floats(matrix)
+    low = floats(matrix - mp.matrix(high.tolist()))
+    return high.astype(np.longdouble) + low.astype(np.longdouble)
+
+
+@pytest.mark.parametrize(
+    ("settings", "newmark", "initial"),
+    [
+        ({"modes": 4, "load": 109.0}, (0.25, 0.5), "mode"),  # undamped, near coalescence
+        ({"modes": 2, "load": 0.0, "rigid": True, "alpha": 1e-7}, (0.25, 0.5), "turning"),  # linear
+        ({"modes": 2, "load": 20.0, "rigid": True}, (0.25, 0.5), "turning"),  # cubic
+        ({"modes": 3, "load": 50.0, "alpha": 1e-7}, (1 / 6, 0.5), "mode"),  # linear acceleration
+        ({"modes": 3, "load": 50.0, "alpha": 0.05, "beta": 3.0}, (0.25, 0.5), "mode"),  # overdamped modes
+    ],
+)
+def test_closed_form_at_the_awkward_ones(settings: dict[str, Any], newmark: Any, initial: str) -> None:
+    system = COLUMN.system(**settings)
+    n, h, steps = len(system.M), 0.001, 100_000
+    start = np.zeros(2 * n)
+    start[n + 1 if initial == "turning" else 0] = 0.01
+    start[n - 1] = 0.002
+    options = {"initial": start[:n], "initial_velocity": start[n:], "newmark": newmark, "sensors": X}
+    found = fb.respond(system, steps * h, h, **options)
+    counts = [3, 4097, steps]
+    with mp.workdps(50):
+        A, _, _ = recurrence(system, h, newmark)
+        states = [floats(state)[:, 0] for state in state_after(A, mp.matrix(start.tolist()), counts)]
+    assert worst(found, states, system, counts) < 1e-12
+    # rigid drift does not cost the elastic part its digits
+    r = system.rigid_count
+    expected = np.array([state[r:n] @ system.shapes(X)[r:] for state in states])
+    assert np.abs(found.y_elastic[counts] - expected).max() < 1e-12 * np.abs(found.y_elastic).max()
+
+
+def test_resonance_needs_no_care(light: Any) -> None:
+    """Undamped at its own numerical frequency, and beside it: growth with time, from the recurrence in many digits."""
+    system = COLUMN.system(2, load=30)
+    h, steps = 0.01, 20_000
+    with mp.workdps(50):
+        A, before, after = recurrence(system, h)
+        omega = max(complex(value).imag for value in mp.eig(A, left=False, right=False)[:]) and min(
+            abs(float(mp.arg(value))) for value in mp.eig(A, left=False, right=False)
+        )
+        for frequency in (omega / h, omega / h * (1 + 1e-9), omega / h * 1.001):
+            whole, theta = mp.zeros(6), mp.mpf(frequency) * mp.mpf(h)
+            turned = mp.matrix([[mp.cos(theta), -mp.sin(theta)], [mp.sin(theta), mp.cos(theta)]])
+            whole[:4, :4], whole[4:, 4:] = A, turned
+            whole[:4, 4:] = before * mp.matrix([[0, 1]]) + after * mp.matrix([[0, 1]]) * turned
+            states = state_after(whole, mp.matrix([0, 0, 0, 0, 1, 0]), [steps // 3, steps])
+            found = fb.respond(
+                system, steps * h, h, force=fb.Harmonic(1.0, frequency), force_position=1, sensors=X
+            )  # fmt: skip
+            assert worst(found, [floats(state)[:4, 0] for state in states], system, [steps // 3, steps]) < 1e-12
+
+
+def test_closed_forms_are_the_blocks(light: Any) -> None:
+    """The closed form of a harmonic and of a constant force against the blocks that take any force."""
+    times = 0.01 * np.arange(5001)
+    for system in (light, COLUMN.system(3, load=60, beta=0.1, rigid=True)):
+        for closed in (fb.Harmonic(0.3, 7.0, 0.4), 0.2):
+            sampled = closed(times) if callable(closed) else np.full(5001, closed)
+            options: dict[str, Any] = {"force_position": 0.8, "sensors": X, "initial": np.full(len(system.M), 1e-3)}
+            one, other = (fb.respond(system, 50, 0.01, force=force, **options) for force in (closed, sampled))
+            for name in ("y", "dy", "ddy", "y_elastic"):
+                a, b = getattr(one, name), getattr(other, name)
+                assert np.abs(a - b).max() < 1e-12 * np.abs(b).max()
+
+
+def test_energy_is_kept_over_a_long_time() -> None:
+    """Average acceleration keeps the energy of a symmetric undamped system: 300,000 steps, part by part."""
+    system = COLUMN.system(4)
+    drift: list[float] = []
+
+    def energies(part: Any) -> None:
+        found = np.einsum("ti,ij,tj->t", part.dq[::7], system.M, part.dq[::7])
+        found += np.einsum("ti,ij,tj->t", part.q[::7], system.K, part.q[::7])
+        drift.append(float(np.abs(found / first - 1).max()))
+
+    q = np.array([1.0, -0.3, 0.2, 0.1])
+    first = q @ system.K @ q
+    fb.respond(system, 3000, 0.01, initial=q, outputs=("y",), states=True, target=energies)
+    assert len(drift) > 1 and max(drift) < 1e-13
+
+
+# Load cases
+
+
+def test_cases_are_responses_one_by_one() -> None:
+    system = COLUMN.system(3, load=40, alpha=1e-3)
+    rng = np.random.default_rng(5)
+    force, initial = rng.normal(size=(2, 1, 1501)), 0.01 * rng.normal(size=(3, 3))
+    options: dict[str, Any] = {"force_position": 1, "sensors": X}
+    found = fb.respond(system, 15, 0.01, force=force, initial=initial, **options)
+    assert found.y.shape == (2, 3, 1501, 2) and found.t.shape == (1501,)
+    for i, j in np.ndindex(2, 3):
+        alone = fb.respond(system, 15, 0.01, force=force[i, 0], initial=initial[j], **options)
+        for name in ("y", "dy", "ddy"):
+            a, b = getattr(found, name)[i, j], getattr(alone, name)
+            assert np.abs(a - b).max() < 1e-12 * np.abs(b).max()
+    free = fb.respond(system, 15, 0.01, initial=initial, sensors=X)
+    waves = fb.respond(system, 15, 0.01, force=fb.Harmonic(np.array([1.0, 2.0]), 3.0), **options)
+    moving = fb.respond(system, 15, 0.01, force=lambda t: np.sin(3 * t) * np.array([[1.0], [2.0]]), **options)
+    assert free.y.shape == (3, 1501, 2) and waves.y.shape == moving.y.shape == (2, 1501, 2)
+    assert np.abs(free.y[1] - fb.respond(system, 15, 0.01, initial=initial[1], sensors=X).y).max() < 1e-15
+    assert np.abs(waves.y - moving.y).max() < 1e-12 * np.abs(moving.y).max()
+
+
+# Longer than memory
+
+
+@pytest.mark.parametrize("options", [{}, {"force": np.sin, "force_position": 1}])
+def test_memory_is_bounded_by_a_stretch(options: dict[str, Any]) -> None:
+    """The peak of a response four times as long is the same."""
+    system, peaks = COLUMN.system(2, load=30, beta=0.1), []
+    for steps in (1_200_000, 2_400_000):
+        times: list[int] = []
+        tracemalloc.start()
+        fb.respond(
+            system, steps * 0.01, 0.01, outputs=("y",), sensors=np.linspace(0, 1, 4),
+            target=lambda part, times=times: times.extend((part.begin, part.end)), **options,
+        )  # fmt: skip
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+        assert times[0] == 0 and times[-1] == steps + 1 and times[1:-1:2] == times[2::2]
+    assert peaks[1] < 1.05 * peaks[0]
+
+
+@pytest.mark.parametrize("options", [{}, {"force": np.sin, "force_position": 1}])
+def test_targets_hold_what_memory_would(tmp_path: Any, options: dict[str, Any]) -> None:
+    system = COLUMN.system(2, load=30, beta=0.1, rigid=True)
+    steps = 300_000
+    whole = fb.respond(system, steps * 0.01, 0.01, sensors=X, **options)
+    parts: list[Any] = []
+    last = fb.respond(system, steps * 0.01, 0.01, sensors=X, target=parts.append, **options)
+    assert len(parts) > 1 and last is parts[-1] and parts[0].begin == 0 and last.end == steps + 1
+    for name in ("t", "y", "ddy", "dy_elastic", "y_rigid"):
+        np.testing.assert_array_equal(np.concatenate([getattr(part, name) for part in parts]), getattr(whole, name))
+    file = np.lib.format.open_memmap(tmp_path / "y.npy", "w+", shape=(steps + 1, 2))
+    found = fb.respond(system, steps * 0.01, 0.01, sensors=X, target={"y_rigid": file}, **options)
+    assert found.y_rigid is file and found.y is None and found.t.size == steps + 1
+    # alone an array is computed in longer stretches: the same to rounding
+    assert np.abs(file - whole.y_rigid).max() < 1e-12 * np.abs(whole.y_rigid).max()
+
+
+def test_outputs_that_were_not_asked_for_are_none() -> None:
+    found = fb.respond(COLUMN.system(2), 1, 0.1, outputs=("dy",))
+    assert found.y is None and found.ddy_rigid is None and found.dy.shape == (11, 1)
+    whole = fb.respond(COLUMN.system(2), 1, 0.1)
+    np.testing.assert_allclose(found.dy, whole.dy, atol=1e-14)
+
+
+# Input
+
+
+def late(t: Any) -> Any:
+    return np.where(t < 2500, 1.0, np.nan)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"force": late, "force_position": 1}, "force = nan at 2500: must be finite"),
+        ({"force": np.where(np.arange(300_001) == 299_999, np.inf, 0), "force_position": 1}, "force = inf at 2999.99"),
+        ({"force": np.zeros((2, 3)), "force_position": 1}, r"shape \(2, 3\).*\(300001,\) or \(\*cases, 300001\)"),
+        ({"force": fb.Harmonic(np.nan, 1.0), "force_position": 1}, "force.amplitude = nan"),
+        ({"force": fb.Harmonic(1.0, np.inf), "force_position": 1}, "force.frequency = inf"),
+        ({"force": fb.Harmonic(1.0, 1.0)}, "force_position is missing"),
+        ({"initial": np.zeros((2, 2)), "initial_velocity": np.zeros((3, 2))}, r"load cases of shapes.*\(2,\).*\(3,\)"),
+        ({"initial": np.zeros((0, 2))}, "must be one or more"),
+        ({"initial": lambda x: np.stack([x, 2 * x])}, "must give one; cases are arrays"),
+        ({"outputs": ("y", "speed")}, "outputs"),
+        ({"outputs": "y"}, "outputs"),
+        ({"target": {}}, "target = {}"),
+        ({"target": {"speed": np.zeros((300_001, 1))}}, r"target\['speed'\]: there is no such array; there are y, dy"),
+        ({"target": {"y_rigid": np.zeros((300_001, 1))}}, "no such array"),
+        ({"target": {"y": np.zeros((300_001, 2))}}, r"target\['y'\] has shape \(300001, 2\).*\(300001, 1\)"),
+        ({"target": {"y": [0.0]}}, "target"),
+    ],
+)
+def test_bad_input(options: dict[str, Any], message: str) -> None:
+    with pytest.raises(InputError, match=message) as caught:
+        fb.respond(COLUMN.system(2), 3000, 0.01, **options)
+    assert "\n" not in str(caught.value)
+
+
+def test_no_part_is_handed_on_with_a_force_that_is_not_finite() -> None:
+    parts: list[Any] = []
+    with pytest.raises(InputError, match="nan at 2500"):
+        fb.respond(COLUMN.system(2), 3000, 0.01, force=late, force_position=1, target=parts.append)
+    assert parts and parts[-1].end <= 250_000 and all(np.isfinite(part.y).all() for part in parts)
+
+
+# More digits
+
+
+def test_products_of_twice_the_digits() -> None:
+    """Against exact rational numbers: 2⁻⁹⁰ of the largest entries, through a few squarings."""
+    rng = np.random.default_rng(7)
+    x = double.Double(0.4 * rng.normal(size=(5, 5)), 1e-18 * rng.normal(size=(5, 5)))
+
+    def exactly(x: double.Double) -> Any:
+        return [np.vectorize(Fraction, otypes=[object])(part.tolist()) for part in x]
+
+    reference = sum(exactly(x))
+    for _ in range(3):
+        x, reference = double.matmul(x, x), reference @ reference
+        assert np.abs(sum(exactly(x)) - reference).max() < Fraction(2.0**-90 * np.abs(x.high).max())
+
+
+@pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, -2.5, 1000.0])
+def test_turns(angle: float) -> None:
+    with mp.workdps(60):
+        for part, function in zip(double.turn(double.fixed(angle)), (mp.cos, mp.sin), strict=True):
+            assert abs(mp.mpf(part) / double.ONE - function(mp.mpf(angle))) < mp.mpf(10) ** -32
+
+
+def test_eigenvalues_to_more_digits(light: Any) -> None:
+    """λ² M + λ C + K is singular at the sum of both floats to twenty digits and more, at the first to fifteen."""
+    scale = np.concatenate([np.ones(8), light.gamma**2])
+    generator = np.zeros((16, 16))
+    generator[:8, 8:] = np.eye(8)
+    generator[8:] = np.linalg.solve(light.M, -np.hstack([light.K, light.C]))
+    found = modal.modes_of(light.M, light.C, light.K, *np.linalg.eig(generator), scale)
+    assert found is not None and found.high.size == 8
+    with mp.workdps(40):
+        M, C, K = (mp.matrix(part.tolist()) for part in (light.M, light.C, light.K))
+        for high, low in zip(found.high, found.low, strict=True):
+            value = mp.mpc(complex(high)) + mp.mpc(complex(low))
+            step = value * mp.mpf("1e-15")
+            at, near = (mp.det(z**2 * M + z * C + K) for z in (value, value + step))
+            assert abs(at / (near - at) * step / value) < mp.mpf("1e-22")
+
+
+def test_coalescence_has_no_modal_form() -> None:
+    """Where two vectors are parallel to rounding the matrix takes over."""
+    double_root = [np.eye(2), np.zeros((2, 2)), np.array([[4.0, 1.0], [0.0, 4.0]])]
+    generator = np.zeros((4, 4))
+    generator[:2, 2:], generator[2:, :2] = np.eye(2), -double_root[2]
+    assert modal.modes_of(*double_root, *np.linalg.eig(generator.astype(complex)), np.ones(4)) is None
+
+
+def test_orbits_are_powers() -> None:
+    rng = np.random.default_rng(9)
+    A = rng.normal(size=(3, 3)) / 2
+    steps = powers.MatrixPowers(double.Double(A, np.zeros_like(A)))
+    x = rng.normal(size=(2, 3))
+    for length in (1, 2, 7, 33):
+        table = powers.orbit(x, length, steps.forward)
+        for k in range(length):
+            np.testing.assert_allclose(table[k], x @ np.linalg.matrix_power(A, k).T, rtol=1e-12, atol=1e-14)
