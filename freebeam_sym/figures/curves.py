@@ -357,9 +357,10 @@ def cycle(
     system = column.system(modes, load, alpha, beta, rigid, **parameters)
     found = spectrum(system)
     elastic = found.elastic
-    above = elastic[elastic.imag > 1e-6 * np.abs(elastic).max()]
+    tiny = 1e-6 * np.abs(elastic).max()
+    above, still = elastic[elastic.imag > tiny], elastic[np.abs(elastic.imag) <= tiny]
     worst = above[above.real.argmax()] if len(above) else 0j
-    if not len(above) or worst.real < elastic.real.max() - 1e-6 * np.abs(elastic).max():
+    if not len(above) or still.real.max(initial=-np.inf) > worst.real - tiny:
         raise InputError(f"load = {load:g}: the least stable motion of {column.name} there does not oscillate")
     if not alpha and not beta and abs(worst.real) < 1e-3 * abs(worst):
         # all decay alike: the pair that flutters is the one that the load brings together

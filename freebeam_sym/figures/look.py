@@ -46,7 +46,6 @@ _STYLE: dict[str, Any] = {
     "axes.axisbelow": True,
     "axes.grid": True,
     "axes.formatter.useoffset": False,
-    "axes.formatter.use_mathtext": True,
     "grid.color": GRID,
     "grid.linewidth": 0.6,
     "text.color": INK,

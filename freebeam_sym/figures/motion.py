@@ -115,10 +115,10 @@ def work_loop(
 
     By default at the critical load. Largest |y| on the beam is 1. Raises InputError where no force follows the end.
     """
-    found = curves.cycle(column, load, modes=modes, alpha=alpha, beta=beta, **parameters)
     follows = curves.follower_share(column, **parameters)
     if not follows:
         raise InputError(f"{column.name}: its end force does not follow the slope, so it does no work over a cycle")
+    found = curves.cycle(column, load, modes=modes, alpha=alpha, beta=beta, **parameters)
     turn = np.exp(1j * found.phase)
     end, force = found.shape(1.0), -follows * found.system.load * found.shape(1.0, 1)
     across = 1j * end * float((force / end).imag)
@@ -173,8 +173,11 @@ def history(
     k = count("sensor", sensor, 0, len(response.sensors) - 1, "the response's sensors, counted from 0")
     with drawing(ax) as ax:
         more: dict[str, Any] = {} if color is None else {"color": color}
-        ax.plot(response.t, getattr(response, quantity)[:, k], label=label, lw=1.2, **{"color": colour(0), **more})
+        values = getattr(response, quantity)[:, k]
+        ax.plot(response.t, values, label=label, lw=1.2, **{"color": colour(0), **more})
         ax.set_xlim(response.t[0], response.t[-1])
+        if values.any() and not 1e-3 < np.abs(values).max() < 1e4:
+            ax.ticklabel_format(axis="y", useMathText=True)  # a power of ten above the axis
         ax.axhline(0.0, color=MUTED, lw=0.7, zorder=1)
         ax.set_xlabel("time $t$")
         ax.set_ylabel(QUANTITIES[kind] + (f", {part}" if part else ""))

@@ -39,9 +39,9 @@ SETTINGS: dict[int, dict[str, Any]] = {
     3: {"load_max": 120.0, "alpha": 0.0, "beta": 0.0, "scan_step": 0.01},
     4: {"alpha": (1e-6, 1e-1, 101), "beta": 0.0},
     5: {"alpha": 0.0, "beta": (1e-2, 1e0, 61)},
-    6: {"alpha": (1e-6, 1e-1, 61), "beta": (1e-2, 1e0, 25), "beta_also": 0.0},
+    6: {"alpha": (1e-6, 1e-1, 51), "beta": (1e-2, 1e0, 17), "beta_also": 0.0},
     7: {"load_max": 120.0, **DAMPED, "scan_step": 0.1},
-    8: {"load": 9.0, **DAMPED, "x_s": 0.1, "q_1": 0.001, "duration": 10.0, "step": 0.005},
+    8: {"load": 9.0, **DAMPED, "x_s": 0.1, "q_1": 0.001, "duration": 10.0, "step": 0.002},
     9: {"load": 112.0, **DAMPED, "x_s": 0.1, "q_1": 0.001, "duration": 1.5, "step": 0.001},
     10: {
         "loads": (5.0, 50.0), "amplitudes": (0.001, 0.002), "frequency": 3.0, **DAMPED,
@@ -376,10 +376,10 @@ def _fig_10(column: Column, s: dict[str, Any]) -> _Parts:
     table = {"t": runs["derived", low, size].t}
     for (kind, load, amplitude), run in runs.items():
         values = run.y_rigid if kind == "rigid" else run.y_elastic
-        table[f"y_{kind}(P={load:g},F={amplitude:g})"] = values[:, 0]
+        table[f"y_{kind}_P{load:g}_F{amplitude:g}"] = values[:, 0]
     marks = {
         "growth_derived": growth["derived"], "growth_printed": growth["printed"],
-        "steady": {f"{kind}, P={load:g}, F={size:g}": value for (kind, load, size), value in steady.items()},
+        "steady": {f"{kind}_P{load:g}_F{size:g}": value for (kind, load, size), value in steady.items()},
     }  # fmt: skip
     title = (
         f"Increase in the displacement of point x_s = {s['x_s']:g} due to the increase in the follower and transversal "
