@@ -93,10 +93,11 @@ def style() -> Iterator[None]:
     True
     """
     try:
+        from cycler import cycler  # which matplotlib brings
         from matplotlib.style import context
     except ImportError:
         raise InputError("pictures need matplotlib, which is not installed: pip install 'freebeam[pictures]'") from None
-    with context(["default", _STYLE]):
+    with context(["default", {**_STYLE, "axes.prop_cycle": cycler(color=COLOURS)}]):
         yield
 
 

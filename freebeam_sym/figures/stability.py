@@ -104,8 +104,8 @@ def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, ax: Axes | No
             found.load,
             found.square,
             f"tangent: {letter} = {digits(found.load)}",
-            (-16, 15),
-            ha="center",
+            (6, 19),
+            ha="right",
             va="bottom",
         )
         ax.plot([critical.load], [meeting], "o", color=INK, mec="white", mew=1.1, ms=7.5, zorder=6)

@@ -179,7 +179,7 @@ def test_the_erratum_changes_how_the_amplitude_grows(tables, pictures):
 
 
 def test_captions_say_what_the_paper_does_not(pictures):
-    for n, picture in pictures.items():
+    for picture in pictures.values():
         assert picture.title in picture.caption
     assert all("does not state its initial condition" in pictures[n].caption for n in (8, 9))
     assert "109.8" in pictures[2].caption and "109.73" in pictures[3].caption and "90.9" in pictures[7].caption
