@@ -18,7 +18,18 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.critical import CriticalLoad, critical_load
-    from freebeam_sym.proofs import Certified, certified_load, exact_load, verify_certificate
+    from freebeam_sym.proofs import (
+        Certified,
+        CertifiedCrossing,
+        ExactSpectrum,
+        Truncation,
+        certified_crossings,
+        certified_load,
+        exact_load,
+        exact_spectrum,
+        truncation_error,
+        verify_certificate,
+    )
     from freebeam_sym.response import Harmonic, Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
 
@@ -26,7 +37,8 @@ __all__ = [
     "column", "column_names", "Column", "System",
     "spectrum", "branches", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
-    "certified_load", "exact_load", "Certified", "verify_certificate",
+    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -46,7 +58,13 @@ _HOMES = {
     "critical_load": ("critical", "critical_load"),
     "CriticalLoad": ("critical", "CriticalLoad"),
     "certified_load": ("proofs", "certified_load"),
+    "certified_crossings": ("proofs", "certified_crossings"),
     "exact_load": ("proofs", "exact_load"),
+    "exact_spectrum": ("proofs", "exact_spectrum"),
+    "truncation_error": ("proofs", "truncation_error"),
+    "CertifiedCrossing": ("proofs", "CertifiedCrossing"),
+    "ExactSpectrum": ("proofs", "ExactSpectrum"),
+    "Truncation": ("proofs", "Truncation"),
     "Certified": ("proofs", "Certified"),
     "verify_certificate": ("proofs", "verify_certificate"),
     "respond": ("response", "respond"),

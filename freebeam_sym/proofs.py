@@ -13,13 +13,16 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from freebeam_sym.checks import InputError, count
-from freebeam_sym.critical import critical_load
+from freebeam_sym.checks import InputError, count, nonnegative, positive
+from freebeam_sym.critical import LOAD_TOLERANCE, CriticalLoad, critical_load
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
-__all__ = ["Certified", "certified_load", "exact_load", "rational", "verify_certificate"]
+__all__ = [
+    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "certified_crossings", "certified_load",
+    "exact_load", "exact_spectrum", "rational", "truncation_error", "verify_certificate",
+]  # fmt: skip
 
 MOST_DIGITS = 10_000
 
@@ -42,6 +45,52 @@ class Certified:
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
 
 
+@dataclass(frozen=True)
+class CertifiedCrossing:
+    """A load at which an eigenvalue or a pair of them passes the imaginary axis; nondimensional.
+
+    load and frequency: (lower, upper) as decimal text, rounded outwards. unstable_below, unstable_above: how many
+    eigenvalues have a positive real part next to it. stability: "lost", "regained", or "unchanged" where the column
+    is unstable on either side.
+    """
+
+    kind: str
+    load: tuple[str, str]
+    frequency: tuple[str, str]
+    unstable_below: int
+    unstable_above: int
+    stability: str
+
+
+@dataclass(frozen=True)
+class ExactSpectrum:
+    """Eigenvalues λ of the beam itself at a load, sorted by |Im|, then Re; nondimensional.
+
+    lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
+    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. That no eigenvalue lies
+    between these is not proven. inputs: what each input was taken for.
+    """
+
+    lower: tuple[tuple[str, str], ...]
+    upper: tuple[tuple[str, str], ...]
+    unproven: tuple[complex, ...]
+    digits: int
+    inputs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Truncation:
+    """What a Ritz series is off by: its critical load less the beam's own, nondimensional, (lower, upper) as text.
+
+    relative: the difference in parts of the beam's load, as a float. series, beam: the two enclosures that it is from.
+    """
+
+    difference: tuple[str, str]
+    relative: float
+    series: Certified
+    beam: Certified
+
+
 def rational(name: str, value: object) -> tuple[Fraction, str]:
     """A number as an exact fraction, and what it was taken for. Raises InputError where it is none."""
     try:
@@ -61,7 +110,8 @@ def rational(name: str, value: object) -> tuple[Fraction, str]:
 
 def outward(low: Fraction, high: Fraction, digits: int) -> tuple[str, str]:
     """Decimals of so many significant digits, rounded down and up."""
-    places = digits - 1 - math.floor(math.log10(high)) if high > 0 else digits
+    size = max(abs(low), abs(high))
+    places = digits - 1 - _exponent(size) if size else digits
     unit = Fraction(10) ** places
     return _decimal(math.floor(low * unit), places), _decimal(math.ceil(high * unit), places)
 
@@ -69,14 +119,65 @@ def outward(low: Fraction, high: Fraction, digits: int) -> tuple[str, str]:
 def _decimal(scaled: int, places: int) -> str:
     if places <= 0:
         return str(scaled * 10**-places)
-    text = str(scaled).rjust(places + 1, "0")
-    return f"{text[:-places]}.{text[-places:]}"
+    text = str(abs(scaled)).rjust(places + 1, "0")
+    return f"{'-' if scaled < 0 else ''}{text[:-places]}.{text[-places:]}"
+
+
+def _exponent(value: Fraction) -> int:
+    """About floor(log10(value)), for any size of the value; at most one too low or high."""
+    return math.floor((value.numerator.bit_length() - value.denominator.bit_length()) * math.log10(2))
 
 
 def _root(value: Fraction, up: bool, bits: int) -> Fraction:
     """Square root of a fraction, rounded down or up to so many bits after the point."""
     scaled = value.numerator * 4**bits // value.denominator
     return Fraction(math.isqrt(scaled) + (1 if up else 0), 2**bits)
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked of a proof: exact values, what they were taken for, and the candidate of the runtime."""
+
+    column: Column
+    modes: int
+    exact: Mapping[str, Fraction]
+    own: Mapping[str, Fraction]
+    inputs: Mapping[str, str]
+
+    @staticmethod
+    def of(
+        column: Column, modes: int, parameters: Mapping[str, object], kappa: object = None, **given: object
+    ) -> _Asked:
+        """The inputs as exact numbers. Raises InputError for bad ones."""
+        modes = count("modes", modes, hint="elastic functions in the series")
+        limit = {} if kappa is None else {"kappa": kappa}
+        taken = {name: rational(name, value) for name, value in (given | limit | dict(parameters)).items()}
+        exact = {name: value for name, (value, _) in taken.items()}
+        own = {name: exact[name] for name in parameters}
+        return _Asked(column, modes, exact, own, {name: text for name, (_, text) in taken.items()})
+
+    def candidate(self, modes: int | None = None) -> CriticalLoad:
+        """The runtime's critical load. Raises InputError for values out of range."""
+        kappa = self.exact.get("kappa")
+        return critical_load(
+            self.column,
+            self.modes if modes is None else modes,
+            float(self.exact["alpha"]),
+            float(self.exact["beta"]),
+            load_max=float(self.exact["load_max"]),
+            kappa=None if kappa is None else float(kappa),
+            **{name: float(value) for name, value in self.own.items()},
+        )
+
+    def question(self) -> Any:
+        from freebeam_derive.certify.ritz import Question
+
+        exact = self.exact
+        return Question(self.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
+
+
+def _near(found: CriticalLoad) -> tuple[float, float] | None:
+    return None if found.load is None or found.frequency is None else (found.load, found.frequency)
 
 
 def certified_load(
@@ -103,44 +204,94 @@ def certified_load(
     from freebeam_derive.certify.balls import Unproven
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    given = {"alpha": alpha, "beta": beta, "load_max": load_max, **parameters}
-    if kappa is not None:
-        given["kappa"] = kappa
-    taken = {name: rational(name, value) for name, value in given.items()}
-    exact = {name: value for name, (value, _) in taken.items()}
-    own = {name: exact[name] for name in parameters}
-    found = critical_load(
-        column,
-        modes,
-        float(exact["alpha"]),
-        float(exact["beta"]),
-        load_max=float(exact["load_max"]),
-        kappa=None if kappa is None else float(exact["kappa"]),
-        **{name: float(value) for name, value in own.items()},
-    )
-    near = None if found.load is None or found.frequency is None else (found.load, found.frequency)
-    question = ritz.Question(modes, exact["alpha"], exact["beta"], exact.get("kappa"), own)
+    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    near = _near(asked.candidate())
     try:
-        enclosure = ritz.certify(column.kernel, question, near, digits, exact["load_max"], progress)
+        enclosure = ritz.certify(column.kernel, asked.question(), near, digits, asked.exact["load_max"], progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {modes}: {error}") from error
     load = frequency = None
     if enclosure.load is not None:
         load = outward(*enclosure.load, digits + 3)
-        frequency = ("0", "0")
-        if enclosure.square is not None:
-            bits = 4 * digits + 40
-            low, high = enclosure.square
-            frequency = outward(_root(low, False, bits), _root(high, True, bits), digits + 1)
+        frequency = _frequency(enclosure.square, digits)
     return Certified(
         load,
         frequency,
         enclosure.kind,
         dict(enclosure.proof),
         digits,
-        {name: text for name, (_, text) in taken.items()},
+        asked.inputs,
         certificate.write(column.kernel, enclosure),
     )
+
+
+def _frequency(square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
+    """ω from an interval of ω², as text; zero where there is none."""
+    if square is None:
+        return "0", "0"
+    bits = 4 * digits + 40
+    return outward(_root(square[0], False, bits), _root(square[1], True, bits), digits + 1)
+
+
+def certified_crossings(
+    column: Column,
+    modes: int = 8,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    load_max: object = 1000,
+    digits: int = 15,
+    kappa: object = None,
+    progress: Callable[[str], None] | None = None,
+    **parameters: object,
+) -> tuple[CertifiedCrossing, ...]:
+    """Every load up to load_max at which the Ritz series' stability changes, with the proof that none is left out.
+
+    Ascending. Inputs as in `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them,
+    and so is a further eigenvalue that turns unstable where others are already. Eqs. (24), (25).
+
+    >>> import freebeam_sym as fb
+    >>> [c.kind for c in fb.certified_crossings(fb.column("beck"), 4, eta="0.4", load_max=60)]
+    ['divergence', 'divergence', 'flutter']
+
+    Raises InputError for bad values, and where crossings cannot be told apart or one cannot be proven: the message
+    says up to which load what is known.
+    """
+    from freebeam_derive.certify import crossings
+    from freebeam_derive.certify.balls import Unproven
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    _range_checked(asked)
+    try:
+        found = crossings.survey(column.kernel, asked.question(), asked.exact["load_max"], digits, progress)
+    except Unproven as error:
+        raise InputError(f"not proven for {column.name}, N = {modes}: {error}") from error
+    return tuple(
+        CertifiedCrossing(
+            c.kind,
+            outward(*c.load, digits + 3),
+            _frequency(c.square, digits),
+            c.unstable,
+            c.unstable + c.change,
+            c.stability,
+        )
+        for c in found
+    )
+
+
+def _range_checked(asked: _Asked) -> None:
+    """The runtime's own checks of the inputs. Raises InputError."""
+    positive("load_max", float(asked.exact["load_max"]), "largest load to look at")
+    asked.column.own_parameters({name: float(value) for name, value in asked.own.items()})
+    alpha, beta = asked.column.dampings(float(asked.exact["alpha"]), float(asked.exact["beta"]))
+    if (kappa := asked.exact.get("kappa")) is not None:
+        nonnegative("kappa", float(kappa), "ratio beta/alpha of vanishing damping")
+        if alpha or beta:
+            raise InputError(
+                f"kappa = {float(kappa)}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} "
+                f"and {beta}"
+            )
 
 
 def exact_load(
@@ -161,45 +312,166 @@ def exact_load(
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    found = asked.candidate()
+    near = _near(found)
+    if near is None:
+        raise InputError(
+            f"load_max = {load_max}: the series of {modes} functions does not lose stability up to there, which leaves "
+            "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
+        )
+    return _enclosed(asked, near, found.kind, digits)
+
+
+def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
+    """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
     from freebeam_derive.certify import exact as beams
     from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
 
-    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    given = {"alpha": alpha, "beta": beta, "load_max": load_max, **parameters}
-    taken = {name: rational(name, value) for name, value in given.items()}
-    if kappa is not None:
-        taken["kappa"] = rational("kappa", kappa)
-    exact = {name: value for name, (value, _) in taken.items()}
-    own = {name: exact[name] for name in parameters}
-    found = critical_load(
-        column,
-        modes,
-        float(exact["alpha"]),
-        float(exact["beta"]),
-        load_max=float(exact["load_max"]),
-        kappa=None if kappa is None else float(exact["kappa"]),
-        **{name: float(value) for name, value in own.items()},
-    )
-    if found.load is None or found.frequency is None:
-        raise InputError(f"load_max = {load_max}: no loss of stability is found up to there at N = {modes}")
-    near = found.load, found.frequency
+    exact, name = asked.exact, asked.column.name
     try:
-        beam = Beam(column.kernel, own)
-        if found.kind == "divergence":
-            crossing = beams.divergence(beam, found.load, digits + 2)
-        elif kappa is not None:
+        beam = Beam(asked.column.kernel, asked.own)
+        if kind == "divergence":
+            crossing = beams.divergence(beam, near[0], digits + 2)
+        elif "kappa" in exact:
             crossing = beams.flutter_limit(beam, exact["kappa"], near, digits + 2)
         elif exact["alpha"] == exact["beta"] == 0:
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
-    except (Unproven, NoSeries) as error:
-        raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
+    except NoSeries as error:
+        raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
+    except Unproven as error:
+        raise InputError(f"not proven for {name}, the beam itself: {error}") from error
     load = outward(*_ends(crossing.load), digits + 2)
     frequency = ("0", "0") if crossing.kind == "divergence" else outward(*_ends(crossing.frequency), digits + 2)
-    inputs = {name: text for name, (_, text) in taken.items()}
-    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, inputs)
+    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
+
+
+def truncation_error(
+    column: Column,
+    modes: int = 8,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    load_max: object = 1000,
+    series: Certified | None = None,
+    **parameters: object,
+) -> Truncation:
+    """By how much the critical load of a Ritz series differs from the beam's own, enclosed. Inputs as `certified_load`.
+
+    series: the certified load of the series where it is known already. Digits are added where the difference is so
+    small that it takes more to see it.
+
+    Raises InputError as `certified_load` does, and where no crossing of the beam itself is proven that the series'
+    could be a value for: the truncation may have invented it.
+    """
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    more = asked.candidate(max(24, modes + 8)) if column.basis_name == "modes" else asked.candidate(max(18, modes))
+    own: dict[str, Any] = dict(parameters)
+    near = _near(more)
+    if series is None:
+        series = certified_load(column, modes, alpha, beta, digits=digits, kappa=kappa, load_max=load_max, **own)
+    if series.load is None or near is None or more.kind != series.kind:
+        raise InputError(
+            f"the truncation error of {column.name} at N = {modes} is not known: "
+            + (
+                "the series does not lose stability"
+                if series.load is None
+                else "its crossing is gone at more functions"
+            )
+            + f" up to the load {load_max}"
+        )
+    while True:
+        beam = _enclosed(asked, near, more.kind, digits)
+        assert beam.load is not None and series.load is not None
+        if abs(float(beam.load[0]) / near[0] - 1) > LOAD_TOLERANCE:
+            raise InputError(
+                f"the truncation error of {column.name} at N = {modes} is not known: the beam's own crossing at "
+                f"{float(beam.load[0]):.10g} is not the one that more functions lead to, {near[0]:.10g}"
+            )
+        ours, theirs = ([Fraction(v) for v in pair] for pair in (series.load, beam.load))
+        low, high = ours[0] - theirs[1], ours[1] - theirs[0]
+        if (high - low) * 100 < max(abs(low), abs(high)) or digits >= 120:
+            return Truncation(outward(low, high, 6), float((low + high) / 2 / theirs[0]), series, beam)
+        digits = min(2 * digits, MOST_DIGITS)
+        series = certified_load(column, modes, alpha, beta, digits=digits, kappa=kappa, load_max=load_max, **own)
+
+
+def exact_spectrum(
+    column: Column,
+    load: object,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    modes: int = 8,
+    digits: int = 15,
+    **parameters: object,
+) -> ExactSpectrum:
+    """The beam's own eigenvalues λ at a load, near the lowest of a Ritz series, each enclosed. Eqs. (6), (15).
+
+    modes: of how many functions' worth, 2 eigenvalues each; the starts are those of a series of many more. Numbers are
+    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits.
+
+    Raises InputError for bad values and for a column whose equation the power series does not serve.
+    """
+    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.beam import Beam, NoSeries
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
+    values = asked.exact["load"], asked.exact["alpha"], asked.exact["beta"]
+    try:
+        beam = Beam(column.kernel, asked.own)
+        beam.damping(*values[1:])
+    except NoSeries as error:
+        raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
+    balls: list[Any] = []
+    found: list[tuple[complex, tuple[str, str], tuple[str, str]]] = []
+    unproven: list[complex] = []
+    for start in _lowest(asked):
+        if start.imag < 0:
+            continue  # found with its conjugate
+        pair = [start] if start.imag == 0 else [start, start.conjugate()]
+        try:
+            (ball,) = beams.frequencies(beam, *values, [start], digits + 2)
+            if any(ball.overlaps(other) for other in balls):
+                raise Unproven("two starts lead to one eigenvalue")
+        except Unproven:
+            unproven += pair
+            continue
+        balls.append(ball)
+        re, im = _ends(ball.real), _ends(ball.imag)
+        for part in (im, (-im[1], -im[0])) if len(pair) == 2 else (im,):
+            low, high = zip(_decimals(re, digits), _decimals(part, digits), strict=True)
+            found.append((start, low, high))
+    found.sort(key=lambda item: (round(abs(item[0].imag), 9), item[0].real))
+    return ExactSpectrum(
+        tuple(low for _, low, _ in found), tuple(high for _, _, high in found), tuple(unproven), digits, asked.inputs
+    )
+
+
+def _lowest(asked: _Asked) -> list[complex]:
+    """Ritz values to start from: of many more functions than asked for, those of lowest |s|, two to a function."""
+    from freebeam_sym.spectra import spectrum
+
+    own: dict[str, Any] = {name: float(value) for name, value in asked.own.items()}
+    load, alpha, beta = (float(asked.exact[name]) for name in ("load", "alpha", "beta"))
+    system = asked.column.system(modes=min(2 * asked.modes + 8, 120), load=load, alpha=alpha, beta=beta, **own)
+    c_M, c_E = asked.column.damping_factors(alpha, beta, **own)
+    values = [complex(v) for v in spectrum(system).eigenvalues]
+    return sorted(values, key=lambda v: abs(v * (v + c_M)) / max(abs(1 + c_E * v), 1e-300))[: 2 * asked.modes]
+
+
+def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, str]:
+    """A part of an eigenvalue as decimals; exactly zero is zero."""
+    return ("0", "0") if not any(interval) else outward(*interval, digits + 2)
 
 
 def _ends(ball: Any) -> tuple[Fraction, Fraction]:

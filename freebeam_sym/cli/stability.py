@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -32,6 +33,9 @@ from freebeam_sym.cli.options import (
 )
 from freebeam_sym.cli.output import print_json, print_table, working, written
 
+if TYPE_CHECKING:
+    from freebeam_sym.proofs import CertifiedCrossing, Truncation
+
 
 @app.command(epilog="Example: freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
 def critical(
@@ -47,6 +51,12 @@ def critical(
     own: SetOption = None,
     digits: Annotated[int | None, typer.Option(metavar="D", help="Prove the load to D digits.")] = None,
     exact: Annotated[bool, typer.Option("--exact", help="Of the beam itself, with no series.")] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="With --digits: every crossing up to --load-max, and that there is no other.")
+    ] = False,
+    truncation: Annotated[
+        bool, typer.Option("--truncation", help="The series' error: its load less the beam's own, proven.")
+    ] = False,
     kappa: Annotated[
         Number | None, typer.Option(parser=number, metavar="K", help="With --alpha 0+: the limit at beta = K alpha.")
     ] = None,
@@ -68,13 +78,15 @@ def critical(
         raise InputError(f"kappa = {kappa}: is the ratio of vanishing dampings; give --alpha 0+ with it")
     if vanishing and float(beta):
         raise InputError(f"beta = {beta}: vanishes with alpha 0+; give --kappa for the ratio beta/alpha instead")
-    if digits is None and (exact or certificate):
-        option = "--exact" if exact else "--certificate"
+    if digits is None and (exact or certificate or every):
+        option = "--exact" if exact else "--certificate" if certificate else "--all"
         raise InputError(f"{option}: belongs to a proof; give --digits, such as --digits 20")
-    if digits is not None and (bending_stiffness or mass_per_length or length):
-        raise InputError("--digits: proofs are nondimensional; leave the beam in SI units out")
-    if certificate and exact:
-        raise InputError("--certificate: is written for a Ritz series; leave --exact out")
+    if (digits is not None or truncation) and (bending_stiffness or mass_per_length or length):
+        option = "--truncation" if digits is None else "--digits"
+        raise InputError(f"{option}: proofs are nondimensional; leave the beam in SI units out")
+    for option, given in (("--certificate", certificate), ("--all", every), ("--truncation", truncation)):
+        if exact and given:
+            raise InputError(f"{option}: is of a Ritz series; leave --exact out")
     if certificate and certificate.exists() and not force:
         raise InputError(f"{certificate} exists; choose another file, or --force to replace it")
     case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
@@ -82,17 +94,23 @@ def critical(
     limit = {} if load_max is None else {"load_max": units.into("load", load_max)}
     if vanishing:
         limit["kappa"] = float(kappa or ZERO)
-    proven = None
-    if digits is not None:
-        asked: dict[str, Any] = {"digits": digits, **({} if load_max is None else {"load_max": load_max.exact})}
+    proven, crossings, off = None, None, None
+    if digits is not None or truncation:
+        asked: dict[str, Any] = {} if load_max is None else {"load_max": load_max.exact}
         asked |= {"kappa": (kappa or ZERO).exact} if vanishing else {}
         asked |= {name: value.exact for name, value in assignments(own).items()}
+        of_series = (case.column, case.modes, alpha.exact, beta.exact)
         with working("proof") as report:
-            if exact:
-                proven = fb.exact_load(case.column, alpha.exact, beta.exact, **asked)
-            else:
-                proven = fb.certified_load(case.column, case.modes, alpha.exact, beta.exact, progress=report, **asked)
-        if certificate:
+            if digits is not None and exact:
+                proven = fb.exact_load(case.column, alpha.exact, beta.exact, digits=digits, **asked)
+            elif digits is not None:
+                proven = fb.certified_load(*of_series, digits=digits, progress=report, **asked)
+            if digits is not None and every:
+                report("all crossings")
+                crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **asked)
+            if not exact:
+                off = _truncation(lambda: fb.truncation_error(*of_series, series=proven, **asked))
+        if certificate and proven is not None:
             with written(certificate, force) as file:
                 file.write((json.dumps(proven.certificate, indent=1) + "\n").encode())
     with working("critical load") as report, nondimensional(units):
@@ -112,6 +130,10 @@ def critical(
         record |= {"load_lower": load[0], "load_upper": load[1]}
         record |= {"frequency_lower": frequency[0], "frequency_upper": frequency[1]}
         record |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind}
+    if crossings is not None:
+        record |= {"crossings": [_crossing(crossing) for crossing in crossings]}
+    if off is not None:
+        record |= {"truncation": off}
     if as_json:
         print_json(record)
         return
@@ -127,9 +149,57 @@ def critical(
     rows += [["converged", f"{'yes' if more.converged else 'no'} (N = {more.modes}: {there})"]]
     if proven is not None:
         what = "the beam itself" if exact else f"N = {case.modes}"
-        rows += [[f"proven, {what}", " to ".join(proven.load) if proven.load else "none up to the load given"]]
+        none = f"none up to {record['load_max']:.10g}"
+        rows += [[f"proven, {what}", " to ".join(proven.load) if proven.load else none]]
+        if proven.frequency:
+            rows += [["frequency", " to ".join(proven.frequency)]]
         rows += [["proven is", ", ".join(name.replace("_", " ") for name, yes in proven.proof.items() if yes)]]
+        if missing := [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]:
+            rows += [["not proven", ", ".join(missing)]]
+    if off is not None:
+        rows += [["truncation error", off.get("unknown") or _off(off)]]
     print_table(rows, title=case.title())
+    if crossings:
+        header = ["load", "kind", "frequency", "unstable eigenvalues", "stability"]
+        lines = [
+            [
+                " to ".join(c.load), c.kind, " to ".join(c.frequency), f"{c.unstable_below}, then {c.unstable_above}",
+                c.stability,
+            ]
+            for c in crossings
+        ]  # fmt: skip
+        print_table(lines, header, f"All crossings up to {record['load_max']:.10g}: proven that there is no other")
+
+
+def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
+    """The truncation error as a record; where it is not known, why."""
+    from freebeam_sym.checks import InputError
+
+    try:
+        found = ask()
+    except InputError as error:
+        return {"unknown": str(error)}
+    exact = found.beam.load or (None, None)
+    difference = dict(zip(("difference_lower", "difference_upper"), found.difference, strict=True))
+    return {**difference, "relative": found.relative, "exact_lower": exact[0], "exact_upper": exact[1]}
+
+
+def _off(record: dict[str, Any]) -> str:
+    low, high = record["difference_lower"], record["difference_upper"]
+    return f"{low} to {high}, {record['relative']:.1e} of the beam's own load {record['exact_lower']}"
+
+
+def _crossing(found: CertifiedCrossing) -> dict[str, Any]:
+    return {
+        "kind": found.kind,
+        "load_lower": found.load[0],
+        "load_upper": found.load[1],
+        "frequency_lower": found.frequency[0],
+        "frequency_upper": found.frequency[1],
+        "unstable_below": found.unstable_below,
+        "unstable_above": found.unstable_above,
+        "stability": found.stability,
+    }
 
 
 @app.command(epilog="Example: freebeam verify certificate.json")
@@ -158,6 +228,10 @@ def spectrum(
     beta: BetaOption = ZERO,
     rigid: RigidOption = False,
     own: SetOption = None,
+    digits: Annotated[int | None, typer.Option(metavar="D", help="With --exact: enclose to D digits.")] = None,
+    exact: Annotated[
+        bool, typer.Option("--exact", help="Of the beam itself, with no series, each eigenvalue proven.")
+    ] = False,
     bending_stiffness: StiffnessOption = None,
     mass_per_length: MassOption = None,
     length: LengthOption = None,
@@ -165,9 +239,32 @@ def spectrum(
 ) -> None:
     """Print the eigenvalues at a load, sorted by |Im|, then Re."""
     import freebeam_sym as fb
+    from freebeam_sym.checks import InputError
 
+    if exact != (digits is not None):
+        raise InputError("--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits")
+    if exact and (rigid or bending_stiffness or mass_per_length or length):
+        option = "--rigid" if rigid else "SI units"
+        raise InputError(f"{option}: not with --exact, which is nondimensional and of the elastic spectrum")
     case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
     units = case.units
+    if digits is not None:
+        values = {name: value.exact for name, value in assignments(own).items()}
+        with working("proof"):
+            enclosed = fb.exact_spectrum(
+                case.column, load.exact, alpha.exact, beta.exact, modes=case.modes, digits=digits, **values
+            )
+        if as_json:
+            boxes = {"eigenvalues_lower": enclosed.lower, "eigenvalues_upper": enclosed.upper}
+            print_json(case.record(load=load, exact=True, digits=digits, **boxes, unproven=enclosed.unproven))
+            return
+        lines = [
+            [" to ".join(dict.fromkeys(ends)) for ends in zip(low, high, strict=True)]
+            for low, high in zip(enclosed.lower, enclosed.upper, strict=True)
+        ]
+        lines += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in enclosed.unproven]
+        print_table(lines, ["Re", "Im"], case.title(load=str(load)) + ", the beam itself, each proven")
+        return
     found = fb.spectrum(case.system(units.into("load", load), rigid))
     record = case.record(
         load=load,

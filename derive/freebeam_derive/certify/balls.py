@@ -160,17 +160,33 @@ def _series(kernel: ModuleType, delta: arb, quarter: int, sigma: int, order: int
 def matrices(
     kernel: ModuleType, modes: int, own: Mapping[str, Fraction] | None = None
 ) -> tuple[arb_mat, arb_mat, arb_mat]:
-    """M, E, H of the elastic modes as ball matrices, at the precision in hand. Eq. (11).
+    """M, E, H of the elastic functions as ball matrices, at the precision in hand. Eq. (11).
 
-    own: the column's own parameters as rational numbers, defaults where left out. Raises Unproven.
+    own: the column's own parameters as rational numbers, defaults where left out. Of polynomials they are rational
+    numbers, computed exactly and rounded once. Raises Unproven.
     """
+    defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
+    if kernel.COLUMN.get("basis") == "legendre":
+        return tuple(  # type: ignore[return-value]
+            arb_mat([[arb(v) for v in row] for row in matrix.tolist()])
+            for matrix in _rational_matrices(kernel, modes, tuple(sorted((defaults | dict(own or {})).items())))
+        )
     quarter, sigma, delta = roots(kernel, modes)
     turn = arb.pi() / 4
     if hasattr(kernel, "characteristic"):
         basis = kernel.complete(quarter, sigma, delta, turn)
     else:
         basis = kernel.complete(quarter, sigma, turn)
-    defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
     given = {name: exact(value) for name, value in (defaults | dict(own or {})).items()}
     found = [f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)]
     return tuple(arb_mat([[arb(v) for v in row] for row in matrix.tolist()]) for matrix in found)  # type: ignore[return-value]
+
+
+@lru_cache(maxsize=16)
+def _rational_matrices(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...]) -> tuple[Any, ...]:
+    """M, E, H of trial polynomials, exact."""
+    size = kernel.basis(modes).order.size
+    order = array([fmpq(k) for k in range(size)])
+    basis = kernel.complete(order, array([fmpq((-1) ** k) for k in range(size)]))
+    given = {name: fmpq(value.numerator, value.denominator) for name, value in own}
+    return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))

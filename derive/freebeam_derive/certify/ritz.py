@@ -26,7 +26,8 @@ from math import comb
 from types import ModuleType
 from typing import Any
 
-from flint import acb_poly, arb, arb_mat, arb_poly, fmpq, fmpz
+import numpy as np
+from flint import acb, acb_poly, arb, arb_mat, arb_poly, fmpq, fmpz
 
 from freebeam_derive.certify.balls import Unproven, exact, matrices, precision
 
@@ -211,7 +212,7 @@ def sign_on(polynomial: arb_poly, start: arb, end: arb) -> int:
     return signs.pop()
 
 
-def _rational(value: arb | float, bits: int) -> Fraction:
+def rational(value: arb | float, bits: int) -> Fraction:
     """A dyadic rational near a ball's middle."""
     mantissa, exponent = (int(part) for part in arb(value).mid().man_exp())
     excess = mantissa.bit_length() - bits
@@ -220,12 +221,23 @@ def _rational(value: arb | float, bits: int) -> Fraction:
     return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
 
 
+def zeros(polynomial: arb_poly) -> list[acb]:
+    """Approximations of all zeros."""
+    degree = polynomial.degree()
+    if degree < 1:
+        return []
+    try:
+        return list(acb_poly(polynomial).roots())
+    except (ValueError, ArithmeticError):
+        # double zeros, or about so: floats will do
+        coefficients = [float(polynomial[k].mid()) for k in range(degree, -1, -1)]
+        found: Any = np.roots(coefficients) if np.isfinite(coefficients).all() else []
+        return [acb(z.real, 0 if abs(z.imag) < 1e-9 * abs(z) else z.imag) for z in map(complex, found)]
+
+
 def _real_roots(polynomial: arb_poly) -> list[arb]:
     """Approximations of the real roots, ascending: where to put separators, which then prove themselves."""
-    try:
-        found = acb_poly(polynomial).roots() if polynomial.degree() > 0 else []
-    except (ValueError, ArithmeticError) as error:
-        raise Unproven("roots of a polynomial could not be isolated") from error
+    found = zeros(polynomial)
     slope = polynomial.derivative()
     real = []
     for root in (r.real.mid() for r in found if r.imag.contains(0)):
@@ -270,7 +282,7 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     return True
 
 
-def _separators(found: Boundary, P: Fraction) -> tuple[tuple[Fraction, Fraction], ...] | None:
+def separators_at(found: Boundary, P: Fraction) -> tuple[tuple[Fraction, Fraction], ...] | None:
     """Points between neighbouring roots at one load, None where they do not interlace: the beam is not stable there."""
     load = exact(P)
     h = _real_roots(found.at(found.h, load))
@@ -287,7 +299,7 @@ def _separators(found: Boundary, P: Fraction) -> tuple[tuple[Fraction, Fraction]
         return None
     middles = [(a + b) / 2 for a, b in pairwise(merged)]
     middles.append(2 * merged[-1])
-    return tuple((_rational(m, 100), Fraction(0)) for m in middles)
+    return tuple((rational(m, 100), Fraction(0)) for m in middles)
 
 
 def _between(a: Fraction, b: Fraction) -> Fraction:
@@ -304,7 +316,7 @@ def _cover(found: Boundary, start: Fraction, end: Fraction) -> list[Stretch]:
     while waiting:
         a, b, depth = waiting.pop()
         middle = _between(a, b)
-        separators = _separators(found, middle)
+        separators = separators_at(found, middle)
         if separators is None:
             raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
         stretch = Stretch(a, b, middle, separators)
@@ -329,9 +341,13 @@ def _jacobian(found: Boundary, P: arb, x: arb) -> list[list[arb]]:
     return [[found.value(w, P, x, 1, d), found.value(w, P, x, 0, d + 1)] for w, d in _equations(found)]
 
 
-def _newton(found: Boundary, P: arb, x: arb) -> tuple[arb, arb]:
-    """One step of Newton's method from the middles of P and x."""
-    P, x = P.mid(), x.mid()
+def newton(found: Boundary, P: arb, x: arb | None) -> tuple[arb, arb | None]:
+    """One step of Newton's method from the middles of P and x; x None: towards a divergence."""
+    P = P.mid()
+    if x is None:
+        zero = arb(0)
+        return P - found.value(found.h, P, zero) / found.value(found.h, P, zero, 1), None
+    x = x.mid()
     (w, d), (v, e) = _equations(found)
     r = found.value(w, P, x, 0, d), found.value(v, P, x, 0, e)
     (a, b), (c, k) = _jacobian(found, P, x)
@@ -389,7 +405,7 @@ def _towards(
 
     share: of the way from the flatter of the two meeting curves to the steeper one, for the separator between them.
     """
-    separators = _separators(found, start)
+    separators = separators_at(found, start)
     if separators is None:
         return None
     if x is not None:
@@ -403,7 +419,7 @@ def _towards(
                 -found.value(w, load, middle, 1, 0) / found.value(w, load, middle, 0, 1) for w in (found.h, found.g)
             ]
             flat, steep = sorted(slopes, key=lambda v: float(abs(v)))
-            slope = _rational(flat + (steep - flat) * share, 30)
+            slope = rational(flat + (steep - flat) * share, 30)
         there = float(x + slope * (start - P))
         nearest = min(range(len(places)), key=lambda k: abs(places[k] - there))
         separators = (*separators[:nearest], (x, slope), *separators[nearest + 1 :])
@@ -456,30 +472,27 @@ def certify(
 
 def _certify_near(found: Boundary, question: Question, near: tuple[float, float], digits: int, bits: int) -> Enclosure:
     flutter = near[1] > 0
-    P, x = arb(near[0]), arb(near[1]) ** 2
-    start = P.mid(), x.mid()
+    P, x = arb(near[0]), arb(near[1]) ** 2 if flutter else None
+    start = P.mid()
     reached = 20
     while reached < 2 * bits:
-        if flutter:
-            P, x = _newton(found, P, x)
-        else:
-            P = P.mid() - found.value(found.h, P.mid(), arb(0)) / found.value(found.h, P.mid(), arb(0), 1)
+        P, x = newton(found, P, x)
         reached *= 2
-    if not P.is_finite() or abs(P - start[0]) > abs(start[0]) * arb("1e-3"):
+    if not P.is_finite() or abs(P - start) > abs(start) * arb("1e-3"):
         raise Unproven(f"no crossing was found near the load {near[0]:.10g}")
-    if flutter:
+    if x is not None:
         P, x = enclose_flutter(found, P, x, bits)
         if not x > 0:
             raise Unproven("the crossing's frequency is not known to be positive")
     else:
-        P, x = enclose_divergence(found, P, bits), arb(0)
+        P = enclose_divergence(found, P, bits)
     tolerance = Fraction(1, 10 ** (digits + 2))
-    middle = _rational(P, bits)
+    middle = rational(P, bits)
     end = middle - abs(middle) * tolerance / 2
     top = middle + abs(middle) * tolerance / 2
     if not (exact(end) < P < exact(top)):
         raise Unproven(f"the crossing near {near[0]:.10g} could not be enclosed to {digits} digits")
-    point = _rational(x, bits) if flutter else None
+    point = None if x is None else rational(x, bits)
     last = None
     reach = Fraction(1, 8)
     while last is None and reach > tolerance:
@@ -493,10 +506,10 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
     stretches = [*_cover(found, Fraction(0), last.start), last]
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
     squared = None
-    if flutter:
+    if x is not None and point is not None:
         # wider than the load's: the frequency of the eigenvalue that grows at the load's upper end lies within too
-        spread = abs(point) * tolerance * 500  # type: ignore[arg-type]
-        squared = (point - spread, point + spread)  # type: ignore[operator]
+        spread = abs(point) * tolerance * 500
+        squared = (point - spread, point + spread)
         if not (exact(squared[0]) < x < exact(squared[1])):
             raise Unproven("the frequency could not be enclosed to the digits asked for")
     return Enclosure(

@@ -1,0 +1,433 @@
+"""All crossings of a Ritz series up to a load, with the proof that none is left out. Eqs. (24), (25).
+
+With h and g of `ritz.py`, an eigenvalue is on the imaginary axis at a load P if and only if h(P, x) = g(P, x) = 0 for
+some x = ω² > 0, or h(P, 0) = det K = 0. (Without damping g is h_x: two eigenvalues meet. Where that happens at x < 0,
+or off the real axis, nothing becomes stable or unstable, and none of it appears here.) So it is to be shown that h and
+g have no common zero on a stretch of loads for any x from 0 to ∞: the half line is cut between neighbouring zeros of h
+and of g at the stretch's middle, and in each strip one of the two keeps its sign, which its Bernstein coefficients in P
+and x prove. A stretch that fails is searched for a crossing by Newton's method. Krawczyk's test proves one, on a box as
+large as can be had it is shown to be alone, and the strips leave that box out. What remains is cut in half.
+
+How many eigenvalues are unstable is counted from none at P = 0: the sign of the Jacobian of (h, g) says which way an
+eigenvalue crosses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from math import comb
+from types import ModuleType
+
+from flint import arb, arb_mat, arb_poly
+
+from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.ritz import (
+    LOWEST_BITS,
+    Boundary,
+    Question,
+    Stretch,
+    boundary,
+    enclose_divergence,
+    enclose_flutter,
+    holds,
+    newton,
+    rational,
+    separators_at,
+    zeros,
+)
+
+MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
+FINEST = 80  # halvings of the load axis
+HALVINGS = 5  # of a strip
+
+
+@dataclass(frozen=True)
+class Crossing:
+    """One or two eigenvalues on the imaginary axis: an interval of loads, one of ω² (None for a divergence).
+
+    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does.
+    unstable: how many are below it.
+    """
+
+    kind: str
+    load: tuple[Fraction, Fraction]
+    square: tuple[Fraction, Fraction] | None
+    change: int
+    unstable: int
+
+    @property
+    def stability(self) -> str:
+        """lost, regained, or unchanged: what was unstable remains so."""
+        if self.unstable == 0:
+            return "lost"
+        return "regained" if self.unstable + self.change == 0 else "unchanged"
+
+
+@dataclass
+class _Found:
+    """A crossing with the box about it, of loads and of x, in which there is no other."""
+
+    load: arb
+    square: arb | None
+    low: Fraction
+    high: Fraction
+    bottom: Fraction
+    top: Fraction
+    change: int
+
+
+class Inseparable(Unproven):
+    """A stretch of loads on which crossings could not be told apart. settled: those proven below it."""
+
+    def __init__(self, low: Fraction, high: Fraction, settled: list[_Found]) -> None:
+        below = ", ".join(f"{float(c.load.mid()):.10g}" for c in settled) or "none"
+        super().__init__(
+            f"between the loads {float(low):.15g} and {float(high):.15g} crossings could not be told apart: two may "
+            f"lie closer together than {FINEST} halvings at {MOST_BITS} bits resolve, or meet. Established: up to "
+            f"there stability changes at these loads and no others: {below}"
+        )
+
+
+def survey(
+    kernel: ModuleType,
+    question: Question,
+    load_max: Fraction,
+    digits: int,
+    progress: Callable[[str], None] | None = None,
+) -> list[Crossing]:
+    """Every crossing for 0 < P ≤ load_max, ascending, each to a relative width below 10^−digits.
+
+    Raises Unproven with what could not be established, Inseparable where crossings are too close to each other.
+    """
+    say = progress or (lambda _: None)
+    bits = LOWEST_BITS + 24 * question.modes
+    while True:
+        with precision(bits):
+            try:
+                found = _Survey(boundary(kernel, question, bits), load_max, say).run()
+                break
+            except Unproven:
+                if 2 * bits > MOST_BITS:
+                    raise
+        bits *= 2
+    return _refined(kernel, question, found, digits, bits)
+
+
+def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, lowest: int) -> list[Crossing]:
+    """The crossings of a survey to the digits asked for."""
+    bits = max(lowest, LOWEST_BITS + int(3.33 * digits) + 24 * question.modes)
+    result, unstable = [], 0
+    with precision(bits):
+        fine = boundary(kernel, question, bits)
+        for crossing in found:
+            P, x = crossing.load, crossing.square
+            reached = 40
+            while reached < 2 * bits:
+                P, x = newton(fine, P, x)
+                reached *= 2
+            if x is None:
+                P = enclose_divergence(fine, P, bits)
+                inside = True
+            else:
+                P, x = enclose_flutter(fine, P, x, bits)
+                inside = exact(crossing.bottom) < x < exact(crossing.top)
+            if not (inside and exact(crossing.low) < P < exact(crossing.high)):
+                raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
+            square = None if x is None else _interval(x, digits - 1)
+            kind = "divergence" if x is None else "flutter"
+            result.append(Crossing(kind, _interval(P, digits), square, crossing.change, unstable))
+            unstable += crossing.change
+    return result
+
+
+def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:
+    """A rational interval about a positive ball, of a relative width a little below 10^−digits."""
+    middle = rational(ball, 400 + 4 * digits)
+    spread = middle / 10 ** (digits + 2)
+    if not (exact(middle - spread) < ball < exact(middle + spread)):
+        raise Unproven(f"the crossing near {float(middle):.10g} could not be enclosed to {digits} digits")
+    return middle - spread, middle + spread
+
+
+class _Survey:
+    """The search on one set of balls."""
+
+    def __init__(self, found: Boundary, load_max: Fraction, say: Callable[[str], None]) -> None:
+        self.found, self.load_max, self.say = found, load_max, say
+        self.N = found.N
+        # without damping two eigenvalues meet where h and h_x vanish
+        g = found.g if found.g is not None else [p.derivative() for p in found.h]
+        self.tables = {"h": self._table(found.h), "g": self._table(g)}
+        self.polynomials = {"h": found.h, "g": g}
+        self.crossings: list[_Found] = []
+
+    def _table(self, which: list[arb_poly]) -> arb_mat:
+        n = self.N + 1
+        return arb_mat([[which[a][b] if a < len(which) else 0 for b in range(n)] for a in range(n)])
+
+    def run(self) -> list[_Found]:
+        at_zero = separators_at(self.found, Fraction(0))
+        zero = Fraction(0)
+        if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
+            raise Unproven("the column is not known to be stable without load")
+        self._divergences(zero, self.load_max, 0)
+        waiting = [(zero, self.load_max, 0)]
+        while waiting:
+            a, b, depth = waiting.pop()
+            place = self._doubtful(a, b)
+            if place is None:
+                continue
+            self.say(f"{float(a):.6g} of {float(self.load_max):.6g}, {len(self.crossings)} crossings")
+            box = self._crossing(a, b, float(place)) if depth >= 3 else None
+            if box is not None:
+                self.crossings.append(box)
+                waiting += [piece for piece in ((box.high, b, depth), (a, box.low, depth)) if piece[0] < piece[1]]
+            elif depth == FINEST:
+                raise Inseparable(a, b, sorted((c for c in self.crossings if c.high <= a), key=lambda c: c.low))
+            else:
+                middle = a + (b - a) * Fraction(33, 64)  # crossings like round loads
+                waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        found = sorted(self.crossings, key=lambda c: c.load.mid())
+        for one, following in pairwise(found):
+            if not one.load < following.load:
+                raise Unproven(
+                    f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
+                )
+        return found
+
+    # --- no crossing on a stretch ---------------------------------------------------------------------------
+
+    def _doubtful(self, a: Fraction, b: Fraction, hole: tuple[Fraction, Fraction] | None = None) -> Fraction | None:
+        """A place x about which h and g may have a common zero for a ≤ P ≤ b; None where that is disproven for all.
+
+        hole: an interval of x that is left out.
+        """
+        loads = _bernstein(a, b, self.N)
+        rows = {name: loads * table for name, table in self.tables.items()}
+        for low, high, first in self._strips((a + b) / 2, hole):
+            place = self._strip(rows, low, high, (first, "g" if first == "h" else "h"), HALVINGS)
+            if place is not None:
+                return place
+        return None
+
+    def _strip(
+        self, rows: dict[str, arb_mat], low: Fraction, high: Fraction | None, names: tuple[str, str], halvings: int
+    ) -> Fraction | None:
+        for name in names:
+            if _keeps_sign(rows[name], low, high, self.N if name == "h" else self.N - 1):
+                return None
+        if high is None or halvings == 0:
+            return low if high is None else (low + high) / 2
+        middle = (low + high) / 2
+        place = self._strip(rows, low, middle, names, halvings - 1)
+        return self._strip(rows, middle, high, names, halvings - 1) if place is None else place
+
+    def _strips(
+        self, P: Fraction, hole: tuple[Fraction, Fraction] | None
+    ) -> list[tuple[Fraction, Fraction | None, str]]:
+        """The half line x ≥ 0 in strips, each with what has no zeros there at one load. The last reaches to ∞."""
+        every = {name: _zeros(self.found.at(which, exact(P))) for name, which in self.polynomials.items()}
+        marks: list[tuple[float, str]] = []
+        more: set[float] = set()
+        for name, other in (("h", "g"), ("g", "h")):
+            for z in every[name]:
+                near = min((abs(z.real - w.real) for w in every[other]), default=float("inf"))
+                if z.real > 0 and abs(z.imag) < 0.5 * near:
+                    # a pair that has just left the real axis, or is about to come to it, counts as if it were there
+                    marks.append((z.real, name))
+                elif abs(z.imag) > 0:
+                    # strips about as wide as the pair is far away
+                    more |= {x for x in (z.real - abs(z.imag), z.real + abs(z.imag)) if x > 0}
+        largest = max((abs(z) for group in every.values() for z in group), default=1.0)
+        marks.sort()
+        cuts: list[tuple[Fraction, str]] = []  # upper end of a strip, and whose zeros it holds
+        for (x, name), (y, other) in pairwise(marks):
+            if name != other:
+                cuts.append((Fraction((x + y) / 2), name))
+        top = Fraction(2 * largest)
+        cuts.append((top, marks[-1][1] if marks else "g"))
+        strips: list[tuple[Fraction, Fraction | None, str]] = []
+        low = Fraction(0)
+        for high, name in cuts:
+            between = [low, *sorted(Fraction(x) for x in more if low < x < high), high]
+            for piece in pairwise(between):
+                strips += [(*part, "g" if name == "h" else "h") for part in _without(*piece, hole)]
+            low = high
+        return [*strips, (top, None, "h")]
+
+    # --- a crossing on a stretch ----------------------------------------------------------------------------
+
+    def _crossing(self, a: Fraction, b: Fraction, near: float) -> _Found | None:
+        """A crossing on a stretch, found from a place where it could not be excluded, in a box of its own."""
+        P = exact((a + b) / 2)
+        for start in self._starts(P, near):
+            at, x = P, arb(start)
+            for _ in range(12):
+                before = at
+                at, moved = newton(self.found, at, x)
+                assert moved is not None
+                x = moved
+                if not (at.is_finite() and x.is_finite()) or abs(at - P) > 3 * exact(b - a):
+                    break
+                if abs(at - before) < abs(at) * arb(2) ** (-LOWEST_BITS // 2):
+                    box = self._box(at, x, a, b)
+                    if box is not None:
+                        return box
+                    break
+        return None
+
+    def _starts(self, P: arb, x: float) -> list[float]:
+        """Zeros of h and g next to a place."""
+        places = [z.real for which in self.polynomials.values() for z in _zeros(self.found.at(which, P)) if z.real > 0]
+        return sorted(places, key=lambda z: abs(z - x))[:3]
+
+    def _box(self, P: arb, x: arb, a: Fraction, b: Fraction) -> _Found | None:
+        if not (exact(a) <= P <= exact(b) and x > 0):
+            return None
+        if any(
+            c.square is not None and exact(c.low) < P < exact(c.high) and exact(c.bottom) < x < exact(c.top)
+            for c in self.crossings
+        ):
+            return None
+        try:
+            P, x = enclose_flutter(self.found, P, x, LOWEST_BITS)
+        except Unproven:
+            return None
+        shifted = [_shift(table, P.mid(), x.mid(), self.N) for table in self.tables.values()]
+        middle, place = rational(P, 60), rational(x, 60)
+        width = (b - a) / 2
+        for halvings in range(0, 60, 2):
+            r = width / 2**halvings
+            rho = next((p for k in range(1, 40, 2) if _alone(shifted, r, p := place / 2**k)), None)
+            if rho is None or not (exact(middle - r) < P < exact(middle + r)):
+                continue
+            low, high, bottom, top = middle - r, middle + r, place - rho, place + rho
+            if exact(bottom) < x < exact(top) and self._doubtful(max(low, Fraction(0)), high, (bottom, top)) is None:
+                (h_P, h_x), (g_P, g_x) = [(s[1, 0], s[0, 1]) for s in shifted]
+                det = _sign(h_P * g_x - h_x * g_P)
+                change = 2 * det if self.found.g is None else -2 * det
+                return _Found(P, x, low, high, bottom, top, change) if det else None
+        return None
+
+    def _divergences(self, a: Fraction, b: Fraction, depth: int) -> None:
+        """Every root of det K on a stretch."""
+        still = arb_poly([p[0] for p in self.found.h])
+        start, end = exact(a), exact(b)
+        n = still.degree()
+        loads = _bernstein(a, b, n)
+        if _one_sign((loads * arb_mat([[still[k]] for k in range(n + 1)])).entries()):
+            return
+        slope = still.derivative()
+        loads = _bernstein(a, b, n - 1) if n > 1 else arb_mat([[1]])
+        rising = _one_sign((loads * arb_mat([[slope[k]] for k in range(n)])).entries())
+        ends = _sign(still(start)), _sign(still(end))
+        if rising and all(ends):
+            if ends[0] == ends[1]:
+                return
+            self.crossings.append(self._divergence(a, b, still, rising))
+            return
+        if depth == FINEST:
+            settled = sorted((c for c in self.crossings if c.high <= a), key=lambda c: c.low)
+            raise Inseparable(a, b, settled)
+        middle = a + (b - a) * Fraction(33, 64)
+        self._divergences(a, middle, depth + 1)
+        self._divergences(middle, b, depth + 1)
+
+    def _divergence(self, a: Fraction, b: Fraction, still: arb_poly, rising: int) -> _Found:
+        low, high = a, b
+        below = _sign(still(exact(a)))
+        for _ in range(60):
+            middle = (low + high) / 2
+            sign = _sign(still(exact(middle)))
+            if sign == 0:
+                break
+            low, high = (middle, high) if sign == below else (low, middle)
+        P = enclose_divergence(self.found, exact((low + high) / 2), LOWEST_BITS)
+        damping = self.found.value(self.polynomials["g"], P, arb(0))
+        way = _sign(damping) * rising * (1 if self.found.g is None else -1)
+        if way == 0 or not (exact(a) < P < exact(b)):
+            raise Unproven(f"how the eigenvalue zero moves at the load {float(P.mid()):.10g} is not known")
+        return _Found(P, None, a, b, Fraction(0), Fraction(0), way)
+
+
+def _without(low: Fraction, high: Fraction, hole: tuple[Fraction, Fraction] | None) -> list[tuple[Fraction, Fraction]]:
+    """An interval less another."""
+    if hole is None or hole[1] <= low or hole[0] >= high:
+        return [(low, high)]
+    return [piece for piece in ((low, hole[0]), (hole[1], high)) if piece[0] < piece[1]]
+
+
+def _zeros(polynomial: arb_poly) -> list[complex]:
+    """All zeros, approximately: they decide where to cut, and the cuts prove themselves."""
+    return [complex(z) for z in zeros(polynomial)]
+
+
+def _sign(ball: arb) -> int:
+    return 1 if ball > 0 else -1 if ball < 0 else 0
+
+
+def _one_sign(balls: list[arb]) -> int:
+    """The sign that all have, 0 where they do not, or one is not known."""
+    first = _sign(balls[0])
+    return first if first and all(_sign(v) == first for v in balls) else 0
+
+
+def _bernstein(a: Fraction, b: Fraction, n: int) -> arb_mat:
+    """Matrix from the coefficients of a polynomial of degree n to its Bernstein coefficients on a ≤ t ≤ b.
+
+    The i-th of t^j is the mean of the products of j out of n − i numbers a and i numbers b.
+    """
+    left, right = arb_poly([1, exact(a)]), arb_poly([1, exact(b)])
+    lefts, rights = [arb_poly([1])], [arb_poly([1])]
+    for _ in range(n):
+        lefts.append(lefts[-1] * left)
+        rights.append(rights[-1] * right)
+    rows = [lefts[n - i] * rights[i] for i in range(n + 1)]
+    return arb_mat([[row[j] / comb(n, j) for j in range(n + 1)] for row in rows])
+
+
+def _keeps_sign(rows: arb_mat, low: Fraction, high: Fraction | None, degree: int) -> bool:
+    """Whether a function keeps its sign for low ≤ x ≤ high, or x ≥ low, on the stretch of loads that `rows` is for."""
+    n = rows.ncols() - 1
+    if high is None:
+        # in 1/x, from the highest power on
+        turned = arb_mat([[rows[i, degree - j] for j in range(degree + 1)] for i in range(rows.nrows())])
+        return bool(_one_sign((turned * _bernstein(Fraction(0), 1 / low, degree).transpose()).entries()))
+    return bool(_one_sign((rows * _bernstein(low, high, n).transpose()).entries()))
+
+
+def _shift(table: arb_mat, P: arb, x: arb, n: int) -> arb_mat:
+    """Taylor coefficients about a point."""
+
+    def pascal(t: arb) -> arb_mat:
+        powers = [t**k for k in range(n + 1)]
+        return arb_mat([[comb(j, i) * powers[j - i] if j >= i else 0 for j in range(n + 1)] for i in range(n + 1)])
+
+    return pascal(P) * table * pascal(x).transpose()
+
+
+def _alone(shifted: list[arb_mat], r: Fraction, rho: Fraction) -> bool:
+    """Whether (h, g) is one to one on the box |P − P₀| ≤ r, |x − x₀| ≤ ρ: 1 − J(centre)⁻¹ J is a contraction there."""
+    u, v = exact(r), exact(rho)
+    n = shifted[0].nrows()
+    us, vs = [u**k for k in range(n)], [v**k for k in range(n)]
+    centre, spread = [], []
+    for s in shifted:
+        by_P = by_x = arb(0)
+        for i in range(n):
+            for j in range(n):
+                if i + j > 1:
+                    size = abs(s[i, j]).upper() * us[i] * vs[j]
+                    by_P, by_x = by_P + i * size, by_x + j * size
+        centre.append([s[1, 0] * u, s[0, 1] * v])
+        spread.append([by_P, by_x])
+    (a, b), (c, d) = centre
+    det = a * d - b * c
+    if det.contains(0):
+        return False
+    inverse = [[abs(d / det), abs(b / det)], [abs(c / det), abs(a / det)]]
+    rest = [sum((row[k] * spread[k][j] for k in range(2) for j in range(2)), arb(0)) for row in inverse]
+    return all(value < 1 for value in rest)

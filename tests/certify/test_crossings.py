@@ -1,0 +1,204 @@
+"""All crossings up to a load: against counts of unstable eigenvalues, closed forms, cases that cannot be decided."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import freebeam_sym as fb
+from freebeam_derive.certify import balls, crossings, ritz
+from freebeam_derive.certify.balls import Unproven
+from freebeam_derive.certify.crossings import Crossing, Inseparable
+from freebeam_derive.certify.ritz import Question
+
+F = Fraction
+TOP = F(1000)
+
+
+@cache
+def found(name: str, question: Question, digits: int = 15, basis: str = "modes", top: Fraction = TOP) -> list[Crossing]:
+    return crossings.survey(fb.column(name, basis).kernel, question, top, digits)
+
+
+class Own(dict[str, Fraction]):
+    """Parameters of a column's own that can be part of a question that is remembered."""
+
+    def __hash__(self) -> int:  # type: ignore[override]
+        return hash(tuple(self.items()))
+
+
+def unstable(name: str, basis: str, question: Question, load: float) -> int:
+    """Eigenvalues λ with a positive real part, by numpy; stable ones without damping are on the axis."""
+    own = {n: float(v) for n, v in (question.own or {}).items()}
+    alpha, beta = float(question.alpha), float(question.beta)
+    system = fb.column(name, basis).system(modes=question.modes, load=load, alpha=alpha, beta=beta, **own)
+    K, C = np.linalg.solve(system.M, system.K), np.linalg.solve(system.M, system.C)
+    N = question.modes
+    values = np.linalg.eigvals(np.block([[np.zeros((N, N)), np.eye(N)], [-K, -C]]))
+    return int((values.real > (1e-5 if question.undamped else 1e-10) * np.abs(values)).sum())
+
+
+@settings(derandomize=True, deadline=None, max_examples=14)
+@given(
+    name=st.sampled_from(fb.column_names()),
+    basis=st.sampled_from(["modes", "legendre"]),
+    modes=st.integers(1, 5),
+    alpha=st.one_of(st.just(0.0), st.floats(-4, 1).map(lambda p: 10**p)),
+    beta=st.one_of(st.just(0.0), st.floats(-3, 2).map(lambda p: 10**p)),
+    eta=st.floats(0, 1.3),
+)
+def test_between_crossings_as_many_eigenvalues_grow_as_numpy_counts(
+    name: str, basis: str, modes: int, alpha: float, beta: float, eta: float
+) -> None:
+    own = Own(eta=F(eta)) if name == "beck" else Own()
+    question = Question(modes, F(alpha), F(beta), own=own)
+    listed = found(name, question, basis=basis)
+    edges = [F(0), *(c.load[0] for c in listed), TOP]
+    count = 0
+    for k, (low, high) in enumerate(pairwise(edges)):
+        assert low < high
+        if high - low > high / 1000:
+            for share in (0.05, 0.5, 0.95):
+                assert unstable(name, basis, question, float(low) + share * float(high - low)) == count
+        if k < len(listed):
+            assert listed[k].unstable == count
+            count += listed[k].change
+
+
+@pytest.mark.parametrize(
+    ("name", "question"),
+    [
+        ("free-free", Question(8)),
+        ("free-free", Question(8, F("0.001"), F("0.1"))),
+        ("free-free", Question(6, kappa=F(0))),
+        ("beck", Question(4, own=Own(eta=F("0.4")))),
+    ],
+)
+def test_the_first_crossing_is_the_certified_load(name: str, question: Question) -> None:
+    """Two proofs: Hermite and Biehler's theorem up to the load, and the search of the whole range."""
+    first = found(name, question)[0]
+    square = first.square or (F(0), F(0))
+    near = float(first.load[0]), float(square[0]) ** 0.5
+    proven = ritz.certify(fb.column(name).kernel, question, near, 20)
+    assert proven.load is not None and first.load[0] < proven.load[0] < proven.load[1] < first.load[1]
+    assert first.stability == "lost" and first.kind == proven.kind
+    if proven.square is not None:
+        assert square[0] < proven.square[1] and proven.square[0] < square[1]
+
+
+def test_stability_lost_regained_and_lost_again() -> None:
+    """Beck's column with η a little below 1/2 buckles, is stable again, and flutters."""
+    listed = found("beck", Question(4, own=Own(eta=F("0.4"))), top=F(60))
+    assert [(c.kind, c.stability) for c in listed] == [
+        ("divergence", "lost"), ("divergence", "regained"), ("flutter", "lost")
+    ]  # fmt: skip
+    damped = found("beck", Question(4, F("0.01"), own=Own(eta=F("0.4"))), top=F(60))
+    for plain, other in zip(listed[:2], damped, strict=False):
+        assert plain.load == other.load or (plain.load[0] < other.load[1] and other.load[0] < plain.load[1])
+
+
+def test_meetings_below_zero_are_no_crossings() -> None:
+    """The pinned beam buckles at (nπ)²; its unstable eigenvalues meet at (n² + m²) π², which the list leaves out."""
+    listed = found("euler-pinned", Question(6))
+    with balls.precision(200):
+        for n, c in enumerate(listed, start=1):
+            assert c.kind == "divergence" and (c.unstable, c.change) == (n - 1, 1)
+            assert balls.exact(c.load[0]) < (n * arb.pi()) ** 2 < balls.exact(c.load[1])
+    assert len(listed) == 6
+
+
+def test_a_restabilised_pair_is_seen() -> None:
+    """The load turned round: what was the onset at P is regained at 30 − P."""
+    kernel = fb.column("beck").kernel
+    exact = balls.matrices
+
+    def turned(*arguments: Any) -> tuple[arb_mat, arb_mat, arb_mat]:
+        M, E, H = exact(*arguments)
+        return M, E + 30 * H, -1 * H
+
+    plain = found("beck", Question(3), top=F(30))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ritz, "matrices", turned)
+        ritz._characteristic.cache_clear()
+        with pytest.raises(Unproven, match="not known to be stable without load"):
+            crossings.survey(kernel, Question(3), F(30), 15)
+        patch.setattr(crossings, "separators_at", lambda *_: ())
+        patch.setattr(crossings, "holds", lambda *_: True)
+        listed = crossings.survey(kernel, Question(3), F(30), 15)
+    ritz._characteristic.cache_clear()
+    assert [c.change for c in listed] == [-c.change for c in reversed(plain)]
+    for one, other in zip(listed, reversed(plain), strict=True):
+        assert one.load[0] < 30 - other.load[0] and 30 - other.load[1] < one.load[1]
+
+
+@pytest.mark.parametrize("question", [Question(4), Question(4, F("0.01"), F("0.5")), Question(4, kappa=F(3))])
+def test_enclosures_nest_as_digits_grow(question: Question) -> None:
+    for wide, narrow in zip(found("beck", question, 12), found("beck", question, 60), strict=True):
+        assert wide.load[0] < narrow.load[0] < narrow.load[1] < wide.load[1]
+        assert (narrow.load[1] - narrow.load[0]) * 10**60 < narrow.load[0]
+        assert (wide.kind, wide.change, wide.unstable) == (narrow.kind, narrow.change, narrow.unstable)
+
+
+# --- what cannot be decided -----------------------------------------------------------------------------------
+
+
+def replaced(patch: pytest.MonkeyPatch, M: Any, E: Any, H: Any) -> None:
+    patch.setattr(ritz, "matrices", lambda *_: tuple(arb_mat(rows) for rows in (M, E, H)))
+    ritz._characteristic.cache_clear()
+
+
+ONE = [[1, 0], [0, 1]]
+
+
+def test_frequencies_that_pass_through_each_other_are_not_decided(monkeypatch: pytest.MonkeyPatch) -> None:
+    """s = 1 + 3P and s = 4 are equal at P = 1 and do nothing to each other; balls cannot tell that from flutter."""
+    monkeypatch.setattr(crossings, "FINEST", 40)
+    replaced(monkeypatch, ONE, [[1, 0], [0, 4]], [[3, 0], [0, 0]])
+    try:
+        with pytest.raises(Inseparable, match=r"between the loads (1|0\.99)") as caught:
+            crossings.survey(fb.column("beck").kernel, Question(2), F(3), 10)
+        assert "Established: up to there stability changes at these loads and no others: none" in str(caught.value)
+        assert crossings.survey(fb.column("beck").kernel, Question(2, F("0.1")), F(3), 10) == []
+    finally:
+        monkeypatch.undo()
+        ritz._characteristic.cache_clear()
+
+
+@pytest.mark.parametrize("apart", [F(1, 10**12), F(1, 10**40)])
+def test_two_crossings_close_together(apart: Fraction, monkeypatch: pytest.MonkeyPatch) -> None:
+    """det K = (P − 1)(P − 1 − δ): told apart where the halvings reach δ, and else reported with what is below."""
+    with balls.precision(3000):
+        second = 1 + balls.exact(apart)
+    replaced(monkeypatch, ONE, [[1, 0], [0, second]], [[-1, 0], [0, -1]])
+    try:
+        question = Question(2, F("0.5"))
+        if apart > F(1, 10**20):
+            one, two = crossings.survey(fb.column("beck").kernel, question, F(3), 20)
+            assert one.load[1] < two.load[0] and abs(two.load[0] - one.load[0] - apart) < apart / 1000
+        else:
+            with pytest.raises(Inseparable, match=r"two may lie closer together"):
+                crossings.survey(fb.column("beck").kernel, question, F(3), 20)
+    finally:
+        monkeypatch.undo()
+        ritz._characteristic.cache_clear()
+
+
+def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
+    exact = balls.matrices
+    monkeypatch.setattr(ritz, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
+    monkeypatch.setattr(crossings, "FINEST", 12)
+    ritz._characteristic.cache_clear()
+    try:
+        with pytest.raises(Unproven):
+            crossings.survey(fb.column("beck").kernel, Question(4), F(100), 10)
+    finally:
+        monkeypatch.undo()
+        ritz._characteristic.cache_clear()
