@@ -79,6 +79,13 @@ _STYLE: dict[str, Any] = {
     "pdf.fonttype": 42,
 }
 
+# What of matplotlib's settings is look, and goes back to its default for the time of the style: not what a user has
+# set of windows, backends, folders and time zones.
+_LOOK = (
+    "axes.", "contour.", "font.", "grid.", "hatch.", "image.", "legend.", "lines.", "markers.", "mathtext.", "patch.",
+    "path.", "pdf.", "savefig.bbox", "savefig.transparent", "scatter.", "svg.", "text.", "xtick.", "ytick.",
+)  # fmt: skip
+
 
 @contextmanager
 def style() -> Iterator[None]:
@@ -93,12 +100,21 @@ def style() -> Iterator[None]:
     True
     """
     try:
+        import matplotlib
         from cycler import cycler  # which matplotlib brings
-        from matplotlib.style import context
     except ImportError:
         raise InputError("pictures need matplotlib, which is not installed: pip install 'freebeam[pictures]'") from None
-    with context(["default", {**_STYLE, "axes.prop_cycle": cycler(color=COLOURS)}]):
-        yield
+    settings: dict[Any, Any] = {k: value for k, value in matplotlib.rcParamsDefault.items() if k.startswith(_LOOK)}
+    settings |= {**_STYLE, "axes.prop_cycle": cycler(color=COLOURS)}
+    alive = matplotlib.is_interactive()
+    try:
+        with matplotlib.rc_context(settings):
+            try:
+                yield
+            finally:  # a notebook's first picture turns this on, and it is to stay on
+                alive = matplotlib.is_interactive()
+    finally:
+        matplotlib.interactive(alive)
 
 
 @contextmanager

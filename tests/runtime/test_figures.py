@@ -283,7 +283,7 @@ def test_files_are_the_same_bytes_each_time(format):
     for _ in range(2):
         with look.style():
             figure = Figure(figsize=(3, 2))
-            fb.figures.stability_map(GRID, [1, 2, 3], [1, 2], ax=figure.subplots())
+            figure.subplots().plot([0, 1], [1, 0], clip_on=False)
             found.add(image_of(figure, format))
     assert len(found) == 1
 
@@ -435,6 +435,17 @@ def test_drawings_take_axes_and_change_no_settings(name):
     assert dict(rcParams) == before
 
 
+def test_a_notebooks_first_picture_leaves_it_showing_pictures():
+    """The backend of a notebook turns interaction on when the first figure is made, be it within the style."""
+    assert not rcParams["interactive"]
+    try:
+        with look.style():
+            rcParams["interactive"] = True
+        assert rcParams["interactive"]
+    finally:
+        rcParams["interactive"] = False
+
+
 def test_drawings_make_axes_where_none_are_given():
     from matplotlib import pyplot
 
@@ -550,7 +561,7 @@ def test_a_folder_that_cannot_be(capsys, tmp_path):
 
 
 def test_without_matplotlib_the_cure_is_named(capsys, tmp_path, monkeypatch):
-    monkeypatch.setitem(sys.modules, "matplotlib.style", None)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
     status, _, err = run(capsys, 1, "--output", tmp_path / "folder")
     assert status == 2 and "pip install 'freebeam[pictures]'" in err and err.count("\n") == 1
     assert not any((tmp_path / "folder").glob("*")) if (tmp_path / "folder").exists() else True
