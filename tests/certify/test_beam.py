@@ -276,8 +276,17 @@ SPRING = column(  # a spring and an inertia against rotation of the tip, and a l
     lambda P, a, b: (CLAMPED, ({(1, 0): -P, (3, 0): -1}, {(0, 0): 2 * P, (1, 0): 3, (1, 2): 0.25, (2, 0): 1})),
 )
 
+SLIDING = column(  # a sliding end, on whose shear force the load acts, and a spring there
+    lambda P, a, b: {(0, 2): (1,), (2, 0): (P,), (4, 0): (1,)},
+    lambda P, a, b: (({(0, 0): 1}, {(2, 0): 1}), ({(1, 0): 1}, {(0, 0): 2, (1, 0): -P, (3, 0): -1})),
+)
 
-@pytest.mark.parametrize("kernel", [beck, euler, TIP_MASS, SPRING], ids=["beck", "euler", "tip mass", "spring"])
+
+@pytest.mark.parametrize(
+    "kernel",
+    [beck, euler, TIP_MASS, SPRING, SLIDING],
+    ids=["beck", "euler", "tip mass", "spring", "sliding"],
+)
 def test_a_column_is_the_same_from_its_other_end(kernel: Any) -> None:
     """Conditions at x = 0 that hold the load and the motion give the same function, but for its sign."""
     orders = ((0, 0), (1, 0), (0, 1), (1, 1), (0, 2))

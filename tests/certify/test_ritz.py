@@ -8,6 +8,7 @@ import math
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 import mpmath
@@ -32,12 +33,18 @@ CASES = {
     "beck, heavy damping": ("beck", Question(8, F(10))),
     "euler": ("euler-pinned", Question(8, F(1, 3), F(2))),
     "one mode": ("free-free", Question(1)),
+    "polynomials": ("free-free", Question(5)),
+    "polynomials, damped": ("beck", Question(4, F("0.001"), F("0.1"))),
 }
 
 
-def candidate(name: str, question: Question) -> tuple[float, float] | None:
+def column(case: str) -> fb.Column:
+    return fb.column(CASES[case][0], "legendre" if "polynomials" in case else "modes")
+
+
+def candidate(column: fb.Column, question: Question) -> tuple[float, float] | None:
     found = fb.critical_load(
-        fb.column(name),
+        column,
         question.modes,
         float(question.alpha),
         float(question.beta),
@@ -49,8 +56,8 @@ def candidate(name: str, question: Question) -> tuple[float, float] | None:
 
 @cache
 def certified(case: str, digits: int = 30) -> Enclosure:
-    name, question = CASES[case]
-    return ritz.certify(fb.column(name).kernel, question, candidate(name, question), digits)
+    question = CASES[case][1]
+    return ritz.certify(column(case).kernel, question, candidate(column(case), question), digits)
 
 
 @pytest.mark.parametrize("name", fb.column_names())
@@ -85,9 +92,9 @@ def test_matrices_overlap_rigorous_quadrature(name: str) -> None:
 @pytest.mark.parametrize("case", CASES)
 def test_the_enclosure_holds_the_load_of_an_mpmath_determinant(case: str) -> None:
     """det(λ² M + λ C + K) or its double root, solved by mpmath's own Newton at twice the digits. Eqs. (24), (25)."""
-    name, question = CASES[case]
+    question = CASES[case][1]
     found = certified(case)
-    kernel = fb.column(name).kernel
+    kernel = column(case).kernel
     assert found.load is not None and all(found.proof.values())
     low, high = found.load
     assert (high - low) / low < F(1, 10**30)
@@ -101,7 +108,7 @@ def test_the_enclosure_holds_the_load_of_an_mpmath_determinant(case: str) -> Non
         def f(P: Any, s: Any) -> Any:
             return mpmath.det(E + P * H - s * M)
 
-        start = candidate(name, question)
+        start = candidate(column(case), question)
         assert start is not None
         if found.kind == "divergence":
             load = mpmath.findroot(lambda P: f(P, 0), start[0])
@@ -191,16 +198,19 @@ def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
 @settings(derandomize=True, deadline=None, max_examples=15)
 @given(
     name=st.sampled_from(fb.column_names()),
+    basis=st.sampled_from(["modes", "legendre"]),
     modes=st.integers(1, 6),
     alpha=st.one_of(st.just(0.0), st.floats(-6, 1).map(lambda p: 10**p)),
     beta=st.one_of(st.just(0.0), st.floats(-3, 2).map(lambda p: 10**p)),
 )
-def test_the_runtimes_load_lies_in_the_certified_interval(name: str, modes: int, alpha: float, beta: float) -> None:
+def test_the_runtimes_load_lies_in_the_certified_interval(
+    name: str, basis: str, modes: int, alpha: float, beta: float
+) -> None:
     question = Question(modes, F(alpha), F(beta))
-    near = candidate(name, question)
+    near = candidate(fb.column(name, basis), question)
     if near is None:
         return
-    found = ritz.certify(fb.column(name).kernel, question, near, 12)
+    found = ritz.certify(fb.column(name, basis).kernel, question, near, 12)
     assert found.load is not None
     assert math.isclose(near[0], float(found.load[0]), rel_tol=1e-9)
 
@@ -210,11 +220,12 @@ def test_the_runtimes_load_lies_in_the_certified_interval(name: str, modes: int,
 
 @cache
 def written(case: str) -> str:
-    name, _ = CASES[case]
-    return json.dumps(certificate.write(fb.column(name).kernel, certified(case, 20)))
+    return json.dumps(certificate.write(column(case).kernel, certified(case, 20)))
 
 
-@pytest.mark.parametrize("case", ["one mode", "limit at a ratio", "beck, dead load"])
+@pytest.mark.parametrize(
+    "case", ["one mode", "limit at a ratio", "beck, dead load", "polynomials", "polynomials, damped"]
+)
 def test_a_certificate_is_accepted(case: str) -> None:
     assert "stable below" in verifier.verify(json.loads(written(case)))
 
@@ -245,10 +256,43 @@ def _beyond(data: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("tamper", [_higher, _gap, _kind, _separator, _force, _beyond])
 def test_a_tampered_certificate_is_refused(tamper: Any) -> None:
-    data = copy.deepcopy(json.loads(written("limit at a ratio")))
-    tamper(data)
+    for case in ("limit at a ratio", "polynomials"):
+        data = json.loads(written(case))
+        tamper(data)
+        with pytest.raises(verifier.Refused):
+            verifier.verify(data)
+
+
+def test_a_certificate_does_not_pass_in_the_other_basis() -> None:
+    data = json.loads(written("polynomials"))
+    data["basis"] = "modes"
     with pytest.raises(verifier.Refused):
         verifier.verify(data)
+
+
+@pytest.mark.parametrize("name", fb.column_names())
+def test_polynomials_span_what_the_verifiers_span(name: str) -> None:
+    """det(E + P H − s M) / det M in the kernel's basis and in the verifier's null space of conditions."""
+    kernel = fb.column(name, "legendre").kernel
+    question = Question(5, own={p["name"]: F(p["default"]) for p in kernel.COLUMN["parameters"]})
+    data = certificate.write(kernel, Enclosure(question, "none", None, None, F(1), (), {}))
+    with balls.precision(400):
+        M, E, H = balls.matrices(kernel, 5, question.own)
+        other = verifier.matrices(data)
+        for P, s in ((3, 50), (-7, 2000)):
+            mine = (E + P * H - s * M).det() / M.det()
+            theirs = (other["E"] + P * other["H"] - s * other["M"]).det() / other["M"].det()
+            assert mine.overlaps(theirs) and mine.rel_accuracy_bits() > 300 < theirs.rel_accuracy_bits()
+
+
+def test_a_factor_that_is_no_fraction_is_not_proven() -> None:
+    """A kernel holds the square root of two as a float: what would be proven is of another column."""
+    kernel = copy.copy(vars(fb.column("beck", "legendre").kernel))
+    rounded = ModuleType("rounded")
+    vars(rounded).update(kernel)
+    rounded.forms = lambda one=1, **own: {"M": ({(0, 0, 0): 2**0.5}, {})}  # type: ignore[attr-defined]
+    with balls.precision(100), pytest.raises(Unproven, match="no fraction"):
+        balls.matrices(rounded, 3)
 
 
 def test_what_is_no_certificate_is_refused_in_one_line(tmp_path: Path) -> None:

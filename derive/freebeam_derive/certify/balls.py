@@ -166,10 +166,12 @@ def matrices(
     numbers, computed exactly and rounded once. Raises Unproven.
     """
     defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
+    held = defaults | dict(own or {})
+    _stated_exactly(kernel, held)
     if kernel.COLUMN.get("basis") == "legendre":
         return tuple(  # type: ignore[return-value]
             arb_mat([[arb(v) for v in row] for row in matrix.tolist()])
-            for matrix in _rational_matrices(kernel, modes, tuple(sorted((defaults | dict(own or {})).items())))
+            for matrix in _rational_matrices(kernel, modes, tuple(sorted(held.items())))
         )
     quarter, sigma, delta = roots(kernel, modes)
     turn = arb.pi() / 4
@@ -177,9 +179,17 @@ def matrices(
         basis = kernel.complete(quarter, sigma, delta, turn)
     else:
         basis = kernel.complete(quarter, sigma, turn)
-    given = {name: exact(value) for name, value in (defaults | dict(own or {})).items()}
+    given = {name: exact(value) for name, value in held.items()}
     found = [f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)]
     return tuple(arb_mat([[arb(v) for v in row] for row in matrix.tolist()]) for matrix in found)  # type: ignore[return-value]
+
+
+def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
+    """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
+    for letter, parts in kernel.forms(Fraction(1), **own).items():
+        for factor in (v for part in parts for v in part.values()):
+            if isinstance(factor, float) and not (factor * 2**20).is_integer():
+                raise Unproven(f"{kernel.COLUMN['name']}: a factor of its form {letter} is no fraction, {factor!r}")
 
 
 @lru_cache(maxsize=16)

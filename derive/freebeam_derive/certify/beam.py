@@ -209,17 +209,22 @@ class Beam:
         left = self._parts().left
         for pivots in combinations((3, 2, 1, 0), 2):
             entries = [[row.get(q, _NONE) for q in pivots] for row in left]
-            (a, b), (c, d) = [[entry.e for entry in row] for row in entries]
-            determinant = a * d - b * c
-            if determinant.contains(0) or not all(c.h.is_zero() and c.m.is_zero() for row in entries for c in row):
+            (a, b), (c, d) = entries
+            determinant = a.e * d.e - b.e * c.e
+            # every other coefficient of a d − b c in p and s
+            others = [
+                a[i] * d[j] + a[j] * d[i] - b[i] * c[j] - b[j] * c[i] for i in range(3) for j in range(max(i, 1), 3)
+            ]
+            if determinant.contains(0) or not all(other.is_zero() for other in others):
                 continue
             rows = [[jets.zero(), jets.zero()] for _ in range(4)]
             for k, q in enumerate(q for q in range(4) if q not in pivots):
                 rows[q][k] = jets.row((arb(1), arb(0), arb(0)))
                 if any(q in row for row in left):
                     first, second = (jets.row(_shifted(row.get(q, _NONE), p, s)) for row in left)
-                    rows[pivots[0]][k] = (second * b - first * d) / determinant
-                    rows[pivots[1]][k] = (first * c - second * a) / determinant
+                    above, beside, below, other = (_shifted(entry, p, s) for entry in (a, b, c, d))
+                    rows[pivots[0]][k] = (jets.times(second, beside) - jets.times(first, other)) / determinant
+                    rows[pivots[1]][k] = (jets.times(first, below) - jets.times(second, above)) / determinant
             return jets.matrix(4, 2 * len(jets.orders), [e for both in rows for row in both for e in row.entries()])
         raise NoSeries(f"{self.name}: the conditions at x = 0 do not determine two derivatives there")
 
