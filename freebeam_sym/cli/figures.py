@@ -33,17 +33,17 @@ def figures(
         raise InputError(f"--format {format}: must be one of {', '.join(FORMATS)}")
     wanted = dict.fromkeys(_number(text, published.NUMBERS) for text in number or map(str, published.NUMBERS))
     files = {n: [output / f"figure-{n:02}.{kind}" for kind in (format, "csv")] for n in wanted}
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
-    # Said before the work, not after it.
-    kept = [file for pair in files.values() for file in pair if file.exists() and not force]
-    if kept:
-        more = f" (and {len(kept) - 1} more)" if kept[1:] else ""
-        raise InputError(f"{kept[0]}{more}: exists and is kept; give another folder, or --force to replace it")
     done: list[dict[str, Any]] = []
-    with working("figures") as report, style():
+    with style(), working("figures") as report:
+        # What is in the way is said before the work, not after it.
+        try:
+            output.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
+        kept = [file for pair in files.values() for file in pair if file.exists() and not force]
+        if kept:
+            more = f" (and {len(kept) - 1} more)" if kept[1:] else ""
+            raise InputError(f"{kept[0]}{more}: exists and is kept; give another folder, or --force to replace it")
         for count, n in enumerate(wanted, 1):
             report(f"Fig. {n} ({count} of {len(wanted)})")
             found = published.picture(n)
@@ -54,10 +54,11 @@ def figures(
                 "number": n, "title": found.title, "caption": found.caption, "settings": found.settings,
                 "marks": found.marks, "picture": files[n][0], "data": files[n][1],
             })  # fmt: skip
-            if not as_json:
-                typer.echo(f"{files[n][0]}: {found.title}")
     if as_json:
         print_json({"output": output, "format": format, "figures": done})
+        return
+    for entry in done:
+        typer.echo(f"{entry['picture']}: {entry['title']}")
 
 
 def _number(text: str, known: tuple[int, ...]) -> int:

@@ -95,7 +95,7 @@ def scales(beam: dict[str, float]) -> tuple[float, float]:
 # --- the contract -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["columns", "generate", "critical", "spectrum", "respond", "validate"])
+@pytest.mark.parametrize("command", ["columns", "generate", "critical", "figures", "spectrum", "respond", "validate"])
 def test_help_has_an_example(freebeam, command):
     run = freebeam(command, "--help")
     assert run.status == 0
