@@ -1,11 +1,11 @@
 # make         sets everything up, derives, emits and verifies the kernels, prints the paper's critical loads
 # make test    runs the tests
-# Other targets: bench, lint, venv, clean. Choose an interpreter with PYTHON=/path/to/python3.
+# Other targets: docs, bench, lint, venv, clean. Choose an interpreter with PYTHON=/path/to/python3.
 
 MAKEFLAGS += --no-builtin-rules
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := all
-.PHONY: all venv test bench lint clean FORCE
+.PHONY: all venv test docs bench lint clean FORCE
 
 # A user's own Python or pip settings must not reach into the environment made here.
 unexport PYTHONPATH PYTHONHOME PYTHONSTARTUP VIRTUAL_ENV PIP_USER PIP_TARGET PIP_PREFIX PIP_REQUIRE_VIRTUALENV
@@ -56,6 +56,19 @@ endef
 test: venv
 	$(BIN)/python -m pytest -n $(JOBS)
 
+COLUMNS := free-free beck euler-pinned
+MADE := docs/made
+
+docs: venv
+	$(BIN)/freebeam figures --output $(MADE)/figures --force
+	@mkdir -p $(MADE)/lessons $(MADE)/explorer
+	for column in $(COLUMNS); do \
+	  $(BIN)/freebeam lesson --column $$column --format html --output $(MADE)/lessons/$$column.html --force && \
+	  $(BIN)/freebeam explore --column $$column --output $(MADE)/explorer/$$column.html --force || exit 1; \
+	done
+	$(BIN)/sphinx-build -q -W --keep-going docs build/docs
+	@echo "open build/docs/index.html"
+
 bench: venv
 	$(BIN)/python benchmarks/table.py
 
@@ -64,5 +77,5 @@ lint: venv
 	$(BIN)/mypy
 
 clean:
-	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks build freebeam.egg-info
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks build docs/made freebeam.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
