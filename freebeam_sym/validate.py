@@ -11,11 +11,12 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
+from typing import NamedTuple
 
 from freebeam_sym.columns import column
 from freebeam_sym.critical import critical_load
 
-__all__ = ["MODES", "Row", "scanned", "validate"]
+__all__ = ["MODES", "PRINTED", "Printed", "Row", "scanned", "step_of", "validate"]
 
 MODES = 8  # section 3.2: "as many as eight terms of the mode shapes are considered (N=8)"
 
@@ -40,17 +41,33 @@ class Row:
     passed: bool
 
 
-# Where the paper prints a critical load: section, alpha, beta, the digits as printed. The scan's step is the unit of
-# the last digit (section 4.1 says so of its two).
-_PRINTED = (
-    ("4.1", 0.0, 0.0, "109.8"),
-    ("4.1", 0.0, 0.0, "109.73"),
-    ("4.2", 1e-6, 0.0, "88.2"),
-    ("4.4", 1e-3, 0.1, "90.9"),
+class Printed(NamedTuple):
+    """Where the paper prints a critical load: section, dampings, the digits as printed."""
+
+    section: str
+    alpha: float
+    beta: float
+    printed: str
+
+
+PRINTED = (
+    Printed("4.1", 0.0, 0.0, "109.8"),
+    Printed("4.1", 0.0, 0.0, "109.73"),
+    Printed("4.2", 1e-6, 0.0, "88.2"),
+    Printed("4.4", 1e-3, 0.1, "90.9"),
 )
 
 
-def scanned(load: float, step: str) -> str:
+def step_of(printed: str) -> str:
+    """The scan's step: the unit of the last printed digit (section 4.1 says so of its two).
+
+    >>> step_of("109.73")
+    '0.01'
+    """
+    return str(Decimal(1).scaleb(Decimal(printed).as_tuple().exponent))  # type: ignore[arg-type]
+
+
+def scanned(load: float | Fraction, step: str) -> str:
     """The load at which a scan in steps of `step`, from 0, first reaches or passes `load`; in the step's digits."""
     unit = Fraction(step)
     reached = math.ceil(Fraction(load) / unit) * unit
@@ -61,10 +78,10 @@ def validate(progress: Callable[[str], None] | None = None) -> list[Row]:
     """Compute the critical loads that the paper prints, at its N = 8. Sections 4.1, 4.2, 4.4."""
     beam = column("free-free")
     rows = []
-    for section, alpha, beta, printed in _PRINTED:
+    for section, alpha, beta, printed in PRINTED:
         if progress:
             progress(f"section {section}: {printed}")
-        step = str(Decimal(1).scaleb(Decimal(printed).as_tuple().exponent))  # type: ignore[arg-type]
+        step = step_of(printed)
         found = critical_load(beam, MODES, alpha, beta)
         explained = None if found.load is None else scanned(found.load, step)
         passed = explained == printed and found.kind == "flutter"

@@ -2,39 +2,95 @@
 
 from __future__ import annotations
 
+import re
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from freebeam_sym.cli.application import app
 from freebeam_sym.cli.options import JsonOption
-from freebeam_sym.cli.output import print_json, print_table, working
+from freebeam_sym.cli.output import print_json, print_table, working, written
+
+if TYPE_CHECKING:
+    from freebeam_sym.ledger.book import Ledger
+    from freebeam_sym.validate import Row
 
 
-@app.command(epilog="Example: freebeam validate")
-def validate(as_json: JsonOption = False) -> None:
-    """Compute the critical loads that the paper prints; exit 1 if one is not explained to its last digit."""
+@app.command(epilog="Example: freebeam validate --output ledger.md")
+def validate(
+    as_json: JsonOption = False,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the whole ledger there, as Markdown.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")] = False,
+) -> None:
+    """Check the paper: each numbered equation, each claim with its verdict, and the critical loads that it prints.
+
+    Exit 1 if an equation or a claim has another verdict than it should have, or a critical load is not explained to its
+    last digit.
+    """
+    from freebeam_sym.ledger.book import ledger
+    from freebeam_sym.ledger.page import page
     from freebeam_sym.validate import validate as validated
 
+    if output is not None:
+        with written(output, force) as stream, working("validate") as report:
+            stream.write(page(ledger(report)).encode())
     with working("validate") as report:
-        rows = validated(report)
+        rows, book = validated(report), ledger(report)
+    passed = book.passed and all(row.passed for row in rows)
     if as_json:
-        print_json({"loads": [asdict(row) for row in rows], "passed": all(row.passed for row in rows)})
+        print_json(
+            {
+                "loads": [asdict(row) for row in rows],
+                "equations": [asdict(row) for row in book.equations],
+                "claims": [asdict(row) for row in book.claims],
+                "passed": passed,
+            }
+        )
     else:
-        cells = [
-            [
-                row.section,
-                f"{row.alpha:g}",
-                f"{row.beta:g}",
-                row.printed,
-                "none" if row.load is None else f"{row.load:.10f}",
-                row.kind,
-                "none" if row.explained is None else row.explained,
-                "yes" if row.passed else "NO",
-            ]
-            for row in rows
-        ]
-        header = ["section", "alpha", "beta", "printed", f"N = {rows[0].modes}", "kind", "scanned", "confirmed"]
-        print_table(cells, header, "Critical loads of the paper; a scan prints the first step at or above the load")
-    if not all(row.passed for row in rows):
+        _print_ledger(book)
+        _print_loads(rows)
+    if not passed:
         raise typer.Exit(1)
+
+
+def _print_ledger(book: Ledger) -> None:
+    """What the ledger finds, a line a row; claims that cannot be checked are counted only."""
+    mark = {True: "", False: "FAILED"}
+    cells = [[row.id, row.section, row.verdict, row.misprint, mark[row.passed]] for row in book.equations]
+    print_table(cells, ["Eq.", "section", "verdict", "", ""], "Equations of the paper, as printed against as derived")
+    claims = [row for row in book.claims if row.verdict != "not checkable" or not row.passed]
+    cells = [[row.id, row.verdict, row.by, _plain(row.quote), mark[row.passed]] for row in claims]
+    print_table(cells, ["claim", "verdict", "settled", "quote", ""], "Claims of the paper")
+    counted = ", ".join(f"{n} {verdict}" for verdict, n in Counter(row.verdict for row in book.claims).items())
+    typer.echo(f"{len(book.claims)} claims: {counted}. With all that is computed: --output FILE, or --json.\n")
+
+
+def _plain(quote: str) -> str:
+    """The beginning of a quote, without its LaTeX marks."""
+    words = re.sub(r"\\(?:overline|bar)\{([^{}]*)\}|\$", r"\1", " ".join(quote.split()))
+    words = re.sub(r"\\(?=[a-z])", "", words)
+    return words if len(words) <= 72 else f"{words[:71]}…"
+
+
+def _print_loads(rows: Sequence[Row]) -> None:
+    cells = [
+        [
+            row.section,
+            f"{row.alpha:g}",
+            f"{row.beta:g}",
+            row.printed,
+            "none" if row.load is None else f"{row.load:.10f}",
+            row.kind,
+            "none" if row.explained is None else row.explained,
+            "yes" if row.passed else "NO",
+        ]
+        for row in rows
+    ]
+    header = ["section", "alpha", "beta", "printed", f"N = {rows[0].modes}", "kind", "scanned", "confirmed"]
+    print_table(cells, header, "Critical loads of the paper; a scan prints the first step at or above the load")

@@ -18,7 +18,8 @@ PACKAGE = ROOT / "freebeam_sym"
 RUNTIME = sorted(PACKAGE.rglob("*.py"))
 DERIVATION = sorted((ROOT / "derive" / "freebeam_derive").rglob("*.py"))
 KERNELS = sorted((ROOT / "generated" / "freebeam_kernels").rglob("*.py"))
-FRONTS = {"cli/derivation.py", "own.py", "proofs.py"}  # which may reach the derivation, inside functions
+# which may reach the derivation, inside functions
+FRONTS = {"cli/derivation.py", "ledger/proven.py", "own.py", "proofs.py"}
 SYMBOLIC = {"sympy", "mpmath", "flint"}
 LATE = {"matplotlib", "xarray", "dask", "distributed", "zarr"}  # inside functions, where they are used
 

@@ -1,0 +1,1 @@
+"""The paper's numbered equations: as printed, as read, and as derived."""

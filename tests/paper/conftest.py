@@ -1,0 +1,12 @@
+"""The ledger, computed once for all tests of the paper."""
+
+from __future__ import annotations
+
+import pytest
+
+from freebeam_sym.ledger.book import Ledger, ledger
+
+
+@pytest.fixture(scope="session")
+def book() -> Ledger:
+    return ledger()
