@@ -1,0 +1,25 @@
+"""Draw the picture of the front page: python docs/front.py writes docs/front.svg."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import freebeam_sym as fb
+from freebeam_sym.figures.files import image_of
+from freebeam_sym.figures.look import figure
+
+
+def main() -> None:
+    column = fb.column("free-free")
+    with fb.figures.style():
+        drawn = figure((10.0, 3.9))
+        left, right = drawn.subplots(1, 2)
+        fb.figures.frequency_load(column, ax=left)
+        left.set_title("Two frequencies meet: flutter")
+        fb.figures.tangent(column, ax=right)
+        right.set_title("A trace of internal damping: flutter at once lower")
+        Path(__file__).with_name("front.svg").write_bytes(image_of(drawn, "svg"))
+
+
+if __name__ == "__main__":
+    main()
