@@ -13,7 +13,14 @@ from typing import Annotated
 
 import typer
 
-from freebeam_sym.cli import derivation, figures, respond, stability, validate  # noqa: F401 (they register their commands)
+from freebeam_sym.cli import (  # noqa: F401 (they register their commands)
+    derivation,
+    explore,
+    figures,
+    respond,
+    stability,
+    validate,
+)
 from freebeam_sym.cli.application import app
 
 

@@ -1,0 +1,102 @@
+// The state at one load: its modes, the one least stable, the shape of its motion and the sensor's response.
+
+const PLACES = 121; // along the beam, for drawing
+
+/** Trial functions and their slopes at a place, from their series. Eq. (22). */
+function shapesAt(column, x) {
+  const u = 2 * x - 1;
+  const terms = column.shapes[0].length;
+  const T = chebyshev(terms - 1, u);
+  const U = [1, 2 * u]; // T_k′ = k U_{k−1}
+  for (let k = 2; k < terms; k++) U.push(2 * u * U[k - 1] - U[k - 2]);
+  return {
+    value: column.shapes.map((series) => series.reduce((sum, c, k) => sum + c * T[k], 0)),
+    slope: column.shapes.map((series) => series.reduce((sum, c, k) => sum + (k ? 2 * c * k * U[k - 1] : 0), 0)),
+  };
+}
+
+/** The trial functions at the places of a drawing, made once. */
+function drawingShapes(column) {
+  return Array.from({ length: PLACES }, (_, i) => shapesAt(column, i / (PLACES - 1)));
+}
+
+/** Eigenvalues with Im λ ≥ 0, whether any grows, and the one that is least stable. */
+function stateAt(pencil, damping, P) {
+  const modes = spectrumOf(pencil, damping, P);
+  const largest = Math.max(...modes.map((mode) => Math.hypot(mode.re, mode.im)));
+  const upper = modes.filter((mode) => mode.im >= 0 && !(mode.im === 0 && damping.size === 0 && mode.re < 0));
+  const rounding = 1e-9 * largest;
+  const least = upper.reduce((x, y) => (y.re > x.re + (y.im > x.im ? rounding : 0) ? y : x));
+  const growing = isGrowing(pencil, damping, P);
+  return { upper, least, growing, number: numberOf(pencil, damping, upper, least) };
+}
+
+/** Number of a mode in the order of frequency, after those that external damping keeps from oscillating. */
+function numberOf(pencil, damping, upper, mode) {
+  let still = 0;
+  while (still < pencil.N && damping.size * damping.shape[still] >= 2 * pencil.root[still]) still++;
+  if (still === pencil.N) still = 0;
+  return still + upper.filter((other) => other.im > 0 && other.im < mode.im * (1 - 1e-9)).length + 1;
+}
+
+/** The motion of a mode along the beam: real and imaginary part, the largest deflection 1. */
+function motionOf(pencil, mode, shapes) {
+  const q = aligned(mode.q);
+  const re = times(pencil.basis, q.re);
+  const im = times(pencil.basis, q.im);
+  const along = (values) => shapes.map((shape) => dot(values, shape.value));
+  const motion = { re: along(re), im: along(im) };
+  const size = Math.max(...motion.re.map((x, i) => Math.hypot(x, motion.im[i])));
+  const sign = motion.re[PLACES - 1] < 0 ? -1 : 1;
+  const scaled = (values) => values.map((x) => (sign * x) / size);
+  return { re: scaled(motion.re), im: scaled(motion.im), growth: mode.re, omega: mode.im };
+}
+
+/**
+ * Deflection at a sensor after the release of q₁ = 0.01 (the column's own first function) from rest. Eqs. (9), (10).
+ * The state is a sum of e^(λt) over the eigenvectors; it ends where it has grown a thousandfold.
+ */
+function responseAt(column, pencil, damping, P, place, duration, count = 700) {
+  const { N, root, basis } = pencil;
+  const found = new EigenvalueDecomposition(stateMatrix(pencil, damping, P), { assumeSymmetric: false });
+  const V = new LuDecomposition(found.eigenvectorMatrix);
+  // eigenvectors of a coalescence to the last digit are no basis; beside it they are
+  if (V.isSingular()) return responseAt(column, pencil, damping, P * (1 + 1e-9) + 1e-9, place, duration, count);
+  const start = new LuDecomposition(new Matrix(basis)).solve(Matrix.columnVector([0.01, ...Array(N - 1).fill(0)]));
+  const initial = [...start.to1DArray().map((x, i) => x * root[i]), ...Array(N).fill(0)];
+  const c = V.solve(Matrix.columnVector(initial)).to1DArray();
+  const sensor = shapesAt(column, place).value.slice(0, N);
+  const weights = root.map((w, i) => dot(sensor, basis.map((row) => row[i])) / w);
+  const parts = responseParts(found, c, weights);
+  const growth = Math.max(...parts.map((part) => part.re));
+  const end = growth > 0 ? Math.min(duration, Math.log(1000) / growth) : duration;
+  const t = Float64Array.from({ length: count }, (_, i) => (end * i) / (count - 1));
+  const y = new Float64Array(count);
+  for (const part of parts) addPart(y, part, end / (count - 1));
+  return { t, y };
+}
+
+/** Each real eigenvalue or conjugate pair as e^(re t) (cosine cos + sine sin)(im t) at the sensor. */
+function responseParts(found, c, weights) {
+  const V = found.eigenvectorMatrix;
+  const seen = (k) => weights.reduce((sum, weight, i) => sum + weight * V.get(i, k), 0);
+  const parts = [];
+  found.imaginaryEigenvalues.forEach((im, k) => {
+    const re = found.realEigenvalues[k];
+    if (im === 0) parts.push({ re, im, cosine: c[k] * seen(k), sine: 0 });
+    if (im <= 0) return;
+    const [x, y] = [seen(k), seen(k + 1)];
+    parts.push({ re, im, cosine: c[k] * x + c[k + 1] * y, sine: c[k + 1] * x - c[k] * y });
+  });
+  return parts;
+}
+
+/** Adds a part at even steps of time, each from the one before. */
+function addPart(y, { re, im, cosine, sine }, step) {
+  const size = Math.exp(re * step);
+  const [a, b] = [size * Math.cos(im * step), size * Math.sin(im * step)];
+  for (let i = 0; i < y.length; i++) {
+    y[i] += cosine;
+    [cosine, sine] = [a * cosine + b * sine, a * sine - b * cosine];
+  }
+}

@@ -1,0 +1,226 @@
+// The pencil E + P H − s M of the column at its own parameters, in the basis where M = I and E = diag(e).
+// Matrices are rows of numbers; ml-matrix factorises them.
+
+const { Matrix, EigenvalueDecomposition, LuDecomposition, CholeskyDecomposition } = mlMatrix;
+
+function square(n, entry) {
+  return Array.from({ length: n }, (_, i) => Float64Array.from({ length: n }, (_, j) => entry(i, j)));
+}
+
+function dot(a, b) {
+  let sum = 0;
+  for (let i = 0; i < a.length; i++) sum += a[i] * b[i];
+  return sum;
+}
+
+function times(A, x) {
+  return Float64Array.from(A, (row) => dot(row, x));
+}
+
+function isFiniteAll(values) {
+  for (const value of values) if (!Number.isFinite(value)) return false;
+  return true;
+}
+
+/** Chebyshev polynomials T_0 … T_degree at u. */
+function chebyshev(degree, u) {
+  const T = [1, u];
+  for (let k = 2; k <= degree; k++) T.push(2 * u * T[k - 1] - T[k - 2]);
+  return T.slice(0, degree + 1);
+}
+
+/** The embedded quantities at own parameters: a series in Chebyshev polynomials of each parameter. */
+function atParameters(column, own) {
+  let weights = [1];
+  column.parameters.forEach((parameter, k) => {
+    const u = (2 * own[parameter.name] - parameter.low - parameter.high) / (parameter.high - parameter.low);
+    const T = chebyshev(column.degrees[k], u);
+    weights = weights.flatMap((weight) => T.map((value) => weight * value));
+  });
+  const sum = new Float64Array(column.series[0].length);
+  column.series.forEach((term, k) => {
+    for (let i = 0; i < sum.length; i++) sum[i] += weights[k] * term[i];
+  });
+  return sum;
+}
+
+/** M, E, H of N functions (leading blocks), the coefficients of the damping and of the load. */
+function matricesOf(column, N, own) {
+  const values = atParameters(column, own);
+  const most = column.modes;
+  const block = (which) => square(N, (i, j) => values[which * most * most + i * most + j]);
+  const rest = Array.from(values.slice(3 * most * most));
+  const axial = column.axial_terms;
+  return {
+    M: block(0),
+    E: block(1),
+    H: block(2),
+    damping: [rest.slice(0, 3), rest.slice(3, 6)],
+    ends: rest.slice(6, 8),
+    axial: rest.slice(8, 8 + axial),
+    along: rest.slice(8 + axial),
+  };
+}
+
+/** e ascending and B, rows of numbers, with Bᵀ M B = I and Bᵀ E B = diag(e); null where E is not positive. */
+function diagonalise(M, E) {
+  const n = M.length;
+  const isDiagonal = (A) =>
+    A.every((row, i) => row.every((x, j) => i === j || Math.abs(x) <= 1e-13 * Math.sqrt(Math.abs(A[i][i] * A[j][j]))));
+  if (!E.every((row, i) => row[i] > 0) || !M.every((row, i) => row[i] > 0)) return null;
+  if (isDiagonal(M) && isDiagonal(E)) {
+    // a scaling, with no rounding of the lowest mode by the highest
+    const order = E.map((row, i) => [row[i] / M[i][i], i]).sort((a, b) => a[0] - b[0]);
+    return {
+      e: Float64Array.from(order, (pair) => pair[0]),
+      basis: square(n, (i, j) => (order[j][1] === i ? 1 / Math.sqrt(M[i][i]) : 0)),
+    };
+  }
+  // 1/e from the side of the elastic energy: the low modes, which decide, keep their relative accuracy
+  const factor = new CholeskyDecomposition(new Matrix(E));
+  if (!factor.isPositiveDefinite()) return null;
+  const solve = new LuDecomposition(factor.lowerTriangularMatrix);
+  const half = solve.solve(new Matrix(M));
+  const full = solve.solve(half.transpose());
+  const found = new EigenvalueDecomposition(full.add(full.transpose()).mul(0.5), { assumeSymmetric: true });
+  const back = new LuDecomposition(factor.lowerTriangularMatrix.transpose()).solve(found.eigenvectorMatrix);
+  const order = found.realEigenvalues.map((value, i) => [1 / value, i]).sort((a, b) => a[0] - b[0]);
+  if (!order.every((pair) => pair[0] > 0 && Number.isFinite(pair[0]))) return null;
+  return {
+    e: Float64Array.from(order, (pair) => pair[0]),
+    basis: square(n, (i, j) => back.get(i, order[j][1]) * Math.sqrt(order[j][0])),
+  };
+}
+
+/** Everything of a column at N functions and own parameters that does not depend on load and damping. */
+function pencilOf(column, N, own) {
+  const matrices = matricesOf(column, N, own);
+  const found = diagonalise(matrices.M, matrices.E);
+  if (found === null) return { sound: false };
+  const { e, basis } = found;
+  const columns = square(N, (i, j) => basis[j][i]);
+  const HB = columns.map((b) => times(matrices.H, b));
+  const H = square(N, (i, j) => dot(columns[i], HB[j]));
+  const root = e.map(Math.sqrt);
+  const relative = square(N, (i, j) => H[i][j] / (root[i] * root[j]));
+  let size = 0;
+  let skew = 0;
+  relative.forEach((row, i) =>
+    row.forEach((x, j) => {
+      size = Math.max(size, Math.abs(x));
+      skew = Math.max(skew, Math.abs(x - relative[j][i]));
+    }),
+  );
+  const conservative = skew <= 1e-13 * size;
+  return {
+    sound: true,
+    N,
+    e,
+    root,
+    basis,
+    H,
+    conservative,
+    divergence: divergenceLoads(relative, conservative),
+    damping: matrices.damping,
+    ends: matrices.ends,
+    axial: matrices.axial,
+    along: matrices.along,
+  };
+}
+
+/** Real positive roots of det(E + P H), ascending. */
+function divergenceLoads(relative, symmetric) {
+  const n = relative.length;
+  const A = square(n, (i, j) => (symmetric ? -(relative[i][j] + relative[j][i]) / 2 : -relative[i][j]));
+  const found = new EigenvalueDecomposition(new Matrix(A), { assumeSymmetric: symmetric });
+  const re = found.realEigenvalues;
+  const im = found.imaginaryEigenvalues;
+  const largest = Math.max(...re.map((x, k) => Math.hypot(x, im[k])));
+  return re
+    .filter((x, k) => im[k] === 0 && x > 1e-14 * largest)
+    .map((x) => 1 / x)
+    .sort((a, b) => a - b);
+}
+
+/** c_M and c_E of C = c_M M + c_E E, Eq. (12). */
+function dampingFactors(pencil, alpha, beta) {
+  return pencil.damping.map(([c, a, b]) => c + a * alpha + b * beta);
+}
+
+/** C = size · diag(shape). Without damping the limit at β = κα still has a shape; κ = Infinity is that of none. */
+function dampingOf(pencil, alpha, beta, kappa = Infinity) {
+  const [cM, cE] = dampingFactors(pencil, alpha, beta);
+  const { e } = pencil;
+  if (cM || cE) {
+    const size = cE * e[0] + cM;
+    return { size, ratio: size / Math.sqrt(e[0]), shape: e.map((x) => (cE * x + cM) / size), limit: false };
+  }
+  if (kappa === Infinity) return { size: 0, ratio: 0, shape: e.map(() => 1), limit: false };
+  return { size: 0, ratio: 0, shape: e.map((x) => (x + kappa) / (e[0] + kappa)), limit: true };
+}
+
+/** Complex eigenvectors from the real columns of ml-matrix: a pair of columns is real and imaginary part. */
+function complexColumns(found, rows) {
+  const im = found.imaginaryEigenvalues;
+  const V = found.eigenvectorMatrix;
+  return im.map((value, k) => {
+    const re = value < 0 ? k - 1 : k;
+    const sign = value > 0 ? 1 : value < 0 ? -1 : 0;
+    const other = value > 0 ? k + 1 : k;
+    return {
+      re: Float64Array.from({ length: rows }, (_, i) => V.get(i, re)),
+      im: Float64Array.from({ length: rows }, (_, i) => (sign ? sign * V.get(i, other) : 0)),
+    };
+  });
+}
+
+function undampedMatrix(pencil, P) {
+  const { N, e, H } = pencil;
+  const A = Matrix.zeros(N, N);
+  for (let i = 0; i < N; i++) for (let j = 0; j < N; j++) A.set(i, j, (i === j ? e[i] : 0) + P * H[i][j]);
+  return A;
+}
+
+/** State matrix of (Ω q, q̇), Eq. (25), with Ω = √diag(e): nearly skew, so that no balancing is needed. */
+function stateMatrix(pencil, damping, P) {
+  const { N, root, H } = pencil;
+  const A = Matrix.zeros(2 * N, 2 * N);
+  for (let i = 0; i < N; i++) {
+    A.set(i, N + i, root[i]);
+    for (let j = 0; j < N; j++) A.set(N + i, j, -((i === j ? root[i] : 0) + (P * H[i][j]) / root[j]));
+    A.set(N + i, N + i, -damping.size * damping.shape[i]);
+  }
+  return A;
+}
+
+/** λ (2N) with their motions q in the basis of the pencil, sorted by |Im|, then falling Re, then falling Im. */
+function spectrumOf(pencil, damping, P) {
+  const { N, root } = pencil;
+  const modes = [];
+  if (damping.size === 0) {
+    const found = new EigenvalueDecomposition(undampedMatrix(pencil, P), { assumeSymmetric: false });
+    const vectors = complexColumns(found, N);
+    found.realEigenvalues.forEach((s, k) => {
+      const [re, im] = squareRoot(-s, -found.imaginaryEigenvalues[k]);
+      modes.push({ re, im, q: vectors[k] }, { re: -re, im: -im, q: vectors[k] });
+    });
+  } else {
+    const found = new EigenvalueDecomposition(stateMatrix(pencil, damping, P), { assumeSymmetric: false });
+    complexColumns(found, N).forEach((u, k) => {
+      const q = { re: u.re.map((x, i) => x / root[i]), im: u.im.map((x, i) => x / root[i]) };
+      modes.push({ re: found.realEigenvalues[k], im: found.imaginaryEigenvalues[k], q });
+    });
+  }
+  const size = Math.max(...modes.map((mode) => Math.hypot(mode.re, mode.im)));
+  const step = (mode) => Math.round(Math.abs(mode.im) / (size * 1e-13));
+  return modes.sort((a, b) => step(a) - step(b) || b.re - a.re || b.im - a.im);
+}
+
+function squareRoot(re, im) {
+  const size = Math.hypot(re, im);
+  if (size === 0) return [0, 0];
+  const a = Math.sqrt((size + Math.abs(re)) / 2);
+  const b = im / (2 * a);
+  if (re >= 0) return [a, b];
+  return [Math.abs(b), im < 0 ? -a : a];
+}

@@ -1,0 +1,127 @@
+"""Pages of the explorer in a headless Chromium, one browser and one page of each column for all tests."""
+
+import shutil
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+import freebeam_sym as fb
+from freebeam_sym.explorer import page
+
+CHROMIUM = next(
+    (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None
+)
+SETTLED = "() => window.freebeam && freebeam.settled()"
+
+
+class Opened:
+    """A page in the browser, with what it complained of and what it asked for outside itself."""
+
+    def __init__(self, browser: Any, file: Path, fragment: str = "", **context: Any) -> None:
+        self.context = browser.new_context(**{"viewport": {"width": 1280, "height": 800}, **context})
+        self.page = self.context.new_page()
+        self.complaints: list[str] = []
+        self.requests: list[str] = []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.goto(file.as_uri() + fragment)
+        self.settle()
+
+    def visit(self, fragment: str) -> None:
+        """Go to another case by its address, everything else at its start."""
+        visit = "(to) => { history.replaceState(null, '', to); dispatchEvent(new HashChangeEvent('hashchange')); }"
+        self.ask(visit, fragment or "#")
+        self.settle()
+
+    def settle(self) -> None:
+        self.page.wait_for_function(SETTLED)
+
+    def ask(self, script: str, argument: Any = None) -> Any:
+        return self.page.evaluate(script, argument)
+
+    def type(self, key: str, text: str) -> None:
+        """Type into a number box and leave it."""
+        box = self.page.locator(f"#box-{key}")
+        box.fill(text)
+        box.press("Enter")
+        box.blur()
+        self.settle()
+
+    def text(self, name: str) -> str:
+        found: str = self.page.inner_text(f"#{name}")
+        return found
+
+    def values(self) -> dict[str, float]:
+        found: dict[str, float] = self.ask("freebeam.values()")
+        return found
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Any]:
+    if CHROMIUM is None:
+        pytest.skip("no Chromium on the path: install chromium to drive the explorer's page")
+    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the explorer's page")
+    with sync_api.sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
+    """The file of a column's page, written once; by name, or by the path of a user's own column."""
+    folder = tmp_path_factory.mktemp("explorer")
+    known: dict[tuple[str, str | None], Path] = {}
+
+    def write(column: str, basis: str | None = None) -> Path:
+        key = (column, basis)
+        if key not in known:
+            known[key] = folder / f"{len(known)}.html"
+            known[key].write_text(page(fb.column(column, basis)), encoding="utf-8")
+        return known[key]
+
+    return write
+
+
+@pytest.fixture(scope="session")
+def kept(browser: Any, written: Callable[..., Path]) -> Iterator[Callable[..., Opened]]:
+    """One open page of each column and basis, with a desk's screen."""
+    pages: dict[tuple[str, str | None], Opened] = {}
+
+    def get(column: str, basis: str | None) -> Opened:
+        if (column, basis) not in pages:
+            pages[column, basis] = Opened(browser, written(column, basis))
+        return pages[column, basis]
+
+    yield get
+    for page in pages.values():
+        page.context.close()
+
+
+@pytest.fixture
+def opened(browser: Any, written: Callable[..., Path], kept: Callable[..., Opened]) -> Iterator[Callable[..., Opened]]:
+    """A column's page at the case that an address names: the one kept, or a new one where a screen is asked for.
+
+    At the end nothing must have been complained of, and nothing asked for outside the page.
+    """
+    pages: list[Opened] = []
+    new: list[Opened] = []
+
+    def open_page(column: str = "free-free", fragment: str = "", basis: str | None = None, **context: Any) -> Opened:
+        if context:
+            new.append(Opened(browser, written(column, basis), fragment, **context))
+            pages.append(new[-1])
+        else:
+            pages.append(kept(column, basis))
+            pages[-1].visit(fragment)
+        return pages[-1]
+
+    yield open_page
+    for page in new:
+        page.context.close()
+    for page in pages:
+        assert page.complaints == []
+        assert all(url.startswith(("file:", "blob:")) for url in page.requests)

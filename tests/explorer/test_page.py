@@ -1,0 +1,322 @@
+"""The page, driven as its readers drive it, and its numbers against the runtime."""
+
+import json
+import random
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import freebeam_sym as fb
+from freebeam_sym import cli
+
+OWN = str(Path(__file__).parents[1] / "derive" / "columns" / "tip_mass.py")
+CRITICAL = "([N, alpha, beta, own]) => freebeam.criticalLoad(N, alpha, beta, own)"
+SPECTRUM = "([N, P, alpha, beta, own]) => freebeam.spectrum(N, P, alpha, beta, own)"
+FULL = "#P=42.5&alpha=0.02&beta=0&N=11&sensor=0.35"
+
+
+@pytest.fixture(autouse=True)
+def private_cache(tmp_path_factory, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.getbasetemp() / "cache"))
+
+
+def test_sentence_says_the_state(opened):
+    page = opened()
+    page.type("P", "80")
+    assert re.match(r"Stable; least damped mode 1, ω = \d", page.text("sentence"))
+    assert "flutter" not in page.text("sentence").lower()
+    page.type("P", "120")
+    assert re.match(r"Flutter since P = 90\.85; mode \d grows", page.text("sentence"))
+    assert "stable" not in page.text("sentence").lower()
+    assert "linear model holds only for small motion" in page.text("remark")
+
+
+def test_critical_load_is_that_of_the_command(opened, capsys):
+    page = opened("free-free", "#P=80&alpha=0.001&beta=0.1&N=8")
+    assert cli.main(["critical", "--alpha", "0.001", "--beta", "0.1", "--json"]) == 0
+    load = json.loads(capsys.readouterr().out)["load"]
+    assert float(page.page.get_attribute("#critical", "data-value")) == pytest.approx(load, abs=1e-8)
+    assert float(page.text("critical")) == pytest.approx(load, abs=1e-7)
+
+
+def cases_of(column, count, seed):
+    rng = random.Random(seed)
+    for k in range(count):
+        alpha = rng.choice([0.0, 10 ** rng.uniform(-6, 0), 10 ** rng.uniform(-11, -6)]) if k else 0.0
+        beta = rng.choice([0.0, 10 ** rng.uniform(-3, 2)]) if k else 0.0
+        own = {p.name: rng.uniform(p.low, p.high) for p in column.parameters}
+        known = {"alpha": alpha, "beta": beta}
+        alpha, beta = (known[name] if name in column.damping else 0.0 for name in ("alpha", "beta"))
+        yield rng.choice([2, 4, 8, 8, 12, 16]), alpha, beta, own, rng.random()
+
+
+@pytest.mark.parametrize(
+    "name, basis", [("free-free", None), ("beck", None), ("euler-pinned", None), (OWN, None), ("beck", "legendre")]
+)
+def test_numbers_are_those_of_the_runtime(opened, name, basis):
+    """Critical loads and eigenvalues over random cases, the undamped coalescence among them."""
+    page = opened(name, basis=basis)
+    column = fb.column(name, basis)
+    for N, alpha, beta, own, share in cases_of(column, 12, 4):
+        expected = fb.critical_load(column, N, alpha, beta, **own)
+        found = page.ask(CRITICAL, [N, alpha, beta, own])
+        case = (N, alpha, beta, own)
+        assert (found is None) == (expected.load is None), case
+        if found is not None:
+            assert found["kind"] == expected.kind
+            assert found["load"] == pytest.approx(expected.load, abs=1e-8), case
+            assert found["omega"] == pytest.approx(expected.frequency, abs=1e-7), case
+        P = share * 0.9 * (expected.load or 100.0)  # away from the coalescence
+        exact = fb.spectrum(column.system(N, P, alpha, beta, **own)).eigenvalues
+        values = np.array(page.ask(SPECTRUM, [N, P, alpha, beta, own])) @ [1, 1j]
+        nearest = np.abs(values[:, None] - exact).min(axis=0)
+        assert (nearest <= 1e-8 * (1 + np.abs(exact))).all(), case
+
+
+def test_map_is_right_for_each_number_of_functions(opened):
+    """Cells of the map, strips without damping among them, after N has changed."""
+    page = opened("beck", "#N=2")
+    column = fb.column("beck")
+    page.page.locator("#map").scroll_into_view_if_needed()
+    for N in (2, 3):
+        page.type("N", str(N))
+        page.page.wait_for_function(
+            "N => freebeam.map() && freebeam.map().done && JSON.parse(freebeam.map().id)[0] === N", arg=N
+        )
+        axes, loads = page.ask(
+            "[freebeam.map().axes, [...freebeam.map().loads].map(x => Number.isFinite(x) ? x : null)]"
+        )
+        n = len(axes["alpha"])
+        rng = random.Random(N)
+        for k in [0, 5, 7 * n, *rng.sample(range(len(loads)), 60)]:
+            expected = fb.critical_load(column, N, axes["alpha"][k % n], axes["beta"][k // n]).load
+            assert loads[k] == (None if expected is None else pytest.approx(expected, abs=1e-8))
+
+
+def test_tangent_rule_is_the_limit_of_vanishing_damping(opened):
+    page = opened("free-free", "#alpha=0.01&beta=0.3")
+    tangent = page.ask("freebeam.analysis().tangent")
+    assert tangent["kappa"] == pytest.approx(30)
+    assert tangent["load"] == pytest.approx(
+        fb.critical_load(fb.column("free-free"), kappa=tangent["kappa"]).load, abs=1e-8
+    )
+    assert page.ask("freebeam.analysis().undamped.load") == pytest.approx(
+        fb.critical_load(fb.column("free-free")).load, abs=1e-8
+    )
+
+
+def test_curves_and_locus_are_eigenvalues(opened):
+    page = opened("beck", "#alpha=0.01&beta=0.2&N=6&eta=0.9")
+    analysis = page.ask("freebeam.analysis()")
+    column = fb.column("beck")
+    for branch in analysis["locus"]:
+        for k in range(0, len(branch["load"]), 12):
+            exact = fb.spectrum(column.system(6, branch["load"][k], 0.01, 0.2, eta=0.9)).eigenvalues
+            assert np.abs(exact - complex(branch["re"][k], branch["im"][k])).min() < 2e-3 * np.abs(exact[0])
+    for k in range(0, len(analysis["curves"][0]["load"]), 12):
+        P = analysis["curves"][0]["load"][k]
+        s = -(fb.spectrum(column.system(6, P, eta=0.9)).eigenvalues ** 2)
+        for curve in analysis["curves"]:
+            assert np.abs(s - complex(curve["re"][k], curve["im"][k])).min() < 2e-3 * np.abs(s).min() + 0.2
+
+
+@pytest.mark.parametrize("fragment", ["#P=80&sensor=0.3", "#P=100&alpha=0&beta=0&N=5&sensor=1"])
+def test_response_is_that_of_the_runtime(opened, fragment):
+    page = opened("free-free", fragment)
+    values = page.values()
+    found = page.ask("({ t: [...freebeam.response().t], y: [...freebeam.response().y] })")
+    system = fb.column("free-free").system(int(values["N"]), values["P"], values["alpha"], values["beta"])
+    q = np.zeros(int(values["N"]))
+    q[0] = 0.01
+    end = found["t"][150]
+    fine, coarse = (
+        fb.respond(system, end, end / n, initial=q, sensors=[values["sensor"]]).y[:: n // 150, 0]
+        for n in (24000, 12000)
+    )
+    error = np.abs(fine - np.array(found["y"][:151])).max()
+    assert error < 2 * np.abs(fine - coarse).max() < 1e-2 * np.abs(fine).max()
+
+
+def test_link_reopens_the_case(opened):
+    page = opened("free-free", FULL)
+    assert page.values() == {"P": 42.5, "alpha": 0.02, "beta": 0, "N": 11, "sensor": 0.35}
+    page.type("P", "77.7")
+    page.page.wait_for_function("location.hash.includes('P=77.7')")
+    again = opened("free-free", page.ask("location.hash"))
+    assert again.values() == page.values()
+    assert again.text("sentence") == page.text("sentence")
+    assert again.text("critical") == page.text("critical")
+    again.ask("location.hash = '#P=150&N=4'")
+    again.page.wait_for_function("freebeam.values().N === 4")
+    assert again.values()["P"] == 150
+
+
+def test_address_that_makes_no_sense_says_so(opened):
+    page = opened("free-free", "#P=nonsense&N=2.5&zeta=1&beta=0.2&alpha=%E0%A4%A")
+    said = page.text("address")
+    assert all(
+        part in said for part in ("P = “nonsense”: is not a number", "N = “2.5”: must be a whole number", "zeta")
+    )
+    assert page.values()["beta"] == 0.2 and page.values()["N"] == 8
+
+
+@pytest.mark.parametrize(
+    "key, text, why",
+    [
+        ("P", "abc", "is not a number"),
+        ("P", "", "nothing"),
+        ("P", "-1", "must be from 0 to 1000"),
+        ("P", "1e999", "must be from 0 to 1000"),
+        ("alpha", "1e-", "is not a number"),
+        ("alpha", "NaN", "is not a number"),
+        ("N", "2.5", "must be a whole number from 1 to 16"),
+        ("N", "17", "must be from 1 to 16"),
+        ("sensor", "1.01", "must be from 0 to 1"),
+        ("beta", "<b>", "is not a number"),
+    ],
+)
+def test_nonsense_leaves_the_last_good_state(opened, key, text, why):
+    page = opened()
+    before = page.values(), page.text("sentence"), page.text("critical")
+    page.type(key, text)
+    assert why in page.page.inner_text(f"#why-{key}")
+    assert page.page.get_attribute(f"#box-{key}", "aria-invalid") == "true"
+    assert (page.values(), page.text("sentence"), page.text("critical")) == before
+    assert float(page.page.input_value(f"#box-{key}")) == before[0][key]
+    page.type(key, str(before[0][key]))
+    page.page.locator(f"#slider-{key}").press("ArrowRight")
+    page.page.locator(f"#slider-{key}").press("ArrowLeft")
+    assert page.page.inner_text(f"#why-{key}") == ""
+
+
+def test_keyboard_moves_sliders_and_reaches_everything(opened):
+    page = opened()
+    before = page.values()
+    page.page.locator("#slider-P").focus()
+    page.page.keyboard.press("ArrowRight")
+    assert page.values()["P"] > before["P"]
+    page.page.locator("#slider-alpha").press("Home")
+    page.settle()
+    assert page.values()["alpha"] == 0
+    page.page.locator("#box-N").press("ArrowUp")
+    assert page.values()["N"] == before["N"] + 1
+    page.page.locator("#slider-P").focus()
+    reached = set()
+    for _ in range(20):
+        reached.add(page.ask("document.activeElement.id"))
+        page.page.keyboard.press("Tab")
+    controls = {f"{kind}-{key}" for kind in ("box", "slider") for key in before} - {"box-P"}
+    assert controls | {"motion", "near"} <= reached | {"box-P", "motion", "near"} and {"slider-P", "box-N"} <= reached
+    assert page.ask("[...document.querySelectorAll('input')].every(i => i.labels.length || i.ariaLabel)")
+
+
+def test_map_is_a_control(opened):
+    """A click sets both dampings, and the cross-hair's case is what the sliders then show."""
+    page = opened("free-free", "#N=2")
+    page.page.locator("#map").scroll_into_view_if_needed()
+    page.page.wait_for_function("freebeam.map() && freebeam.map().done")
+    over = page.page.locator("#map .u-over")
+    over.scroll_into_view_if_needed()
+    box = over.bounding_box()
+    over.click(position={"x": 0.75 * box["width"], "y": 0.25 * box["height"]})
+    values = page.values()
+    assert 1e-2 < values["alpha"] < 1e-1 and 1 < values["beta"] < 1e2
+    over.click(position={"x": 2, "y": box["height"] - 2})
+    assert (page.values()["alpha"], page.values()["beta"]) == (0, 0)
+
+
+def test_columns_own_parameter_acts(opened):
+    """Beck's column diverges under a dead load, eta = 0, and flutters under a follower force."""
+    page = opened("beck", "#P=30&eta=0&alpha=0&beta=0")
+    load = fb.critical_load(fb.column("beck"), eta=0.0).load
+    assert page.text("sentence").startswith(f"Divergence since P = {load:.3f}")
+    page.type("eta", "1")
+    load = fb.critical_load(fb.column("beck"), eta=1.0).load
+    assert page.text("sentence").startswith(f"Flutter since P = {load:.2f}")
+
+
+def test_users_own_column(opened):
+    page = opened(OWN)
+    assert page.page.locator("#slider-beta").count() == 0  # it states no external damping
+    assert page.page.locator("#slider-mu").count() == 1
+    page.page.locator("#map").scroll_into_view_if_needed()
+    page.page.wait_for_function("freebeam.map() && freebeam.map().axes.beta.length === 1")
+
+
+ANGLES = """([P, eta]) => {
+  // the force as the page draws it: direction of the arrow against the slope of the beam where it acts
+  const drawn = [];
+  const real = window.drawArrow;
+  window.drawArrow = (context, at, force, ...rest) => {
+    drawn.push([at.slope, force.x, force.y]);
+    real(context, at, force, ...rest);
+  };
+  freebeam.set(eta === null ? { P } : { P, eta });
+  return new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => {
+    window.drawArrow = real;
+    done(drawn);
+  })));
+}"""
+
+
+@pytest.mark.parametrize(
+    "name, eta, share", [("free-free", None, 1), ("beck", 1, 1), ("beck", 0.4, 0.4), ("euler-pinned", None, 0)]
+)
+def test_force_turns_as_the_column_states(opened, name, eta, share):
+    page = opened(name)
+    page.page.wait_for_timeout(300)
+    drawn = page.ask(ANGLES, [5, eta])
+    assert drawn
+    for slope, x, y in drawn:
+        assert x < 0
+        assert y == pytest.approx(share * slope * x, abs=1e-12)
+    assert any(abs(slope) > 1e-3 for slope, _, _ in drawn)
+
+
+def test_animation_moves_and_rests_for_those_who_ask(opened):
+    moving = opened()
+    moving.page.wait_for_function("freebeam.frames().length > 3")
+    assert moving.text("motion") == "Pause"
+    moving.page.click("#motion")
+    seen = moving.ask("freebeam.frames().length")
+    moving.page.wait_for_timeout(150)
+    assert moving.ask("freebeam.frames().length") <= seen + 1
+    still = opened(reduced_motion="reduce")
+    assert still.text("motion") == "Play" and still.ask("freebeam.frames().length") == 0
+
+
+@pytest.mark.parametrize("width", [390, 1280, 1600])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_fits_the_screen(opened, width, scheme):
+    """Nothing is wider than the screen; text stands out from what is behind it."""
+    page = opened(viewport={"width": width, "height": 844}, color_scheme=scheme)
+    assert page.ask("document.documentElement.scrollWidth") <= width
+    contrast = page.ask("""() => {
+      const level = (text) => text.match(/[\\d.]+/g).slice(0, 3).map(Number).map((c) => c / 255)
+        .map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4))
+        .reduce((sum, c, k) => sum + c * [0.2126, 0.7152, 0.0722][k], 0);
+      const behind = (element) => {
+        const colour = getComputedStyle(element).backgroundColor;
+        return colour === "rgba(0, 0, 0, 0)" && element.parentElement ? behind(element.parentElement) : colour;
+      };
+      const texts = "h1, h2, .sub, label, figcaption, .sentence, .remark, dt, th, td, button";
+      return Math.min(...[...document.querySelectorAll(texts)].map((element) => {
+          const [a, b] = [level(getComputedStyle(element).color), level(behind(element))].sort((x, y) => y - x);
+          return (a + 0.05) / (b + 0.05);
+        }));
+    }""")
+    assert contrast >= 4.5
+
+
+def test_works_without_workers(browser, written):
+    """Where a browser gives the page no worker, the same is computed in slices in the page."""
+    context = browser.new_context()
+    page = context.new_page()
+    page.add_init_script("delete window.Worker; window.Worker = undefined;")
+    page.goto(written("free-free").as_uri() + "#N=4")
+    page.wait_for_function("window.freebeam && freebeam.settled()")
+    load = page.evaluate("freebeam.analysis().critical.load")
+    assert load == pytest.approx(fb.critical_load(fb.column("free-free"), 4, 1e-3, 0.1).load, abs=1e-8)
+    context.close()
