@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 import freebeam_sym as fb
-from freebeam_sym.explorer import page
+from freebeam_sym import explorer
 
 CHROMIUM = next(
     (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None
@@ -71,6 +71,20 @@ def browser() -> Iterator[Any]:
 
 
 @pytest.fixture(scope="session")
+def own_column(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A user's own column, with a full mass matrix that depends on a parameter and one of the two dampings.
+
+    Its kernel is emitted here and not verified, which takes longer and is tested elsewhere.
+    """
+    from freebeam_derive import emit, pipeline, statement
+
+    file = tmp_path_factory.mktemp("own") / "tip_mass.py"
+    column = statement.load_column(Path(__file__).parents[1] / "derive" / "columns" / "tip_mass.py")
+    file.write_text(emit.emit(pipeline.derive(column).kernel), encoding="utf-8")
+    return str(file)
+
+
+@pytest.fixture(scope="session")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """The file of a column's page, written once; by name, or by the path of a user's own column."""
     folder = tmp_path_factory.mktemp("explorer")
@@ -80,7 +94,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
         key = (column, basis)
         if key not in known:
             known[key] = folder / f"{len(known)}.html"
-            known[key].write_text(page(fb.column(column, basis)), encoding="utf-8")
+            known[key].write_text(explorer.page(fb.column(column, basis)), encoding="utf-8")
         return known[key]
 
     return write
@@ -88,12 +102,12 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 
 @pytest.fixture(scope="session")
 def kept(browser: Any, written: Callable[..., Path]) -> Iterator[Callable[..., Opened]]:
-    """One open page of each column and basis, with a desk's screen."""
+    """One open page of each column and basis, with a desk's screen and the beam at rest."""
     pages: dict[tuple[str, str | None], Opened] = {}
 
     def get(column: str, basis: str | None) -> Opened:
         if (column, basis) not in pages:
-            pages[column, basis] = Opened(browser, written(column, basis))
+            pages[column, basis] = Opened(browser, written(column, basis), reduced_motion="reduce")
         return pages[column, basis]
 
     yield get
