@@ -47,7 +47,8 @@ def figures(
         for count, n in enumerate(wanted, 1):
             report(f"Fig. {n} ({count} of {len(wanted)})")
             found = published.picture(n)
-            for file, content in zip(files[n], (image_of(found.draw(), format), csv_of(found).encode()), strict=True):
+            image = image_of(found.draw(), format, f"Fig. {n}. {found.title}")
+            for file, content in zip(files[n], (image, csv_of(found).encode()), strict=True):
                 with written(file, force) as stream:
                     stream.write(content)
             done.append({

@@ -22,11 +22,11 @@ FORMATS: dict[str, dict[str, Any]] = {
 }
 
 
-def image_of(drawn: Figure, format: str) -> bytes:
-    """A figure as the bytes of a file of one of FORMATS."""
+def image_of(drawn: Figure, format: str, title: str = "") -> bytes:
+    """A figure as the bytes of a file of one of FORMATS, which bears a title where one is given."""
     stream = io.BytesIO()
     with style():
-        drawn.savefig(stream, format=format, metadata=FORMATS[format])
+        drawn.savefig(stream, format=format, metadata=FORMATS[format] | ({"Title": title} if title else {}))
     return stream.getvalue()
 
 

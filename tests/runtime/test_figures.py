@@ -22,7 +22,7 @@ import freebeam_sym as fb
 from freebeam_sym import cli
 from freebeam_sym.figures import curves, look, published
 from freebeam_sym.figures.files import FORMATS, csv_of, image_of
-from freebeam_sym.figures.marks import digits
+from freebeam_sym.figures.marks import digits, plain
 from freebeam_sym.figures.sketch import centre_line
 
 FREE, BECK, EULER = (fb.column(name) for name in ("free-free", "beck", "euler-pinned"))
@@ -284,8 +284,8 @@ def test_files_are_the_same_bytes_each_time(format):
         with look.style():
             figure = Figure(figsize=(3, 2))
             figure.subplots().plot([0, 1], [1, 0], clip_on=False)
-            found.add(image_of(figure, format))
-    assert len(found) == 1
+            found.add(image_of(figure, format, "A beam"))
+    assert len(found) == 1 and b"A beam" in found.pop()
 
 
 def test_svg_stands_alone(drawn):
@@ -379,6 +379,7 @@ def test_the_work_is_that_of_the_force_at_the_end(column, own, ax):
     area = np.sum((f[1:] + f[:-1]) / 2 * np.diff(x))
     top = np.abs(found.vector @ s.shapes(np.linspace(0, 1, 401))).max()
     assert area == pytest.approx(work / top**2, rel=1e-3)
+    assert any(plain(work / top**2) in text.get_text() for text in ax.texts)
 
 
 def test_what_follows_the_slope():
