@@ -49,17 +49,10 @@ def modes_of(M: Array, C: Array, K: Array, values: Complex, vectors: Complex, sc
     def with_pairs(state: Complex) -> Complex:
         return np.concatenate([state, np.conj(state[:, oscillating])], axis=1)
 
-    def inverted(X: Complex) -> Complex | None:  # None where an eigenvalue is ill-conditioned
-        try:
-            W: Complex = np.linalg.inv(X).astype(complex)
-        except np.linalg.LinAlgError:
-            return None
-        sizes = np.linalg.norm(X / scale[:, None], axis=0) * np.linalg.norm(W * scale, axis=1)
-        return W if sizes.max() < CONDITION else None
-
     X = with_pairs(np.concatenate([V, V * high]))
-    W = inverted(X)
-    if W is None:
+    try:
+        W: Complex = np.linalg.inv(X).astype(complex)
+    except np.linalg.LinAlgError:
         return None
     a, b = high.real, high.imag
     a_2, b_2, two_ab = (
@@ -94,8 +87,9 @@ def modes_of(M: Array, C: Array, K: Array, values: Complex, vectors: Complex, sc
         return None
     V = V + X[:n] @ moves
     X = with_pairs(np.concatenate([V, V * high]))
-    W = inverted(X)
-    return None if W is None else Modes(high, low, X, W)
+    W = np.linalg.inv(X).astype(complex)
+    sizes = np.linalg.norm(X / scale[:, None], axis=0) * np.linalg.norm(W * scale, axis=1)
+    return Modes(high, low, X, W) if sizes.max() < CONDITION else None
 
 
 def trapezoidal(modes: Modes, h: float) -> list[Fixed]:

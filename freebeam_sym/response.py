@@ -364,8 +364,9 @@ def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[d
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
     shapes = np.asarray(system.shapes(x_s), dtype=float).T
-    state, force = acceleration(system.M, system.C, system.K, Q)
     rows, direct = {}, {}
+    if any(name.startswith("ddy") for name in names):
+        state, force = acceleration(system.M, system.C, system.K, Q)
     for name in names:
         order, _, part = name.partition("_")
         own = np.eye(n) if order in ("q", "dq") else shapes.copy()
