@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .checks import InputError, finite, nonnegative, positions, positive
 from .double import BITS, Fixed, fixed, turn
-from .modal import modes_of, steady, trapezoidal
+from .modal import steady, trapezoidal
 from .powers import MatrixPowers, ModalPowers, augmented
 from .propagation import Fill, forced, free
 from .results import OUTPUTS, Response, Results, Target, names_of
@@ -125,7 +125,7 @@ def respond(
     Q = np.zeros(n)
     if force_position is not None:
         Q = np.asarray(system.Q(_position("force_position", force_position)), dtype=float)
-    spectrum = checked_step(system.column.kernel.newmark_step, system, h, (b, g))
+    spectrum = checked_step(system, h, (b, g))
     about = Response(
         sensors=x_s, step=h, newmark=(b, g), growth=float(spectrum.values.real.max()),
         frequencies=spectrum.frequencies, period_errors=spectrum.period_errors,
@@ -410,7 +410,7 @@ def _closed(
     M, C, K = system.M, system.C, system.K
     modes = None
     if newmark == (0.25, 0.5) and not system.rigid_count:
-        modes = modes_of(M, C, K, spectrum.values, spectrum.vectors, scale_of(M, K))
+        modes = spectrum.modes
     size = None if wave is None else np.broadcast_to(wave.size, cases).reshape(-1, 1)
     if modes is not None:
         roots = trapezoidal(modes, h)

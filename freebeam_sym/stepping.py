@@ -7,14 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .checks import InputError
 from .double import Double, add, scaled, solve
+from .modal import Modes, modes_of
 
 if TYPE_CHECKING:
     from .columns import System
@@ -35,13 +38,22 @@ def acceleration(M: Array, C: Array, K: Array, Q: Array) -> tuple[Array, Array]:
     return solved[:, : 2 * n], solved[:, 2 * n]
 
 
-class Spectrum(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Spectrum:
     """The exact eigenvalues (2 n,) of the part that is judged, their vectors, what Newmark's method makes of them."""
 
+    matrices: tuple[Array, Array, Array]
+    """M, C, K of that part."""
     values: Complex
     vectors: Complex
     frequencies: Array
     period_errors: Array
+
+    @cached_property
+    def modes(self) -> Modes | None:
+        """Eigenvalues and vectors to more digits, where they are well conditioned."""
+        M, C, K = self.matrices
+        return modes_of(M, C, K, self.values, self.vectors, scale_of(M, K))
 
 
 def step_matrix(
@@ -100,26 +112,39 @@ def scale_of(M: Array, K: Array) -> Array:
     return np.concatenate([np.ones(len(M)), np.exp2(np.round(np.log2(rates)))])
 
 
-def _coupled(system: System) -> bool:
-    """Whether the rigid functions take part in the elastic spectrum; those of the free beam do not."""
-    r = system.rigid_count
-    K, C = system.K, system.C
+def _coupled(M: Array, C: Array, K: Array, r: int) -> bool:
+    """Whether the r rigid functions take part in the elastic spectrum; those of the free beam do not."""
     small = 1e-9 * np.abs(K[r:]).max(axis=1, keepdims=True)
     if (np.abs(K[r:, :r]) > small).any() or (np.abs(C[r:, :r]) > small).any():
         return True
-    own = np.linalg.solve(system.M[:r, :r], K[:r, :r])
+    own = np.linalg.solve(M[:r, :r], K[:r, :r])
     return bool(np.abs(np.linalg.eigvals(own)).max() > 1e-6 * max(np.abs(own).max(), 1e-300))
 
 
-def checked_step(recurrence: Callable[..., Any], system: System, h: float, newmark: tuple[float, float]) -> Spectrum:
+def checked_step(system: System, h: float, newmark: tuple[float, float]) -> Spectrum:
     """The exact spectrum and Newmark's period errors; InputError where roots grow that should not.
 
     Rigid functions of a free beam make λ = 0 defective, of a size that rounding decides: the elastic part
-    is judged.
+    is judged. Kept from earlier calls, by value.
     """
-    r = system.rigid_count
-    part = slice(0 if r and _coupled(system) else r, None)
-    M, C, K = (matrix[part, part] for matrix in (system.M, system.C, system.K))
+    matrices = (np.asarray(part, dtype=float).tobytes() for part in (system.M, system.C, system.K))
+    return _judged(system.column.kernel.newmark_step, len(system.M), system.rigid_count, *matrices, h, newmark)
+
+
+@lru_cache(maxsize=64)
+def _judged(
+    recurrence: Callable[..., Any],
+    size: int,
+    r: int,
+    mass: bytes,
+    damping: bytes,
+    elasticity: bytes,
+    h: float,
+    newmark: tuple[float, float],
+) -> Spectrum:
+    whole = [np.frombuffer(part).reshape(size, size) for part in (mass, damping, elasticity)]
+    part = slice(0 if r and _coupled(whole[0], whole[1], whole[2], r) else r, None)
+    M, C, K = (matrix[part, part] for matrix in whole)
     n = len(M)
     Q = np.zeros(n)
     generator = np.zeros((2 * n, 2 * n))
@@ -129,7 +154,7 @@ def checked_step(recurrence: Callable[..., Any], system: System, h: float, newma
     rates = np.sort(np.maximum(exact.real, 0))[::-1]
     fastest = 0.0  # the rigid part's own decay, β, which a step may overshoot where g < 1/2
     if part.start:
-        fastest = float(np.abs(np.linalg.eigvals(np.linalg.solve(system.M[:r, :r], system.C[:r, :r]))).max())
+        fastest = float(np.abs(np.linalg.eigvals(np.linalg.solve(whole[0][:r, :r], whole[1][:r, :r]))).max())
     b, g = newmark
     hopeless = g < 0.5 and not C.any()  # damping of the wrong sign at any step
 
@@ -174,7 +199,10 @@ def checked_step(recurrence: Callable[..., Any], system: System, h: float, newma
     oscillating = oscillating[np.argsort(oscillating.imag)]
     assert found is not None  # stable
     errors = _period_errors(recurrence, oscillating, found, h, newmark)
-    return Spectrum(exact, vectors, oscillating.imag, errors)
+    frequencies = oscillating.imag.copy()
+    for array in (frequencies, errors):  # they are shared by responses
+        array.flags.writeable = False
+    return Spectrum((M, C, K), exact, vectors, frequencies, errors)
 
 
 def _cure(largest: float | None, growing: bool) -> str:

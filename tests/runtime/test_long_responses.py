@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 
 import freebeam_sym as fb
-from freebeam_sym import double, modal, powers
+from freebeam_sym import double, modal, powers, stepping
 from freebeam_sym.checks import InputError
 
 COLUMN = fb.column("free-free")
@@ -68,13 +69,15 @@ def worst(found: Any, states: list[Any], system: Any, counts: list[int] | None =
 
 
 @pytest.fixture(params=["modes", "matrix"])
-def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
     """Both ways to a closed form: eigenvalues, and the matrix that serves where these do not."""
+    stepping._judged.cache_clear()
     if request.param == "matrix":
-        monkeypatch.setattr("freebeam_sym.response.modes_of", lambda *_: None)
+        monkeypatch.setattr(stepping, "modes_of", lambda *_: None)
     else:
         monkeypatch.setattr("freebeam_sym.response.exact_step", None)
-    return str(request.param)
+    yield str(request.param)
+    stepping._judged.cache_clear()
 
 
 COUNTS = [1, 2, 1023, 1024, 77_777, 524_288, 999_999, STEPS]
