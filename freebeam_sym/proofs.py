@@ -397,7 +397,7 @@ def truncation_error(
             )
         ours, theirs = ([Fraction(v) for v in pair] for pair in (series.load, beam.load))
         low, high = ours[0] - theirs[1], ours[1] - theirs[0]
-        if (high - low) * 100 < max(abs(low), abs(high)) or digits >= 120:
+        if (high - low) * 100 < max(abs(low), abs(high)) or digits >= 60:
             return Truncation(outward(low, high, 6), float((low + high) / 2 / theirs[0]), series, beam)
         digits = min(2 * digits, MOST_DIGITS)
         series = certified_load(column, modes, alpha, beta, digits=digits, kappa=kappa, load_max=load_max, **own)

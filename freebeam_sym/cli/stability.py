@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -91,6 +92,8 @@ def critical(
         raise InputError(f"{certificate} exists; choose another file, or --force to replace it")
     case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
     units = case.units
+    if vanishing:
+        case.typed["kappa"] = kappa or ZERO
     limit = {} if load_max is None else {"load_max": units.into("load", load_max)}
     if vanishing:
         limit["kappa"] = float(kappa or ZERO)
@@ -108,7 +111,7 @@ def critical(
             if digits is not None and every:
                 report("all crossings")
                 crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **asked)
-            if not exact:
+            if not exact and (truncation or (proven is not None and proven.load)):
                 off = _truncation(lambda: fb.truncation_error(*of_series, series=proven, **asked))
         if certificate and proven is not None:
             with written(certificate, force) as file:
@@ -152,9 +155,11 @@ def critical(
         none = f"none up to {record['load_max']:.10g}"
         rows += [[f"proven, {what}", " to ".join(proven.load) if proven.load else none]]
         if proven.frequency:
-            rows += [["frequency", " to ".join(proven.frequency)]]
-        rows += [["proven is", ", ".join(name.replace("_", " ") for name, yes in proven.proof.items() if yes)]]
-        if missing := [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]:
+            rows += [["frequency", " to ".join(dict.fromkeys(proven.frequency))]]
+        names = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
+        rows += [["proven is", ", ".join(names) if proven.load else f"stable up to {record['load_max']:.10g}"]]
+        missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
+        if missing and proven.load:
             rows += [["not proven", ", ".join(missing)]]
     if off is not None:
         rows += [["truncation error", off.get("unknown") or _off(off)]]
@@ -163,11 +168,14 @@ def critical(
         header = ["load", "kind", "frequency", "unstable eigenvalues", "stability"]
         lines = [
             [
-                " to ".join(c.load), c.kind, " to ".join(c.frequency), f"{c.unstable_below}, then {c.unstable_above}",
+                " to ".join(c.load),
+                c.kind,
+                " to ".join(dict.fromkeys(c.frequency)),
+                f"{c.unstable_below}, then {c.unstable_above}",
                 c.stability,
             ]
             for c in crossings
-        ]  # fmt: skip
+        ]
         print_table(lines, header, f"All crossings up to {record['load_max']:.10g}: proven that there is no other")
 
 
@@ -185,8 +193,12 @@ def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
 
 
 def _off(record: dict[str, Any]) -> str:
-    low, high = record["difference_lower"], record["difference_upper"]
-    return f"{low} to {high}, {record['relative']:.1e} of the beam's own load {record['exact_lower']}"
+    low, high = (Decimal(record[name]) for name in ("difference_lower", "difference_upper"))
+    own = record["exact_lower"][:17]
+    if low <= 0 <= high:
+        return f"none that 60 digits show, by the beam's own load {own}"
+    small = "E" if max(abs(low), abs(high)) < Decimal("1e-4") else ""
+    return f"{low:{small}} to {high:{small}}, {record['relative']:.1e} of the beam's own load {own}"
 
 
 def _crossing(found: CertifiedCrossing) -> dict[str, Any]:

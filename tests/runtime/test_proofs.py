@@ -92,6 +92,20 @@ def test_all_crossings_up_to_a_load(capsys: pytest.CaptureFixture[str]) -> None:
     assert status == 0 and text.count("regained") == 1 and "no other" in text
 
 
+def test_where_nothing_crosses_it_is_stability_that_is_proven(capsys: pytest.CaptureFixture[str]) -> None:
+    asked = ["critical", "--digits", "9", "--all", "--load-max", "15", "--column", "beck", "--modes", "3"]
+    status, found, _ = run(capsys, *asked, "--json")
+    assert status == 0 and found["load_lower"] is None and found["crossings"] == []
+    assert found["proof"] == {"crossing": False, "first": False, "stable_below": True, "kind": True}
+    assert "stable up to 15" in run(capsys, *asked)[1]
+
+
+def test_a_limit_says_its_ratio(capsys: pytest.CaptureFixture[str]) -> None:
+    _, found, _ = run(capsys, "critical", "--alpha", "0+", "--kappa", "1/2", "--modes", "2", "--json")
+    assert found["kappa"] == 0.5
+    assert "kappa = 0" in run(capsys, "critical", "--alpha", "0+", "--modes", "2")[1]
+
+
 def test_the_truncation_error_is_the_difference_of_two_proofs(capsys: pytest.CaptureFixture[str]) -> None:
     asked = ["critical", "--modes", "6", "--alpha", "0.001", "--beta", "0.1", "--json"]
     status, found, _ = run(capsys, *asked, "--digits", "25")

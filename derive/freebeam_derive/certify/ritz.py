@@ -68,7 +68,8 @@ class Stretch:
 class Enclosure:
     """A certified critical load. load, square: balls of P and of ω² (None where kind is "none").
 
-    proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven.
+    proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
+    no crossing: proven is that the column is stable up to load_max.
     """
 
     question: Question
@@ -459,7 +460,7 @@ def certify(
                         None,
                         load_max,
                         tuple(stretches),
-                        {"crossing": True, "first": True, "stable_below": True, "kind": True},
+                        {"crossing": False, "first": False, "stable_below": True, "kind": True},
                     )
                 return _certify_near(found, question, near, digits, bits)
             except Unproven as error:
@@ -493,17 +494,13 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
     if not (exact(end) < P < exact(top)):
         raise Unproven(f"the crossing near {near[0]:.10g} could not be enclosed to {digits} digits")
     point = None if x is None else rational(x, bits)
-    last = None
-    reach = Fraction(1, 8)
-    while last is None and reach > tolerance:
-        begin = _between(middle * (1 - reach), middle * (1 - reach / 2))
-        # the curves bend, the more so near a coalescence: a line close to the flatter one stays between them longest
-        for share in (0.5, 2.0**-6, 2.0**-16):
-            last = last or _towards(found, middle, point, begin, end, share)
-        reach /= 4
-    if last is None:
-        raise Unproven(f"stability just below the load {near[0]:.10g} could not be shown")
-    stretches = [*_cover(found, Fraction(0), last.start), last]
+    kind = "divergence" if x is None else "flutter"
+    try:
+        stretches = _stable_below(found, middle, point, tolerance)
+    except Unproven as error:
+        raise Unproven(
+            f"{error}; established is that there is a crossing, of {kind}, at {near[0]:.10g}, not that it is the first"
+        ) from error
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
     squared = None
     if x is not None and point is not None:
@@ -512,6 +509,18 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
         squared = (point - spread, point + spread)
         if not (exact(squared[0]) < x < exact(squared[1])):
             raise Unproven("the frequency could not be enclosed to the digits asked for")
-    return Enclosure(
-        question, "flutter" if flutter else "divergence", (end, top), squared, None, tuple(stretches), proof
-    )
+    return Enclosure(question, kind, (end, top), squared, None, tuple(stretches), proof)
+
+
+def _stable_below(found: Boundary, load: Fraction, point: Fraction | None, tolerance: Fraction) -> list[Stretch]:
+    """Stretches from P = 0 to just below a crossing at (load, x = point), or a divergence (None). Raises Unproven."""
+    end, reach = load * (1 - tolerance / 2), Fraction(1, 8)
+    while reach > tolerance:
+        begin = _between(load * (1 - reach), load * (1 - reach / 2))
+        # the curves bend, the more so near a coalescence: a line close to the flatter one stays between them longest
+        for share in (0.5, 2.0**-6, 2.0**-16):
+            last = _towards(found, load, point, begin, end, share)
+            if last is not None:
+                return [*_cover(found, Fraction(0), last.start), last]
+        reach /= 4
+    raise Unproven(f"stability just below the load {float(load):.10g} could not be shown")
