@@ -34,7 +34,7 @@ from freebeam_derive.modes import (
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import x
 from freebeam_derive.ritz import Form, RitzSystem, display_form
-from freebeam_derive.statement import Column
+from freebeam_derive.statement import Column, StatementError
 from freebeam_derive.variation import EquationOfMotion
 
 delta = Symbol("delta", real=True)  # root less its asymptote
@@ -175,6 +175,7 @@ def build(
     matrices = tuple(
         _matrix(name, letter, getattr(system, letter), beam, equation) for name, letter, equation in MATRICES
     )
+    _refuse_coupled(column, beam, {matrix.letter: matrix.columns for matrix in matrices})
     return ColumnKernel(column, motion, system, newmark, beam.rigid, matrices, beam, _basis(beam), damped)
 
 
@@ -182,7 +183,8 @@ def build_polynomials(
     column: Column, motion: EquationOfMotion, system: RitzSystem, newmark: Newmark
 ) -> PolynomialKernel:
     """Lower the forms of a column to programs over its trial polynomials. Eq. (11)."""
-    basis = polynomials(column.ends)
+    basis, beam = polynomials(column.ends), comparison_beam(column.ends)
+    _refuse_coupled(column, beam, {m: _rigid_border(getattr(system, m), beam, True) for _, m, _ in MATRICES})
     held = {(c.end, c.order) for c in basis.conditions}
     matrices: list[SeriesProgram] = []
     ends: set[tuple[int, int]] = set()
@@ -296,8 +298,7 @@ def _matrix(name: str, letter: str, form: Form, beam: ComparisonBeam, equation: 
 
     rigid = beam.rigid
     corner = tuple(tuple(_rigid_pair(form, first, second) for second in rigid) for first in rigid)
-    rows = tuple(_rigid_mode(form, beam, function, False) for function in rigid)
-    columns = tuple(_rigid_mode(form, beam, function, True) for function in rigid)
+    rows, columns = _rigid_border(form, beam, False), _rigid_border(form, beam, True)
 
     lowered, mode_statements = _lower(listed)
     replaced, reduced = cse(lowered, symbols=numbered_symbols("pair_", start=1, real=True), order="canonical")
@@ -334,6 +335,24 @@ def _rigid_pair(form: Form, first: Expr, second: Expr) -> Expr:
     return along + Add(
         *(f * first.diff(x, p).subs(x, a) * second.diff(x, q).subs(x, b) for (a, p, b, q), f in form.points.items())
     )
+
+
+def _rigid_border(form: Form, beam: ComparisonBeam, trial: bool) -> tuple[Expr, ...]:
+    """Entries of each rigid function against an elastic mode; `trial`: the rigid functions are the columns."""
+    return tuple(_rigid_mode(form, beam, function, trial) for function in beam.rigid)
+
+
+def _refuse_coupled(column: Column, beam: ComparisonBeam, columns: dict[str, tuple[Expr, ...]]) -> None:
+    """The elastic spectrum decides stability alone only where rigid motion does not act on the elastic one."""
+    for letter, entries in columns.items():
+        for function, entry in zip(beam.rigid, entries, strict=True):
+            if entry != 0:
+                what = {"M": "inertia", "E": "springs or foundation", "H": "load"}[letter]
+                raise StatementError(
+                    f"ends {column.ends[0]} and {column.ends[1]} let the beam move rigidly as {function}, and its "
+                    f"{what} couples that to the bending, so that the elastic spectrum alone does not decide "
+                    "stability; hold the beam at an end, or leave out what couples them"
+                )
 
 
 def _rigid_mode(form: Form, beam: ComparisonBeam, function: Expr, trial: bool) -> Expr:

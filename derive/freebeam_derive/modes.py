@@ -455,13 +455,16 @@ class DampedModes:
 def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
     """Separate the unloaded, unforced equation of motion. Eqs. (14), (16)-(19), (23).
 
-    None where it does not separate into χ'''' = γ⁴ χ (a stiffness that varies along the beam, say).
+    None where it does not separate into χ'''' = γ⁴ χ (a stiffness that varies along the beam, say) with the end
+    conditions of the comparison beam (there is a mass or a spring at an end, say).
     """
     unloaded = motion.strong.subs(P, 0)
     shape = {j: lambda_ ** int(j.args[2]) * chi.diff(x, int(j.args[1])) for j in jets(unloaded)}
     separated = expand(unloaded.xreplace(shape))
     order = {int(j.args[1]) for j in jets(unloaded)}
     if order != {0, 4} or separated.subs(chi.diff(x, 4), 0).coeff(chi, 1).has(x):
+        return None
+    if any(len({int(j.args[1]) for j in jets(condition.subs(P, 0))}) != 1 for condition in motion.natural.values()):
         return None
     inertia, stiffness = separated.subs(chi.diff(x, 4), 0).coeff(chi, 1), separated.coeff(chi.diff(x, 4), 1)
     quartic = cancel(-inertia / stiffness)

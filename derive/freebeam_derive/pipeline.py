@@ -149,10 +149,16 @@ def generate(
     doubled = {module for module in modules if modules.count(module) > 1}
     if doubled:
         raise StatementError(f"two columns would be written to {sorted(doubled)[0]}.py; give each a name of its own")
+    _refuse_homonyms(chosen, targets, output)
     before = _manifest(output)
     names = tuple(c.name for c in chosen)
     if check and before and before[0] != _tools():
-        return Outcome(output, names, (), _other_tools(before[0]), {})
+        return Outcome(output, names, (), f"cannot compare: {_other_tools(before[0])}\n", {})
+    if before and before[0] != _tools() and targets and set(before[1]) - {f"{module}.py" for module in modules}:
+        others = sorted(set(before[1]) - {f"{module}.py" for module in modules})
+        raise StatementError(
+            f"{output} holds {others[0]} of other tools: {_other_tools(before[0])}, or choose another --output"
+        )
 
     texts: dict[str, str] = {}
     entries: dict[str, dict[str, object]] = {}
@@ -186,6 +192,18 @@ def _say(say: Progress, name: str, what: str) -> None:
     say(f"{name}: verify {what}")
 
 
+def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], output: Path) -> None:
+    """A user's column that would take the place of one of this tree's own."""
+    own = columns()
+    for column, target in zip(chosen, targets, strict=False):
+        if column.name in own and str(target) not in own and output.resolve() == tree().resolve():
+            if not Path(target).exists() or not Path(target).samefile(own[column.name]):
+                raise StatementError(
+                    f"{target}: a column of its name, {column.name}, comes with freebeam; "
+                    "give it a name of its own, or choose another --output"
+                )
+
+
 # --- files --------------------------------------------------------------------------------------------------
 
 
@@ -199,7 +217,7 @@ def _other_tools(recorded: dict[str, str]) -> str:
     differing = ", ".join(
         f"{n} {here[n]} is installed, {v} made the kernels" for n, v in recorded.items() if here.get(n) != v
     )
-    return f"cannot compare: {differing}; install the pinned versions with `make`\n"
+    return f"{differing}; install the pinned versions with `make`"
 
 
 def _module(column: Column, basis: str) -> str:

@@ -7,6 +7,7 @@ is a sum of integrals of x^k φ_i^(p) φ_j^(q) and of products of end values, wi
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 from sympy import (
     Add,
@@ -128,6 +129,7 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
     for name, form in (("M", M), ("K at zero load", E)):
         if not form.symmetric:
             raise StatementError(f"{name} is not symmetric: only the load's work may lack a potential")
+    _refuse_driving(C)
     c_M, c_E = _proportions(M, C, E)
     forces = _forces(motion)
 
@@ -225,6 +227,23 @@ def _form(motion: EquationOfMotion, rate: int) -> Form:
     return Form(along, points).map(lambda f: f)
 
 
+def _refuse_driving(C: Form) -> None:
+    """Damping that feeds energy in whatever the motion and the parameters: a sign that was forgotten."""
+    squares: dict[Any, Form] = {}  # what multiplies the square of a rate; powers of x are positive
+    for (k, p, q), factor in C.along.items():
+        if p == q:
+            squares.setdefault(p, Form()).along[k, p, q] = factor
+    for (a, p, b, q), factor in C.points.items():
+        if (a, p) == (b, q):
+            squares.setdefault((a, p), Form()).points[a, p, b, q] = factor
+    for form in squares.values():
+        if all(factor.is_nonpositive for factor in (*form.along.values(), *form.points.values())):
+            raise StatementError(
+                f"dW_nc: the damping C = {display_form(form)} feeds energy in, whatever the motion; damping opposes "
+                f"the motion, such as -beta * y.diff(t) * delta(y): change its sign"
+            )
+
+
 def _proportions(M: Form, C: Form, E: Form) -> tuple[Expr, Expr]:
     """c_M, c_E with C = c_M M + c_E E as forms. Eq. (12)."""
     if not C:
@@ -236,8 +255,9 @@ def _proportions(M: Form, C: Form, E: Form) -> tuple[Expr, Expr]:
     c_M = cancel(rest.along.get(inertia, S.Zero) / M.along[inertia])
     if _difference(rest, M.map(lambda f: c_M * f)) or c_M.has(x) or c_E.has(x):
         raise StatementError(
-            f"the damping {display_form(C)} is not of the form C = beta M + alpha E (Eq. (12)); "
-            f"damp the rate of y with beta as the mass, the rate of y'' with alpha as the bending stiffness"
+            f"the damping {display_form(C)} is not of the form C = beta M + alpha E (Eq. (12)) with "
+            f"M = {display_form(M)}, E = {display_form(E)}; damp every mass with beta and every stiffness, springs "
+            f"too, with alpha"
         )
     return expand(c_M), expand(c_E)
 

@@ -1,8 +1,9 @@
 """Emitted kernels against an independent high-precision route: quadrature of the modes themselves, 50 digits.
 
 Nothing of the derivation's closed forms is used. Roots are those of the 4 × 4 determinant of the end conditions in
-sin, cos, sinh and cosh, modes its null vectors (computed with as many digits as cosh loses), integrals Gauss-Legendre
-sums. What is taken over is the statement: the bilinear forms of Eq. (11) and the orders that vanish at the ends.
+sin, cos, sinh and cosh, modes its null vectors (computed with as many digits as cosh loses; their values come in balls
+whose radii show it), integrals mpmath's Gauss-Legendre sums. What is taken over is the statement: the bilinear forms of
+Eq. (11) and the orders that vanish at the ends.
 
 Polynomials are made anew in powers of x, in exact fractions, from the conditions at the ends and Gram and Schmidt;
 their integrals are exact, and what a module computes in fractions must equal them.
@@ -12,7 +13,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache, lru_cache
@@ -21,9 +22,10 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import arb, fmpq, fmpq_poly
 from sympy import Expr, Poly, Rational, lambdify
 
+from freebeam_derive.certify.balls import precision
 from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.notation import EI, L, gamma, m, x
 from freebeam_derive.ritz import Form
@@ -38,6 +40,7 @@ BOUND = 1e-14
 SERIES_BOUND = BOUND  # of polynomials, their derivatives and matrices
 DIGITS = 50
 _BITS = 200  # fixed point in which the sums are taken: 60 digits
+_SHARP = arb(2) ** -180  # radius within which a mode is known: 54 digits
 _UNIT = 2.0**-53
 
 Progress = Callable[[str], None]
@@ -75,21 +78,25 @@ class Mode:
     factors: tuple[mpmath.mpf, ...]
     bits: int
 
-    def values(self, places: list[mpmath.mpf]) -> list[list[mpmath.mpf]]:
-        """χ^(d) / γ^d at places for d = 0…3; call it at the mode's own precision."""
-        rows: list[list[mpmath.mpf]] = [[], [], [], []]
-        a, b, c, d = self.factors
-        for place in places:
-            u = self.gamma * place
-            cosine, sine = mpmath.cos_sin(u)
-            growing = mpmath.exp(u)
-            decaying = 1 / growing
-            s, h = (growing - decaying) / 2, (growing + decaying) / 2
-            even, odd = c * s + d * h, c * h + d * s
-            rows[0].append(a * sine + b * cosine + even)
-            rows[1].append(a * cosine - b * sine + odd)
-            rows[2].append(-a * sine - b * cosine + even)
-            rows[3].append(-a * cosine + b * sine + odd)
+    def values(self, places: Sequence[mpmath.mpf]) -> list[list[arb]]:
+        """χ^(d) / γ^d at places for d = 0…3, in balls."""
+        rows: list[list[arb]] = [[], [], [], []]
+        with precision(self.bits):
+            root, (a, b, c, d) = arb(self.gamma), map(arb, self.factors)
+            for place in places:
+                u = root * arb(place)
+                sine, cosine = u.sin_cos()
+                growing = u.exp()
+                decaying = 1 / growing
+                s, h = (growing - decaying) / 2, (growing + decaying) / 2
+                circular, turned = a * sine + b * cosine, a * cosine - b * sine
+                even, odd = c * s + d * h, c * h + d * s
+                for row, value in zip(
+                    rows, (circular + even, turned + odd, even - circular, odd - turned), strict=True
+                ):
+                    if not value.rad() < _SHARP:
+                        raise VerificationError(f"a mode at x = {place} is known to {value} only")
+                    row.append(value)
         return rows
 
 
@@ -186,12 +193,11 @@ class _Products:
         self.values = np.empty((4, len(modes), len(nodes)), dtype=object)
         self.ends = np.empty((2, 4, len(modes)), dtype=object)
         for n, mode in enumerate(modes):
-            with mpmath.workprec(mode.bits):
-                inside, outside = mode.values(list(nodes)), mode.values([mpmath.mpf(0), mpmath.mpf(1)])
-                for d in range(4):
-                    self.values[d, n] = [_fixed(v) for v in inside[d]]
-                    for end in range(2):
-                        self.ends[end, d, n] = +outside[d][end]
+            inside, outside = mode.values(nodes), mode.values([mpmath.mpf(0), mpmath.mpf(1)])
+            for d in range(4):
+                self.values[d, n] = [_middle(v) for v in inside[d]]
+                for end in range(2):
+                    self.ends[end, d, n] = mpmath.mpf(outside[d][end])
 
     def form(self, form: Form, parameters: dict[str, float]) -> Any:
         """The whole matrix of a bilinear form, rigid functions first, in integers of 2^-_BITS."""
@@ -225,6 +231,13 @@ class _Products:
 def _fixed(value: mpmath.mpf) -> int:
     """A number in units of 2^-_BITS."""
     return int(mpmath.ldexp(value, _BITS))
+
+
+def _middle(ball: arb) -> int:
+    """The middle of a ball in units of 2^-_BITS."""
+    mantissa, exponent = ball.mid().man_exp()
+    shift = int(exponent) + _BITS
+    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
 
 
 def _polynomial(function: Expr, order: int, place: mpmath.mpf) -> mpmath.mpf:
@@ -323,9 +336,7 @@ def _figures_shapes(module: ModuleType, modes: dict[int, Mode]) -> Iterator[Figu
 
 
 def _exact_values(mode: Mode) -> list[list[mpmath.mpf]]:
-    with mpmath.workprec(mode.bits):
-        rows = mode.values([mpmath.mpf(place) for place in _PLACES])
-    return [[+v for v in row] for row in rows]
+    return [[mpmath.mpf(v) for v in row] for row in mode.values([mpmath.mpf(place) for place in _PLACES])]
 
 
 def _samples(kernel: Kernel) -> list[dict[str, float]]:
@@ -392,6 +403,7 @@ def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
             error = max(error, float(abs(mpmath.mpf(float(rigid[n])) - _polynomial(function, 0, mpmath.mpf(0.3)))))
         yield Figure("generalised force", "x_F = 0.3", error, BOUND)
     yield _figure_newmark(module)
+    yield _figure_limit(module)
     beam = {"EI": 3.5, "m": 2.25, "L": 1.75}
     given = {symbol: Fraction(beam[str(symbol)]) for symbol in (EI, m, L)}
     scales = module.scales(beam["EI"], beam["m"], beam["L"])
@@ -456,6 +468,47 @@ def _figure_newmark(module: ModuleType) -> Figure:
         for n in range(2)
     )
     return Figure("one Newmark step", "a system of two coordinates", error, BOUND)
+
+
+_METHODS = ((0.25, 0.5), (1 / 6, 0.5), (0.0, 0.5), (0.1, 0.6), (0.4, 0.7), (0.2, 0.45), (0.3, 0.4))
+
+
+def _figure_limit(module: ModuleType) -> Figure:
+    """The largest stable step against the growth of one step of one oscillator, as its own definition gives it."""
+    worst = ("", 0.0)
+    for (b, g), xi in itertools.product(_METHODS, (0.0, 0.05, 3.0)):
+        where = f"xi = {xi}, newmark = ({b:.4g}, {g:.4g})"
+        limit = module.newmark_limit(xi, (b, g))
+        below = np.geomspace(1e-3, 1e5, 5) if limit == math.inf else limit * np.linspace(0.1, 0.999, 6)
+        if not all(_growth(step, xi, b, g) <= 1 for step in below):
+            raise VerificationError(f"newmark_limit at {where} is {limit}, but steps below it grow")
+        if limit == math.inf:
+            continue
+        low, high = limit * (1 - 1e-9), limit * (1 + 1e-9) + 1e-6 * (limit == 0)
+        if _growth(high, xi, b, g) <= 1:
+            raise VerificationError(f"newmark_limit at {where} is {limit}, but steps beyond it are stable")
+        ends = [mpmath.mpf(low), mpmath.mpf(high)]
+        for _ in range(40 if limit else 0):
+            middle = sum(ends) / 2
+            ends[int(_growth(middle, xi, b, g) > 1)] = middle
+        error = float(abs(limit / ends[0] - 1)) if limit else 0.0
+        if error >= worst[1]:
+            worst = (where, error)
+    return Figure("relative error of the largest stable Newmark step", *worst, BOUND)
+
+
+def _growth(step: Any, *method: float) -> mpmath.mpf:
+    """Spectral radius of a Newmark step of ddq + 2 xi step dq + step² q = 0 over a unit of time, less what rounds."""
+    step, xi, b, g = map(mpmath.mpf, (step, *method))
+    columns = []
+    for q, dq in ((1, 0), (0, 1)):
+        ddq = -2 * xi * step * dq - step**2 * q
+        predicted, rate = q + dq + (mpmath.mpf(0.5) - b) * ddq, dq + (1 - g) * ddq
+        new = -(2 * xi * step * rate + step**2 * predicted) / (1 + 2 * xi * g * step + b * step**2)
+        columns.append((predicted + b * new, rate + g * new))
+    half = (columns[0][0] + columns[1][1]) / 2
+    root = mpmath.sqrt(half**2 - columns[0][0] * columns[1][1] + columns[0][1] * columns[1][0])
+    return max(abs(half + root), abs(half - root)) - mpmath.mpf(10) ** -25
 
 
 # --- polynomials --------------------------------------------------------------------------------------------

@@ -17,12 +17,13 @@ Derived from the energies and emitted by `freebeam generate beck`; do not edit.
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.floating[Any]]
+Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
 
 COLUMN: dict[str, Any] = {
@@ -77,6 +78,24 @@ COLUMN: dict[str, Any] = {
 }
 
 
+def _namespace(array: Any) -> Any:
+    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    if isinstance(array, np.ndarray):
+        return np
+    if hasattr(array, "__array_namespace__"):
+        return array.__array_namespace__()
+    library = sys.modules.get(type(array).__module__.partition(".")[0])
+    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+
+
+def _diagonal(values: Array, order: Array) -> Array:
+    """The diagonal matrix of values, one for each of some numbers, all different."""
+    if isinstance(values, np.ndarray):
+        return np.diag(values)
+    matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
+    return matrix
+
+
 class Basis(NamedTuple):
     """The first N modes: each field of shape (N,), but for `turn`.
 
@@ -106,9 +125,10 @@ def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array,
     """cos(γ) cosh(γ) = -1 at γ = asymptote + delta, written so that no digits cancel, and its slope in delta.
     Eq. (21).
     """
-    epsilon = np.exp(-asymptote - delta)
-    sine = np.sin(delta)
-    cosine = np.cos(delta)
+    xp = _namespace(delta)
+    epsilon = xp.exp(-asymptote - delta)
+    sine = xp.sin(delta)
+    cosine = xp.cos(delta)
     shared_1 = 2 * sigma
     shared_2 = epsilon**2 + 1
     value = -epsilon * shared_1 + shared_2 * sine
@@ -122,7 +142,8 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
     The arrays may hold floats, or any numbers that know `exp`, such as intervals: then so does the result.
     """
     gamma = quarter * turn + delta
-    tail = sigma * np.exp(-gamma)
+    xp = _namespace(gamma)
+    tail = sigma * xp.exp(-gamma)
     shared_1 = 1 / (tail - 1)
     shared_2 = shared_1 * (tail + 1)
     cosine = shared_2
@@ -132,17 +153,19 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
     return Basis(gamma, quarter, delta, sigma, cosine, left, right, moment_0, turn)
 
 
-def basis(N: int) -> Basis:
+def basis(N: int, xp: Any = np) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
     Roots of cos(γ) cosh(γ) = -1: asymptotes, corrected by Newton's method, so that there is no table to run
     out of.
+
+    xp: the array API's functions in whose arrays of float64 the modes come, such as jax.numpy.
     """
-    n = np.arange(N, dtype=float)
+    n = xp.arange(N, dtype=xp.float64)
     quarter = 2 + 4 * n
-    sigma = 1 - 2 * np.remainder(n, 2)
+    sigma = 1 - 2 * (n % 2)
     asymptote = quarter * (np.pi / 4)
-    epsilon = np.exp(-asymptote)
+    epsilon = xp.exp(-asymptote)
     delta = 2 * epsilon * sigma
     for _ in range(4):
         value, slope = characteristic(delta, asymptote, sigma)
@@ -159,24 +182,25 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
     digits cancel in high modes.
     """
-    x = np.asarray(x, dtype=float)
-    place = x.reshape(1, -1)
+    xp = _namespace(basis.gamma)
+    x = xp.asarray(x, dtype=xp.float64)
+    place = xp.reshape(x, (1, -1))
     gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
-    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
-    turns = turns - 8 * np.round(turns / 8)
+    turns = turns - 8 * xp.round(turns / 8)
     phase = (turns + quarter * (place - coarse)) * basis.turn + basis.delta[:, None] * place
-    sine, cosine = np.sin(phase), np.cos(phase)
+    sine, cosine = xp.sin(phase), xp.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
     value: Array = rotated[0] + basis.cosine[:, None] * rotated[1]
-    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
-    value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
+    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * xp.exp(-gamma * place)
+    value = value + basis.right[:, None] * xp.exp(-gamma * (1 - place))
     value = value * gamma**derivative if derivative else value
-    return value.reshape(-1, *x.shape)
+    return xp.reshape(value, (value.shape[0], *x.shape))
 
 
 def _apart(basis: Basis) -> Array:
-    """1 / (γᵢ⁴ − γⱼ⁴), zero for i = j, shape (N, N).
+    """1 / (γᵢ⁴ − γⱼ⁴), shape (N, N); 1 for i = j, where it has no part.
 
     The roots are subtracted before they are rounded: asymptotes and corrections apart.
     """
@@ -184,10 +208,10 @@ def _apart(basis: Basis) -> Array:
     quarter = basis.quarter
     delta = basis.delta
     squares = gamma * gamma
-    difference = (quarter[:, None] - quarter) * basis.turn + (delta[:, None] - delta)
+    apart = quarter[:, None] - quarter
+    difference = apart * basis.turn + (delta[:, None] - delta)
     difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
-    difference.reshape(-1)[:: gamma.size + 1] = np.inf
-    inverse: Array = 1 / difference
+    inverse: Array = 1 / _namespace(gamma).where(apart == 0, 1.0, difference)
     return inverse
 
 
@@ -198,8 +222,9 @@ def mass(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
 
     eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
     """
+    quarter = basis.quarter
     moment_0 = basis.moment_0
-    M: Array = np.diag(0.25 * moment_0**2)
+    M: Array = _diagonal(0.25 * moment_0**2, quarter)
     return M
 
 
@@ -211,11 +236,12 @@ def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) ->
 
     eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     moment_0 = basis.moment_0
     gamma2 = gamma * gamma
     gamma4 = gamma2 * gamma2
-    E: Array = np.diag(0.25 * gamma4 * moment_0**2)
+    E: Array = _diagonal(0.25 * gamma4 * moment_0**2, quarter)
     return E
 
 
@@ -227,6 +253,7 @@ def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Ar
 
     eta: share of the tip force that follows the slope: 1 follower, 0 dead load.
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     sigma = basis.sigma
     moment_0 = basis.moment_0
@@ -242,7 +269,11 @@ def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Ar
         * (gamma[:, None] * moment_0 - gamma * moment_0[:, None])
     )
     H = H * apart + gamma_sigma * moment_0_sigma[:, None] * (2 * eta - 2)
-    H.reshape(-1)[:: basis.gamma.size + 1] = gamma * (2 * eta * moment_0 - gamma - moment_0)
+    H = (
+        _namespace(quarter).where(
+            quarter[:, None] == quarter, gamma * (2 * eta * moment_0 - gamma - moment_0), H
+        )
+    )
     return H
 
 
@@ -317,11 +348,12 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
     The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
     the product of both, so that no digits cancel in heavy damping.
     """
-    gamma = np.asarray(gamma, dtype=complex)
+    xp = _namespace(gamma)
+    gamma = xp.asarray(gamma, dtype=xp.complex128)
     shared_1 = (gamma**2)**2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
-    second = -half - np.sqrt(half * half - product)
+    second = -half - xp.sqrt(half * half - product)
     return product / second, second
 
 
@@ -339,7 +371,7 @@ def newmark_step(
     dq_predicted = (h * (1 - g)) * ddq + dq
     effective = (b * h**2) * K + (g * h) * C + M
     right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
-    ddq_next = np.linalg.solve(effective, right_side)
+    ddq_next = _namespace(M).linalg.solve(effective, right_side)
     q_next = (b * h**2) * ddq_next + q_predicted
     dq_next = (g * h) * ddq_next + dq_predicted
     return q_next, dq_next, ddq_next

@@ -17,12 +17,13 @@ Derived from the energies and emitted by `freebeam generate euler-pinned`; do no
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.floating[Any]]
+Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
 
 COLUMN: dict[str, Any] = {
@@ -61,6 +62,24 @@ COLUMN: dict[str, Any] = {
 }
 
 
+def _namespace(array: Any) -> Any:
+    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    if isinstance(array, np.ndarray):
+        return np
+    if hasattr(array, "__array_namespace__"):
+        return array.__array_namespace__()
+    library = sys.modules.get(type(array).__module__.partition(".")[0])
+    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+
+
+def _diagonal(values: Array, order: Array) -> Array:
+    """The diagonal matrix of values, one for each of some numbers, all different."""
+    if isinstance(values, np.ndarray):
+        return np.diag(values)
+    matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
+    return matrix
+
+
 class Basis(NamedTuple):
     """The first N modes: each field of shape (N,), but for `turn`.
 
@@ -82,14 +101,16 @@ def complete(quarter: Array, sigma: Array, turn: Any) -> Basis:
     return Basis(gamma, quarter, sigma, turn)
 
 
-def basis(N: int) -> Basis:
+def basis(N: int, xp: Any = np) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
     Roots of sin(γ) sinh(γ) = 0: known in closed form.
+
+    xp: the array API's functions in whose arrays of float64 the modes come, such as jax.numpy.
     """
-    n = np.arange(N, dtype=float)
+    n = xp.arange(N, dtype=xp.float64)
     quarter = 4 + 4 * n
-    sigma = 1 - 2 * np.remainder(n, 2)
+    sigma = 1 - 2 * (n % 2)
     return complete(quarter, sigma, np.pi / 4)
 
 
@@ -102,18 +123,19 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
     digits cancel in high modes.
     """
-    x = np.asarray(x, dtype=float)
-    place = x.reshape(1, -1)
+    xp = _namespace(basis.gamma)
+    x = xp.asarray(x, dtype=xp.float64)
+    place = xp.reshape(x, (1, -1))
     gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
-    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
-    turns = turns - 8 * np.round(turns / 8)
+    turns = turns - 8 * xp.round(turns / 8)
     phase = (turns + quarter * (place - coarse)) * basis.turn
-    sine, cosine = np.sin(phase), np.cos(phase)
+    sine, cosine = xp.sin(phase), xp.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
     value: Array = rotated[0]
     value = value * gamma**derivative if derivative else value
-    return value.reshape(-1, *x.shape)
+    return xp.reshape(value, (value.shape[0], *x.shape))
 
 
 def mass(basis: Basis, rigid: bool = False) -> Array:
@@ -121,7 +143,8 @@ def mass(basis: Basis, rigid: bool = False) -> Array:
 
     M[i, j] = ∫ φᵢ φⱼ dx
     """
-    M: Array = np.diag(np.full(basis.gamma.size, 0.5))
+    quarter = basis.quarter
+    M: Array = _diagonal(0 * quarter + 0.5, quarter)
     return M
 
 
@@ -131,10 +154,11 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
 
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     gamma2 = gamma * gamma
     gamma4 = gamma2 * gamma2
-    E: Array = np.diag(0.5 * gamma4)
+    E: Array = _diagonal(0.5 * gamma4, quarter)
     return E
 
 
@@ -144,9 +168,10 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
 
     H[i, j] = −∫ φᵢ′ φⱼ′ dx
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     gamma2 = gamma * gamma
-    H: Array = np.diag(-0.5 * gamma2)
+    H: Array = _diagonal(-0.5 * gamma2, quarter)
     return H
 
 
@@ -185,9 +210,7 @@ def forms(one: Any = 1) -> dict[str, Any]:
     }
 
 
-def equation(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> dict[tuple[int, int], tuple[Any, ...]]:
+def equation(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> dict[tuple[int, int], tuple[Any, ...]]:
     """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
     """
     return {
@@ -199,9 +222,7 @@ def equation(
     }
 
 
-def end_conditions(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> tuple[Any, Any]:
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
         (
@@ -221,11 +242,12 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
     The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
     the product of both, so that no digits cancel in heavy damping.
     """
-    gamma = np.asarray(gamma, dtype=complex)
+    xp = _namespace(gamma)
+    gamma = xp.asarray(gamma, dtype=xp.complex128)
     shared_1 = (gamma**2)**2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
-    second = -half - np.sqrt(half * half - product)
+    second = -half - xp.sqrt(half * half - product)
     return product / second, second
 
 
@@ -243,7 +265,7 @@ def newmark_step(
     dq_predicted = (h * (1 - g)) * ddq + dq
     effective = (b * h**2) * K + (g * h) * C + M
     right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
-    ddq_next = np.linalg.solve(effective, right_side)
+    ddq_next = _namespace(M).linalg.solve(effective, right_side)
     q_next = (b * h**2) * ddq_next + q_predicted
     dq_next = (g * h) * ddq_next + dq_predicted
     return q_next, dq_next, ddq_next

@@ -17,12 +17,13 @@ Derived from the energies and emitted by `freebeam generate euler-pinned`; do no
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.floating[Any]]
+Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
 
 COLUMN: dict[str, Any] = {
@@ -60,6 +61,24 @@ COLUMN: dict[str, Any] = {
 }
 
 
+def _namespace(array: Any) -> Any:
+    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    if isinstance(array, np.ndarray):
+        return np
+    if hasattr(array, "__array_namespace__"):
+        return array.__array_namespace__()
+    library = sys.modules.get(type(array).__module__.partition(".")[0])
+    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+
+
+def _diagonal(values: Array, order: Array) -> Array:
+    """The diagonal matrix of values, one for each of some numbers, all different."""
+    if isinstance(values, np.ndarray):
+        return np.diag(values)
+    matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
+    return matrix
+
+
 class Basis(NamedTuple):
     """The first N elastic functions: polynomials of degree 2, 3, …
 
@@ -86,12 +105,14 @@ def complete(order: Array, sigma: Array) -> Basis:
     The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so
     does the result.
     """
-    degree = order[2:]
+    xp = _namespace(order)
+    degree, zero = order[2:], 0 * order
     weight_1 = 1 / (degree * (degree - 1))
     weight_2 = 1 / (degree * (degree - 1))
     share = sigma[2:, None] * sigma * (weight_1[:, None]) + weight_2[:, None]
-    deflection = np.tril(-(2 * order + 1) * share, 1)
-    deflection[np.arange(degree.size), np.arange(2, order.size)] = 1
+    below = -(2 * order + 1) * share
+    deflection = xp.where(order < degree[:, None], below, 0 * below)
+    deflection = xp.where(order == degree[:, None], zero + 1, deflection)
     derivative = _derivative(order, sigma)
     slope = deflection @ derivative
     moment = slope @ derivative
@@ -101,14 +122,18 @@ def complete(order: Array, sigma: Array) -> Basis:
 
 def _derivative(order: Array, sigma: Array) -> Array:
     """What a series is multiplied by, from the right, to give its derivative: P_k′ = Σ 2 (2m + 1) P_m."""
-    value: Array = np.tril((1 - sigma[:, None] * sigma) * (2 * order + 1), -1)
+    lower = (1 - sigma[:, None] * sigma) * (2 * order + 1)
+    value: Array = _namespace(order).where(order < order[:, None], lower, 0 * lower)
     return value
 
 
-def basis(N: int) -> Basis:
-    """The functions of degree up to N + 1, N of them elastic. Eq. (9), section 3.1."""
-    order = np.arange(2 + N, dtype=float)
-    return complete(order, 1 - 2 * np.remainder(order, 2))
+def basis(N: int, xp: Any = np) -> Basis:
+    """The functions of degree up to N + 1, N of them elastic. Eq. (9), section 3.1.
+
+    xp: the array API's functions in whose arrays of float64 they come, such as jax.numpy.
+    """
+    order = xp.arange(2 + N, dtype=xp.float64)
+    return complete(order, 1 - 2 * (order % 2))
 
 
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
@@ -117,12 +142,13 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
     rigid functions, so it changes nothing.
     """
-    x = np.asarray(x, dtype=float)
+    xp = _namespace(basis.order)
+    x = xp.asarray(x, dtype=xp.float64)
     series = basis.deflection
     for _ in range(derivative):
         series = series @ _derivative(basis.order, basis.sigma)
-    value: Array = series @ _legendre(basis.order.size, x.reshape(-1))
-    return value.reshape(-1, *x.shape)
+    value: Array = series @ _legendre(basis.order.shape[0], xp.reshape(x, (-1,)))
+    return xp.reshape(value, (value.shape[0], *x.shape))
 
 
 def _legendre(count: int, x: Array) -> Array:
@@ -130,19 +156,23 @@ def _legendre(count: int, x: Array) -> Array:
 
     By their differences, in the distance from the nearer end, so that nothing cancels there.
     """
-    near = np.minimum(x, 1 - x)
-    value = np.ones((count, x.size))
+    xp = _namespace(x)
+    near = xp.minimum(x, 1 - x)
+    value = 0 * x + 1
+    odd = xp.where(x < 0.5, -value, value)  # sign of the odd ones
     step = -2 * near
+    rows = [value]
     for k in range(1, count):
-        value[k] = value[k - 1] + step
-        step = (k * step - 2 * (2 * k + 1) * near * value[k]) / (k + 1)
-    value[1::2] *= np.where(x < 0.5, -1, 1)
-    return value
+        value = value + step
+        step = (k * step - 2 * (2 * k + 1) * near * value) / (k + 1)
+        rows.append(value * odd if k % 2 else value)
+    found: Array = xp.reshape(xp.concat(rows), (count, x.shape[0]))
+    return found
 
 
 def _integrals_0(order: Array) -> Array:
     """∫ P_m P_n dx, shape (D, D)."""
-    value: Array = np.diag(1 / (2 * order + 1))
+    value: Array = _diagonal(1 / (2 * order + 1), order)
     return value
 
 
@@ -151,7 +181,7 @@ def mass(basis: Basis, rigid: bool = False) -> Array:
 
     M[i, j] = ∫ φᵢ φⱼ dx
     """
-    M: Array = np.diag(basis.norm)
+    M: Array = _diagonal(basis.norm, basis.order[: basis.norm.shape[0]])
     return M
 
 
@@ -212,9 +242,7 @@ def forms(one: Any = 1) -> dict[str, Any]:
     }
 
 
-def equation(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> dict[tuple[int, int], tuple[Any, ...]]:
+def equation(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> dict[tuple[int, int], tuple[Any, ...]]:
     """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
     """
     return {
@@ -226,9 +254,7 @@ def equation(
     }
 
 
-def end_conditions(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> tuple[Any, Any]:
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
         (
@@ -256,7 +282,7 @@ def newmark_step(
     dq_predicted = (h * (1 - g)) * ddq + dq
     effective = (b * h**2) * K + (g * h) * C + M
     right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
-    ddq_next = np.linalg.solve(effective, right_side)
+    ddq_next = _namespace(M).linalg.solve(effective, right_side)
     q_next = (b * h**2) * ddq_next + q_predicted
     dq_next = (g * h) * ddq_next + dq_predicted
     return q_next, dq_next, ddq_next

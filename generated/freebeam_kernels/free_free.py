@@ -18,12 +18,13 @@ Derived from the energies and emitted by `freebeam generate free-free`; do not e
 
 from __future__ import annotations
 
+import sys
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Array = NDArray[np.floating[Any]]
+Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
 
 COLUMN: dict[str, Any] = {
@@ -69,6 +70,24 @@ COLUMN: dict[str, Any] = {
 }
 
 
+def _namespace(array: Any) -> Any:
+    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    if isinstance(array, np.ndarray):
+        return np
+    if hasattr(array, "__array_namespace__"):
+        return array.__array_namespace__()
+    library = sys.modules.get(type(array).__module__.partition(".")[0])
+    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+
+
+def _diagonal(values: Array, order: Array) -> Array:
+    """The diagonal matrix of values, one for each of some numbers, all different."""
+    if isinstance(values, np.ndarray):
+        return np.diag(values)
+    matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
+    return matrix
+
+
 class Basis(NamedTuple):
     """The first N modes: each field of shape (N,), but for `turn`.
 
@@ -98,9 +117,10 @@ def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array,
     """cos(γ) cosh(γ) = 1 at γ = asymptote + delta, written so that no digits cancel, and its slope in delta. Eq.
     (21).
     """
-    epsilon = np.exp(-asymptote - delta)
-    sine = np.sin(delta)
-    cosine = np.cos(delta)
+    xp = _namespace(delta)
+    epsilon = xp.exp(-asymptote - delta)
+    sine = xp.sin(delta)
+    cosine = xp.cos(delta)
     shared_1 = 2 * sigma
     shared_2 = epsilon**2 + 1
     value = -epsilon * shared_1 + shared_2 * sine
@@ -114,7 +134,8 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
     The arrays may hold floats, or any numbers that know `exp`, such as intervals: then so does the result.
     """
     gamma = quarter * turn + delta
-    tail = sigma * np.exp(-gamma)
+    xp = _namespace(gamma)
+    tail = sigma * xp.exp(-gamma)
     shared_1 = 1 / (tail - 1)
     shared_2 = shared_1 * (tail + 1)
     cosine = shared_2
@@ -124,17 +145,19 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
     return Basis(gamma, quarter, delta, sigma, cosine, left, right, deflection_0, turn)
 
 
-def basis(N: int) -> Basis:
+def basis(N: int, xp: Any = np) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
     Roots of cos(γ) cosh(γ) = 1: asymptotes, corrected by Newton's method, so that there is no table to run
     out of.
+
+    xp: the array API's functions in whose arrays of float64 the modes come, such as jax.numpy.
     """
-    n = np.arange(N, dtype=float)
+    n = xp.arange(N, dtype=xp.float64)
     quarter = 6 + 4 * n
-    sigma = 1 - 2 * np.remainder(n, 2)
+    sigma = 1 - 2 * (n % 2)
     asymptote = quarter * (np.pi / 4)
-    epsilon = np.exp(-asymptote)
+    epsilon = xp.exp(-asymptote)
     delta = 2 * epsilon * sigma
     for _ in range(2):
         value, slope = characteristic(delta, asymptote, sigma)
@@ -142,14 +165,13 @@ def basis(N: int) -> Basis:
     return complete(quarter, sigma, delta, np.pi / 4)
 
 
-RIGID = ((1.0,), (-0.5, 1.0))  # coefficients of 1, x, …: roots γ = 0
-
-
 def _rigid_shapes(place: Array, derivative: int) -> Array:
-    """Rigid functions or a derivative of them; place (1, n), result (R, n)."""
-    polynomials = [np.polynomial.polynomial.polyder(np.array(c), derivative) for c in RIGID]
-    rows = [np.polynomial.polynomial.polyval(place[0], c) for c in polynomials]
-    return np.array(rows, dtype=float)
+    """The 2 rigid functions, roots γ = 0, or a derivative of them; place (1, n), result (R, n)."""
+    zero = 0 * place
+    rows = [[zero + 1, place - 0.5], [zero, zero + 1]]
+    found = rows[derivative] if derivative < 2 else [zero] * 2
+    value: Array = _namespace(place).concat(found)
+    return value
 
 
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
@@ -161,26 +183,46 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
     digits cancel in high modes.
     """
-    x = np.asarray(x, dtype=float)
-    place = x.reshape(1, -1)
+    xp = _namespace(basis.gamma)
+    x = xp.asarray(x, dtype=xp.float64)
+    place = xp.reshape(x, (1, -1))
     gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
-    coarse = np.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
-    turns = turns - 8 * np.round(turns / 8)
+    turns = turns - 8 * xp.round(turns / 8)
     phase = (turns + quarter * (place - coarse)) * basis.turn + basis.delta[:, None] * place
-    sine, cosine = np.sin(phase), np.cos(phase)
+    sine, cosine = xp.sin(phase), xp.cos(phase)
     rotated = ((sine, cosine), (cosine, -sine), (-sine, -cosine), (-cosine, sine))[derivative % 4]
     value: Array = rotated[0] + basis.cosine[:, None] * rotated[1]
-    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * np.exp(-gamma * place)
-    value = value + basis.right[:, None] * np.exp(-gamma * (1 - place))
+    value = value + (-1) ** (derivative % 2) * basis.left[:, None] * xp.exp(-gamma * place)
+    value = value + basis.right[:, None] * xp.exp(-gamma * (1 - place))
     value = value * gamma**derivative if derivative else value
     if rigid:
-        value = np.concatenate([_rigid_shapes(place, derivative), value])
-    return value.reshape(-1, *x.shape)
+        value = xp.concat([_rigid_shapes(place, derivative), value])
+    return xp.reshape(value, (value.shape[0], *x.shape))
+
+
+def _bordered(matrix: Array, corner: list[list[Any]], rows: tuple[Array, ...] = ()) -> Array:
+    """An elastic matrix with the corner and the rows of the 2 rigid functions before it; what stands under the
+    corner is zero, for rigid motion does not act on the elastic one.
+    """
+    N, xp = matrix.shape[0], _namespace(matrix)
+    if xp is np:  # in place, which is faster
+        whole = np.zeros((2 + N, 2 + N), dtype=matrix.dtype)
+        whole[:2, :2], whole[2:, 2:] = corner, matrix
+        for n, row in enumerate(rows):
+            whole[n, 2:] = row
+        return whole
+    kind = {"dtype": matrix.dtype, "device": matrix.device}
+    beside = xp.stack(rows) if rows else xp.zeros((2, N), **kind)
+    above = xp.concat([xp.asarray(corner, **kind), beside], axis=1)
+    below = xp.concat([xp.zeros((N, 2), **kind), matrix], axis=1)
+    value: Array = xp.concat([above, below])
+    return value
 
 
 def _apart(basis: Basis) -> Array:
-    """1 / (γᵢ⁴ − γⱼ⁴), zero for i = j, shape (N, N).
+    """1 / (γᵢ⁴ − γⱼ⁴), shape (N, N); 1 for i = j, where it has no part.
 
     The roots are subtracted before they are rounded: asymptotes and corrections apart.
     """
@@ -188,10 +230,10 @@ def _apart(basis: Basis) -> Array:
     quarter = basis.quarter
     delta = basis.delta
     squares = gamma * gamma
-    difference = (quarter[:, None] - quarter) * basis.turn + (delta[:, None] - delta)
+    apart = quarter[:, None] - quarter
+    difference = apart * basis.turn + (delta[:, None] - delta)
     difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
-    difference.reshape(-1)[:: gamma.size + 1] = np.inf
-    inverse: Array = 1 / difference
+    inverse: Array = 1 / _namespace(gamma).where(apart == 0, 1.0, difference)
     return inverse
 
 
@@ -201,13 +243,12 @@ def mass(basis: Basis, rigid: bool = False) -> Array:
 
     M[i, j] = ∫ φᵢ φⱼ dx
     """
+    quarter = basis.quarter
     deflection_0 = basis.deflection_0
-    M: Array = np.diag(0.25 * deflection_0**2)
+    M: Array = _diagonal(0.25 * deflection_0**2, quarter)
     if rigid:
-        whole = np.zeros((2 + basis.gamma.size,) * 2)
-        whole[2:, 2:] = M
-        whole[:2, :2] = np.array([[1.0, 0.0], [0.0, 0.08333333333333333]])
-        return whole
+        one = 0 * basis.turn + 1  # in the numbers at hand
+        M = _bordered(M, [[one, 0 * one], [0 * one, one / 12]])
     return M
 
 
@@ -217,15 +258,15 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
 
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     deflection_0 = basis.deflection_0
     gamma2 = gamma * gamma
     gamma4 = gamma2 * gamma2
-    E: Array = np.diag(0.25 * deflection_0**2 * gamma4)
+    E: Array = _diagonal(0.25 * deflection_0**2 * gamma4, quarter)
     if rigid:
-        whole = np.zeros((2 + basis.gamma.size,) * 2)
-        whole[2:, 2:] = E
-        return whole
+        one = 0 * basis.turn + 1  # in the numbers at hand
+        E = _bordered(E, [[0 * one, 0 * one], [0 * one, 0 * one]])
     return E
 
 
@@ -237,6 +278,7 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
 
     Row i is the test function. The end term is transposed in the paper as printed: docs/errata.md.
     """
+    quarter = basis.quarter
     gamma = basis.gamma
     sigma = basis.sigma
     deflection_0 = basis.deflection_0
@@ -256,14 +298,11 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
         - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
     )
     H = H * apart - deflection_0_sigma_times_2[:, None] * gamma_sigma
-    H.reshape(-1)[:: basis.gamma.size + 1] = -0.5 * gamma * (deflection_0 + gamma)
+    H = _namespace(quarter).where(quarter[:, None] == quarter, -0.5 * gamma * (deflection_0 + gamma), H)
     if rigid:
-        whole = np.zeros((2 + basis.gamma.size,) * 2)
-        whole[2:, 2:] = H
-        whole[:2, :2] = np.array([[0.0, 1.0], [0.0, 0.0]])
-        whole[0, 2:] = -2 * gamma * sigma
-        whole[1, 2:] = -sigma * (deflection_0 + gamma)
-        return whole
+        one = 0 * basis.turn + 1  # in the numbers at hand
+        rows = (-2 * gamma * sigma, -sigma * (deflection_0 + gamma),)
+        H = _bordered(H, [[0 * one, one], [0 * one, 0 * one]], rows)
     return H
 
 
@@ -302,9 +341,7 @@ def forms(one: Any = 1) -> dict[str, Any]:
     }
 
 
-def equation(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> dict[tuple[int, int], tuple[Any, ...]]:
+def equation(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> dict[tuple[int, int], tuple[Any, ...]]:
     """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
     """
     return {
@@ -317,9 +354,7 @@ def equation(
     }
 
 
-def end_conditions(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1,
-) -> tuple[Any, Any]:
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
         (
@@ -339,11 +374,12 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
     The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
     the product of both, so that no digits cancel in heavy damping.
     """
-    gamma = np.asarray(gamma, dtype=complex)
+    xp = _namespace(gamma)
+    gamma = xp.asarray(gamma, dtype=xp.complex128)
     shared_1 = (gamma**2)**2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
-    second = -half - np.sqrt(half * half - product)
+    second = -half - xp.sqrt(half * half - product)
     return product / second, second
 
 
@@ -361,7 +397,7 @@ def newmark_step(
     dq_predicted = (h * (1 - g)) * ddq + dq
     effective = (b * h**2) * K + (g * h) * C + M
     right_side = -(C @ dq_predicted) - (K @ q_predicted) + F
-    ddq_next = np.linalg.solve(effective, right_side)
+    ddq_next = _namespace(M).linalg.solve(effective, right_side)
     q_next = (b * h**2) * ddq_next + q_predicted
     dq_next = (g * h) * ddq_next + dq_predicted
     return q_next, dq_next, ddq_next

@@ -359,3 +359,43 @@ class TestWriting:
             with pytest.raises(StatementError, match="degree 3"):
                 generate(["beck", path], tmp_path / "out", check=check)
             assert not (tmp_path / "out").exists()
+
+
+# --- what must not take another's place ---------------------------------------------------------------------
+
+
+@pytest.mark.usefixtures("unverified")
+def test_a_user_s_column_does_not_replace_the_tree_s(
+    tmp_path: Path, tree: Path, statement_of: StatementOf, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A statement that calls itself beck, generated into the tree, would be everybody's beck."""
+    monkeypatch.setattr(pipeline, "tree", lambda: tree)
+    own = tmp_path / "mine.py"
+    own.write_text(statement_of("hauger").read_text(encoding="utf-8").replace('"hauger"', '"beck"'), encoding="utf-8")
+    before = held(tree)
+    for output in (None, tree):
+        with pytest.raises(
+            StatementError, match=r"mine\.py: a column of its name, beck, comes with freebeam"
+        ) as caught:
+            generate([own], output)
+        assert "\n" not in str(caught.value)
+    assert held(tree) == before
+    assert generate([own], tmp_path / "elsewhere").columns == ("beck",)
+    assert generate([pipeline.columns()["beck"]], tree).columns == ("beck",)  # the tree's own file is its own
+
+
+@pytest.mark.usefixtures("unverified")
+def test_other_tools_do_not_sign_older_modules(tmp_path: Path, tree: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """One column of three under another SymPy would leave two whose tools the manifest misnames."""
+    manifest = json.loads((tree / MANIFEST).read_text(encoding="utf-8"))
+    manifest["tools"]["sympy"] = "1.13.3"
+    (tree / MANIFEST).write_text(json.dumps(manifest), encoding="utf-8")
+    before = held(tree)
+    with pytest.raises(
+        StatementError, match=r"euler_pinned\.py of other tools: sympy .* 1\.13\.3 made the kernels"
+    ) as caught:
+        generate(["beck"], tree)
+    assert "\n" not in str(caught.value) and "--output" in str(caught.value)
+    assert held(tree) == before
+    generate((), tree)  # all of them anew
+    assert json.loads((tree / MANIFEST).read_text(encoding="utf-8"))["tools"] == pipeline._tools()

@@ -152,24 +152,38 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         {"ends": '("clamped", "sliding")', "dW_nc": "damping + P * at(y, 1) * at(delta(y.diff(x)), 1)"},
         ("x = 1", "sliding"),
     ),
-    "spring at a free end": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 1)**2"}, ("x = 1", "free", "y(1, t)")),
     "spring at a clamped end": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 0)**2"}, ("x = 0", "clamped")),
-    "turning spring at a pinned end": (
-        {"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y.diff(x), 0)**2", "ends": '("pinned", "free")'},
-        ("x = 0", "pinned"),
+    "turning spring at a sliding end": (
+        {"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y.diff(x), 0)**2", "ends": '("sliding", "free")'},
+        ("x = 0", "sliding"),
     ),
     "mass at a clamped end": ({"T": "integral(y.diff(t)**2) / 2 + k * at(y.diff(t), 0)**2"}, ("x = 0", "clamped")),
     "dashpot at a clamped end": ({"dW_nc": "damping - k * at(y.diff(t), 0) * at(delta(y), 0)"}, ("x = 0", "clamped")),
-    "taut string at a free end": ({"V": "integral(y.diff(x, 2)**2 + k * y.diff(x)**2) / 2"}, ("x = 1", "free")),
-    "string without bending at a free end": (
+    "bending that ends before the beam": (
         {"V": "integral(k * y.diff(x)**2 + (1 - x) * y.diff(x, 2)**2) / 2", **FREE},
-        ("free", "natural"),
+        ("x = 1", "free", "bending stiffness"),
     ),
     "third derivative": ({"V": "integral(y.diff(x, 2)**2 + y.diff(x, 3)**2)"}, ("force or a moment",)),
     # what Ritz's series cannot take
     "dashpot at the tip": (
         {"dW_nc": "damping + P * at(delta(y), 1) * at(y, 1) - k * at(y.diff(t), 1) * at(delta(y), 1)"},
         ("damping", "k φᵢ(1) φⱼ(1)", "Eq. (12)"),
+    ),
+    "spring that is not damped in proportion": (
+        {"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 1)**2 / 2"},
+        ("damping", "E = ", "k φᵢ(1) φⱼ(1)", "springs too"),
+    ),
+    "external damping that drives": (
+        {"dW_nc": "integral(beta * y.diff(t) * delta(y)) - P * at(y.diff(x), 1) * at(delta(y), 1)"},
+        ("C = −beta ∫ φᵢ φⱼ dx", "feeds energy in", "change its sign"),
+    ),
+    "internal damping that drives": (
+        {"dW_nc": "damping + 2 * alpha * integral(y.diff(x, 2, t) * delta(y.diff(x, 2)))"},
+        ("C = −alpha ∫ φᵢ″ φⱼ″ dx", "feeds energy in"),
+    ),
+    "dashpot that drives": (
+        {"dW_nc": "-P * at(y.diff(x), 1) * at(delta(y), 1) + at(y.diff(t), 1) * at(delta(y), 1)"},
+        ("C = −φᵢ(1) φⱼ(1)", "feeds energy in"),
     ),
     "spring inside": ({"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, Rational(1, 2))**2"}, ("inside",)),
     "force inside": ({"dW_nc": "damping - P * at(y.diff(x), Rational(1, 2)) * at(delta(y), 1)"}, ("ends",)),
@@ -231,6 +245,17 @@ ACCEPTED = {
         "dW_nc": "damping - P * integral(y.diff(x) * delta(y))",
     },
     "follower along half a parameter": {"dW_nc": "damping - k * P * at(y.diff(x), 1) * at(delta(y), 1)"},
+    "spring at a free end": {"V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 1)**2 / 2", "dW_nc": "0"},
+    "spring with its share of the damping": {
+        "V": "integral(y.diff(x, 2)**2) / 2 + k * at(y, 1)**2 / 2",
+        "dW_nc": "damping - alpha * k * at(y.diff(t), 1) * at(delta(y), 1)",
+    },
+    "turning spring at a pinned end": {
+        "V": "integral(y.diff(x, 2)**2) / 2 + k * at(y.diff(x), 0)**2 / 2",
+        "ends": '("pinned", "pinned")',
+        "dW_nc": "-beta * integral(y.diff(t) * delta(y))",
+    },
+    "taut string at a free end": {"V": "integral(y.diff(x, 2)**2 + k * y.diff(x)**2) / 2", "dW_nc": "0"},
     "foundation": {"V": "integral(y.diff(x, 2)**2 + k * y**2) / 2"},
     "moment at a pinned end": {
         "ends": '("clamped", "pinned")',
