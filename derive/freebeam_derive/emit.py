@@ -178,8 +178,8 @@ def _shapes(kernel: ColumnKernel) -> str:
     )
     lines = [
         "xp = _namespace(basis.gamma)",
-        "x = xp.asarray(x, dtype=xp.float64)",
-        "place = xp.reshape(x, (1, -1))",
+        "places: Array = xp.asarray(x, dtype=xp.float64)",
+        "place = xp.reshape(places, (1, -1))",
         "gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]",
         "coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact",
         "turns = quarter * coarse",
@@ -198,7 +198,7 @@ def _shapes(kernel: ColumnKernel) -> str:
     if rigid:
         lines.append("if rigid:")
         lines.append("    value = xp.concat([_rigid_shapes(place, derivative), value])")
-    lines.append("return xp.reshape(value, (value.shape[0], *x.shape))")
+    lines += ["found: Array = xp.reshape(value, (value.shape[0], *places.shape))", "return found"]
     text = signature("shapes", "basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False", "Array")
     text += docstring(doc) + body(lines)
     if rigid:

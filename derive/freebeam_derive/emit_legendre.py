@@ -178,12 +178,13 @@ def _polynomial_shapes(kernel: PolynomialKernel) -> str:
     )
     lines = [
         "xp = _namespace(basis.order)",
-        "x = xp.asarray(x, dtype=xp.float64)",
+        "places: Array = xp.asarray(x, dtype=xp.float64)",
         "series = basis.deflection",
         "for _ in range(derivative):",
         "    series = series @ _derivative(basis.order, basis.sigma)",
-        f"value: Array = series{_elastic(R)} @ _legendre(basis.order.shape[0], xp.reshape(x, (-1,)))",
-        "return xp.reshape(value, (value.shape[0], *x.shape))",
+        f"value: Array = series{_elastic(R)} @ _legendre(basis.order.shape[0], xp.reshape(places, (-1,)))",
+        "found: Array = xp.reshape(value, (value.shape[0], *places.shape))",
+        "return found",
     ]
     text = signature("shapes", "basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False", "Array")
     text += docstring(doc) + body(lines) + "\n\n"

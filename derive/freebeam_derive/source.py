@@ -259,26 +259,26 @@ def header(kernel: Kernel, functions: str, more: str) -> str:
         f"{source}Derived from the energies and emitted by `freebeam generate {column.name}`; do not edit."
     )
     return docstring(text, "") + (
-        "\nfrom __future__ import annotations\n\nimport sys\nfrom typing import Any, NamedTuple\n\nimport numpy as np\n"
+        "\nfrom __future__ import annotations\n\nfrom typing import Any, NamedTuple\n\nimport numpy as np\n"
         "from numpy.typing import ArrayLike, NDArray\n\n"
         "Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API\n"
     )
 
 
 NAMESPACE = '''def _namespace(array: Any) -> Any:
-    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    """NumPy, or the array API's functions of the library that an array is from."""
     if isinstance(array, np.ndarray):
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = sys.modules.get(type(array).__module__.partition(".")[0])
-    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    return library if hasattr(library, "asarray") else np
 
 
-def _diagonal(values: Array, order: Array) -> Array:
+def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
     if isinstance(values, np.ndarray):
-        return np.diag(values)
+        return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
 '''

@@ -17,7 +17,6 @@ Derived from the energies and emitted by `freebeam generate beck`; do not edit.
 
 from __future__ import annotations
 
-import sys
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -79,19 +78,19 @@ COLUMN: dict[str, Any] = {
 
 
 def _namespace(array: Any) -> Any:
-    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    """NumPy, or the array API's functions of the library that an array is from."""
     if isinstance(array, np.ndarray):
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = sys.modules.get(type(array).__module__.partition(".")[0])
-    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    return library if hasattr(library, "asarray") else np
 
 
-def _diagonal(values: Array, order: Array) -> Array:
+def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
     if isinstance(values, np.ndarray):
-        return np.diag(values)
+        return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
 
@@ -183,8 +182,8 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     digits cancel in high modes.
     """
     xp = _namespace(basis.gamma)
-    x = xp.asarray(x, dtype=xp.float64)
-    place = xp.reshape(x, (1, -1))
+    places: Array = xp.asarray(x, dtype=xp.float64)
+    place = xp.reshape(places, (1, -1))
     gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
     coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
     turns = quarter * coarse
@@ -196,7 +195,8 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     value = value + (-1) ** (derivative % 2) * basis.left[:, None] * xp.exp(-gamma * place)
     value = value + basis.right[:, None] * xp.exp(-gamma * (1 - place))
     value = value * gamma**derivative if derivative else value
-    return xp.reshape(value, (value.shape[0], *x.shape))
+    found: Array = xp.reshape(value, (value.shape[0], *places.shape))
+    return found
 
 
 def _apart(basis: Basis) -> Array:

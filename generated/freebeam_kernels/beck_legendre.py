@@ -17,7 +17,6 @@ Derived from the energies and emitted by `freebeam generate beck`; do not edit.
 
 from __future__ import annotations
 
-import sys
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -78,19 +77,19 @@ COLUMN: dict[str, Any] = {
 
 
 def _namespace(array: Any) -> Any:
-    """NumPy, or the array API's functions of the library that an array is from; none is imported."""
+    """NumPy, or the array API's functions of the library that an array is from."""
     if isinstance(array, np.ndarray):
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = sys.modules.get(type(array).__module__.partition(".")[0])
-    return library if hasattr(library, "asarray") else np  # PyTorch's tensors name no namespace
+    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    return library if hasattr(library, "asarray") else np
 
 
-def _diagonal(values: Array, order: Array) -> Array:
+def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
     if isinstance(values, np.ndarray):
-        return np.diag(values)
+        return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
 
@@ -165,12 +164,13 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     rigid functions, so it changes nothing.
     """
     xp = _namespace(basis.order)
-    x = xp.asarray(x, dtype=xp.float64)
+    places: Array = xp.asarray(x, dtype=xp.float64)
     series = basis.deflection
     for _ in range(derivative):
         series = series @ _derivative(basis.order, basis.sigma)
-    value: Array = series @ _legendre(basis.order.shape[0], xp.reshape(x, (-1,)))
-    return xp.reshape(value, (value.shape[0], *x.shape))
+    value: Array = series @ _legendre(basis.order.shape[0], xp.reshape(places, (-1,)))
+    found: Array = xp.reshape(value, (value.shape[0], *places.shape))
+    return found
 
 
 def _legendre(count: int, x: Array) -> Array:

@@ -69,7 +69,7 @@ def test_imports_numpy_alone(name: str, text_of: Text) -> None:
             imported |= {alias.name.split(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom):
             imported.add(str(node.module).split(".")[0])
-    assert imported == {"__future__", "sys", "typing", "numpy"}
+    assert imported == {"__future__", "typing", "numpy"}
 
 
 def test_text_is_clean(name: str, text_of: Text) -> None:
