@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import re
+import shutil
+import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -16,7 +17,7 @@ from freebeam_sym.cli.options import JsonOption
 from freebeam_sym.cli.output import print_json, print_table, working, written
 
 if TYPE_CHECKING:
-    from freebeam_sym.ledger.book import Ledger
+    from freebeam_sym.ledger.book import ClaimRow, EquationRow, Ledger
     from freebeam_sym.validate import Row
 
 
@@ -61,21 +62,24 @@ def validate(
 
 def _print_ledger(book: Ledger) -> None:
     """What the ledger finds, a line a row; claims that cannot be checked are counted only."""
-    mark = {True: "", False: "FAILED"}
-    cells = [[row.id, row.section, row.verdict, row.misprint, mark[row.passed]] for row in book.equations]
-    print_table(cells, ["Eq.", "section", "verdict", "", ""], "Equations of the paper, as printed against as derived")
+    cells = [[row.id, row.section, _said(row), row.misprint] for row in book.equations]
+    print_table(cells, ["Eq.", "section", "verdict", ""], "Equations of the paper, as printed against as derived")
     claims = [row for row in book.claims if row.verdict != "not checkable" or not row.passed]
-    cells = [[row.id, row.verdict, row.by, _plain(row.quote), mark[row.passed]] for row in claims]
-    print_table(cells, ["claim", "verdict", "settled", "quote", ""], "Claims of the paper")
+    named, said = max(len(row.id) for row in claims), max(len(_said(row)) for row in claims)
+    room = shutil.get_terminal_size().columns - named - said - 8 if sys.stdout.isatty() else 1000
+    cells = [[row.id, _said(row), _beginning(row.computed, max(room, 20))] for row in claims]
+    print_table(cells, ["claim", "verdict", "computed"], "Claims of the paper")
     counted = ", ".join(f"{n} {verdict}" for verdict, n in Counter(row.verdict for row in book.claims).items())
-    typer.echo(f"{len(book.claims)} claims: {counted}. With all that is computed: --output FILE, or --json.\n")
+    typer.echo(f"{len(book.claims)} claims: {counted}.\nQuotes, and all that is computed: --output FILE, or --json.\n")
 
 
-def _plain(quote: str) -> str:
-    """The beginning of a quote, without its LaTeX marks."""
-    words = re.sub(r"\\(?:overline|bar)\{([^{}]*)\}|\$", r"\1", " ".join(quote.split()))
-    words = re.sub(r"\\(?=[a-z])", "", words)
-    return words if len(words) <= 72 else f"{words[:71]}…"
+def _said(row: EquationRow | ClaimRow) -> str:
+    verdict = row.verdict.replace("confirmed to the printed digits", "confirmed, digits")
+    return verdict if row.passed else f"{verdict} FAILED"
+
+
+def _beginning(text: str, room: int) -> str:
+    return text if len(text) <= room else f"{text[: room - 1]}…"
 
 
 def _print_loads(rows: Sequence[Row]) -> None:

@@ -135,7 +135,7 @@ def without_modes() -> Finding:
     same = gap < 1e-9
     return Finding(
         not same,
-        f"{MANY} Legendre polynomials, which need no mode shape, give {number(load, 12)}, the beam itself is "
+        f"{MANY} Legendre polynomials, which need no mode shape, give {number(load, 10)}, the beam itself is "
         f"{enclosure(beam)}; eight modes give {enclosure(interval(ritz().load))}",
         FLOATS,
     )

@@ -24,7 +24,9 @@ How a claim was settled:
 - *identity*: of symbols, or of whole matrices.
 - *proven*: in ball arithmetic, at the values named; of a critical load that it is a crossing, the first one, its kind,
   and that the beam is stable below.
-- *proven over the range*: in ball arithmetic, for every value of the range, which is covered by cells.
+- *proven over the range*: in ball arithmetic, for every value of the range, which is covered by cells. Where a critical
+  load is followed along a range, its crossing is proven to go on, alone in its place, with the sign of its slope; that
+  it is the first crossing is proven at both ends.
 - *map*: in floating point, at the points of a dense map; along the lines named it is proven.
 - *computed*: in floating point, at the values named.
 """
