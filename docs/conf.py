@@ -92,7 +92,8 @@ def _commands(app: Sphinx, page: str, source: list[str]) -> None:
     from freebeam_sym.cli import app as freebeam
 
     group = typer.main.get_command(freebeam)
-    for name, command in group.commands.items():
+    for name in group.list_commands(None):
+        command = group.commands[name]
         source[0] += f"\n## freebeam {name}\n\n{command.help}\n\n"
         source[0] += f"```console\n$ {command.epilog.removeprefix('Example: ')}\n```\n\n"
         rows = []

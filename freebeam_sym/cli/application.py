@@ -2,11 +2,31 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import typer
+from typer.core import TyperGroup
+
+# As a newcomer would need them; commands that are not named follow.
+ORDER = (
+    "columns", "critical", "spectrum", "map", "respond",
+    "figures", "lesson", "explore",
+    "verify", "validate", "generate",
+)  # fmt: skip
+
+
+class InOrder(TyperGroup):
+    """Commands in the order of ORDER, whichever module registers first."""
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        names = super().list_commands(ctx)
+        return sorted(names, key=lambda name: (ORDER.index(name) if name in ORDER else len(ORDER), name))
+
 
 app = typer.Typer(
     name="freebeam",
     help="Stability of columns under follower forces, from kernels derived from their energies.",
+    cls=InOrder,
     add_completion=False,
     pretty_exceptions_enable=False,
 )
