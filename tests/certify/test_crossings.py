@@ -202,3 +202,19 @@ def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
     finally:
         monkeypatch.undo()
         ritz._characteristic.cache_clear()
+
+
+def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
+    """Boxes about a crossing that reach the next one: the contraction must fail on them, and hold on small ones."""
+    question = Question(5, F("0.01"), F("0.5"))
+    listed = found("beck", question)
+    assert len(listed) > 1
+    with balls.precision(400):
+        survey = crossings._Survey(ritz.boundary(fb.column("beck").kernel, question, 400), TOP, lambda _: None)
+        for one, other in pairwise(listed):
+            assert one.square is not None and other.square is not None
+            P, x = one.load[0], one.square[0]
+            tables = [crossings._shift(t, balls.exact(P), balls.exact(x), survey.N) for t in survey.tables.values()]
+            r, rho = other.load[1] - P, abs(other.square[1] - x) + abs(other.square[0] - x)
+            assert not crossings._alone(tables, r, rho)
+            assert crossings._alone(tables, r / 10**6, rho / 10**6)

@@ -80,10 +80,11 @@ class _Found:
 
 
 class Inseparable(Unproven):
-    """A stretch of loads on which crossings could not be told apart. settled: those proven below it."""
+    """A stretch of loads on which crossings could not be told apart. settled: those proven, below it or above."""
 
     def __init__(self, low: Fraction, high: Fraction, settled: list[_Found]) -> None:
-        below = ", ".join(f"{float(c.load.mid()):.10g}" for c in settled) or "none"
+        self.low, self.high = low, high
+        below = ", ".join(f"{v:.10g}" for v in sorted(float(c.load.mid()) for c in settled) if v < low) or "none"
         super().__init__(
             f"between the loads {float(low):.15g} and {float(high):.15g} crossings could not be told apart: two may "
             f"lie closer together than {FINEST} halvings at {MOST_BITS} bits resolve, or meet. Established: up to "
@@ -173,23 +174,12 @@ class _Survey:
         zero = Fraction(0)
         if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
             raise Unproven("the column is not known to be stable without load")
-        self._divergences(zero, self.load_max, 0)
-        waiting = [(zero, self.load_max, 0)]
-        while waiting:
-            a, b, depth = waiting.pop()
-            place = self._doubtful(a, b)
-            if place is None:
-                continue
-            self.say(f"{float(a):.6g} of {float(self.load_max):.6g}, {len(self.crossings)} crossings")
-            box = self._crossing(a, b, float(place)) if depth >= 3 else None
-            if box is not None:
-                self.crossings.append(box)
-                waiting += [piece for piece in ((box.high, b, depth), (a, box.low, depth)) if piece[0] < piece[1]]
-            elif depth == FINEST:
-                raise Inseparable(a, b, sorted((c for c in self.crossings if c.high <= a), key=lambda c: c.low))
-            else:
-                middle = a + (b - a) * Fraction(33, 64)  # crossings like round loads
-                waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        try:
+            self._divergences(zero, self.load_max, 0)
+        except Inseparable as open_:
+            self._flutter(zero, open_.low)  # what there is below, so that it can be told
+            raise Inseparable(open_.low, open_.high, self.crossings) from None
+        self._flutter(zero, self.load_max)
         found = sorted(self.crossings, key=lambda c: c.load.mid())
         for one, following in pairwise(found):
             if not one.load < following.load:
@@ -197,6 +187,30 @@ class _Survey:
                     f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
                 )
         return found
+
+    def _flutter(self, start: Fraction, end: Fraction) -> None:
+        """Every common zero of h and g with x > 0 on a stretch."""
+        waiting = [(start, end, 0)]
+        while waiting:
+            a, b, depth = waiting.pop()
+            for c in self.crossings:
+                if c.square is not None:  # its box is done with
+                    a, b = (c.high if c.low <= a < c.high else a), (c.low if c.low < b <= c.high else b)
+            if a >= b:
+                continue
+            place = self._doubtful(a, b)
+            if place is None:
+                continue
+            self.say(f"{float(a):.6g} of {float(self.load_max):.6g}, {len(self.crossings)} crossings")
+            box = self._crossing(a, b, float(place)) if depth >= 3 else None
+            if box is not None:
+                self.crossings.append(box)
+                waiting += [(box.high, b, depth), (a, box.low, depth)]
+            elif depth == FINEST:
+                raise Inseparable(a, b, self.crossings)
+            else:
+                middle = a + (b - a) * Fraction(33, 64)  # crossings like round loads
+                waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
 
     # --- no crossing on a stretch ---------------------------------------------------------------------------
 
@@ -296,8 +310,8 @@ class _Survey:
             P, x = enclose_flutter(self.found, P, x, LOWEST_BITS)
         except Unproven:
             return None
-        shifted = [_shift(table, P.mid(), x.mid(), self.N) for table in self.tables.values()]
         middle, place = rational(P, 60), rational(x, 60)
+        shifted = [_shift(table, exact(middle), exact(place), self.N) for table in self.tables.values()]
         width = (b - a) / 2
         for halvings in range(0, 60, 2):
             r = width / 2**halvings
@@ -330,8 +344,7 @@ class _Survey:
             self.crossings.append(self._divergence(a, b, still, rising))
             return
         if depth == FINEST:
-            settled = sorted((c for c in self.crossings if c.high <= a), key=lambda c: c.low)
-            raise Inseparable(a, b, settled)
+            raise Inseparable(a, b, [])
         middle = a + (b - a) * Fraction(33, 64)
         self._divergences(a, middle, depth + 1)
         self._divergences(middle, b, depth + 1)
