@@ -242,7 +242,7 @@ METHOD = (
 UNDAMPED = (
     _open("4.1-validity", "4.1", r"To assure the validity of the computer code first, the case of  $\overline{\alpha} = 0$  and  $\overline{\beta} = 0$  is considered.", AIM),
     Quote("4.1-load", "4.1", "the value of the critical follower force is obtained as 109.8", "scan", {"printed": "109.8"}, DIGITS),
-    Quote("4.1-beal", "4.1", "the value cited by Beal (1965), namely 109.9", "beal", {"value": "109.9"}, DIGITS, "Explained as a series of five bending modes; the beam itself has 109.69."),
+    Quote("4.1-beal", "4.1", "the value cited by Beal (1965), namely 109.9", "beal", {"value": "109.9"}, DIGITS, "Explained as a series of five bending modes (seven functions with the two rigid ones); the beam itself has 109.69. Beal's own text is not at hand."),
     Quote("4.1-comparable", "4.1", "which is very closely comparable with the value cited by Beal (1965), namely 109.9", "near_beal", {"value": "109.9"}),
     Quote(
         "4.1-coincide", "4.1",

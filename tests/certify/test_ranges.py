@@ -1,0 +1,97 @@
+"""Proofs over ranges of damping: they enclose what the runtime finds, and refuse what is not so. Eqs. (24), (25)."""
+
+from __future__ import annotations
+
+from fractions import Fraction as F
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from flint import arb
+
+import freebeam_sym as fb
+from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.ranges import BITS, Line, _Family
+
+CASES = [("free-free", "internal", "0"), ("free-free", "external", "0"), ("free-free", "internal", "0.1")]
+CASES += [("beck", "internal", "0"), ("beck", "external", "0.001")]
+
+
+def critical(name: str, which: str, damping: float, held: float, modes: int) -> tuple[float, float]:
+    alpha, beta = (damping, held) if which == "internal" else (held, damping)
+    found = fb.critical_load(fb.column(name), modes, alpha, beta)
+    assert found.load is not None and found.frequency is not None
+    return found.load, found.frequency
+
+
+@pytest.mark.parametrize(("name", "which", "held"), CASES)
+def test_stable_below_and_unstable_above(name: str, which: str, held: str) -> None:
+    """A narrow range of damping: what is proven stable ends at the critical load, what is proven unstable begins there."""
+    modes = 5
+    line = Line(fb.column(name).kernel, modes, which, F(held))
+    low, high = F(1, 100), F(101, 10000)
+    loads = [critical(name, which, float(damping), float(held), modes)[0] for damping in (low, high)]
+    bottom, top = (F(v) for v in (min(loads) * 0.999, max(loads) * 1.001))
+    line.stable(low, high, bottom)
+    line.unstable(low, high, top)
+    with pytest.raises(Unproven, match="stab"):
+        line.stable(low, high, top)
+    with pytest.raises(Unproven, match="not known to be unstable"):
+        line.unstable(low, high, bottom)
+
+
+@pytest.mark.parametrize(("name", "which", "held"), CASES)
+def test_cells_follow_the_crossing(name: str, which: str, held: str) -> None:
+    """Cells are without gaps, hold the runtime's crossing, and know its direction from finite differences."""
+    modes = 5
+    line = Line(fb.column(name).kernel, modes, which, F(held))
+    dampings = [F(1, 100), F(2, 100), F(4, 100)]
+    near = [critical(name, which, float(damping), float(held), modes) for damping in dampings]
+    cells = line.cells(dampings, near)
+    assert (cells[0].low, cells[-1].high) == (line.of(dampings[0]), line.of(dampings[-1]))
+    assert all(a.high == b.low for a, b in pairwise(cells))
+    for cell in cells:
+        taus = [float(cell.low + (cell.high - cell.low) * part) for part in (F(1, 5), F(4, 5))]
+        found = [critical(name, which, t**0.5 if line.squared else t, float(held), modes) for t in taus]
+        for load, frequency in found:
+            assert cell.load[0] * (1 - F(1, 10**9)) < load < cell.load[1] * (1 + F(1, 10**9))
+            assert cell.square[0] * (1 - F(1, 10**7)) < frequency**2 < cell.square[1] * (1 + F(1, 10**7))
+        assert cell.rises == np.sign(found[1][0] - found[0][0])
+
+
+def test_a_wrong_start_proves_nothing() -> None:
+    line = Line(fb.column("free-free").kernel, 5, "internal")
+    with pytest.raises(Unproven):
+        line.cells([F(1, 100), F(2, 100)], [(30.0, 11.0), (30.0, 11.0)], depth=2)
+
+
+@pytest.mark.parametrize(("name", "which", "held"), CASES)
+def test_the_mean_value_form_holds_every_damping_of_the_cell(name: str, which: str, held: str) -> None:
+    """h and g along a line in P, for dampings inside a wide cell, lie in what the cell gives."""
+    line = Line(fb.column(name).kernel, 4, which, F(held))
+    low, high = line.of(F(1, 100)), line.of(F(3, 100))
+    with precision(BITS):
+        wide = _Family(line, low, high)
+        for part in (F(0), F(1, 3), F(9, 10), F(1)):
+            tau = low + (high - low) * part
+            narrow = _Family(line, tau, tau)
+            for over, at in ((wide.h, narrow.h), (wide.g, narrow.g)):
+                outer = wide.along(over, arb(10), arb(500), arb(0))
+                inner = narrow.along(at, arb(10), arb(500), arb(0))
+                assert all(outer[k].contains(inner[k].mid()) for k in range(5))
+                assert wide.over(over, exact(F(7)), exact(F(90))).contains(
+                    narrow.over(at, exact(F(7)), exact(F(90))).mid()
+                )
+
+
+def test_the_polynomials_are_those_of_the_eigenvalues() -> None:
+    """h + iωg vanishes at an eigenvalue on the axis: the runtime's crossing, at one damping."""
+    for name, which, held in CASES:
+        line = Line(fb.column(name).kernel, 6, which, F(held))
+        load, frequency = critical(name, which, 0.02, float(held), 6)
+        tau = line.of(F(2, 100))
+        with precision(BITS):
+            family = _Family(line, tau, tau)
+            for part in (family.h, family.g):
+                size = abs(float(family.value(part, arb(load), arb(frequency) ** 2, 0, 1))) * frequency**2
+                assert abs(float(family.value(part, arb(load), arb(frequency) ** 2))) < 1e-7 * size
