@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     import freebeam_sym.figures  # noqa: F401 (fb.figures, for type checkers)
+    from freebeam_sym.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam_sym.checks import InputError
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.critical import CriticalLoad, critical_load
+    from freebeam_sym.maps import CriticalLoads, critical_loads, stability_map
     from freebeam_sym.proofs import (
         Certified,
         CertifiedCrossing,
@@ -31,12 +33,13 @@ if TYPE_CHECKING:
         verify_certificate,
     )
     from freebeam_sym.response import Harmonic, Response, respond, state_space
-    from freebeam_sym.spectra import Branches, Spectrum, branches, spectrum
+    from freebeam_sym.spectra import Branches, Spectrum, branches, eigenvalues, spectrum
 
 __all__ = [
     "column", "column_names", "Column", "System",
-    "spectrum", "branches", "Spectrum", "Branches",
+    "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
+    "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
     "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
@@ -53,10 +56,17 @@ _HOMES = {
     "System": ("columns", "System"),
     "spectrum": ("spectra", "spectrum"),
     "branches": ("spectra", "branches"),
+    "eigenvalues": ("spectra", "eigenvalues"),
     "Spectrum": ("spectra", "Spectrum"),
     "Branches": ("spectra", "Branches"),
     "critical_load": ("critical", "critical_load"),
     "CriticalLoad": ("critical", "CriticalLoad"),
+    "critical_loads": ("maps", "critical_loads"),
+    "stability_map": ("maps", "stability_map"),
+    "CriticalLoads": ("maps", "CriticalLoads"),
+    "trace_boundary": ("boundaries", "trace_boundary"),
+    "Boundary": ("boundaries", "Boundary"),
+    "BoundaryEvent": ("boundaries", "BoundaryEvent"),
     "certified_load": ("proofs", "certified_load"),
     "certified_crossings": ("proofs", "certified_crossings"),
     "exact_load": ("proofs", "exact_load"),

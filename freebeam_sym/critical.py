@@ -22,6 +22,11 @@ FREQUENCY_TOLERANCE = 5e-2
 """Relative changes from N to more modes up to which a critical load counts as converged in N."""
 
 
+def more_modes(modes: int) -> int:
+    """The number of modes at which convergence in N is judged."""
+    return max(modes + 8, min(2 * modes, modes + 24))
+
+
 @dataclass(frozen=True)
 class Convergence:
     """The same question at more modes: `modes`, `load`, `kind`, `frequency` there, `change` = |load − load at N|
@@ -64,10 +69,9 @@ class CriticalLoad:
         FREQUENCY_TOLERANCE. Values of a non-self-adjoint Ritz series are no bounds; crossings that the truncation
         invents wander with N or are gone at more modes.
         """
-        modes = max(self.modes + 8, min(2 * self.modes, self.modes + 24))
         more = critical_load(
             self.column,
-            modes,
+            more_modes(self.modes),
             self.alpha,
             self.beta,
             load_max=self.load_max,

@@ -37,6 +37,10 @@ only, and Newton's method ends at the true damping. Far below it the sign of Im 
 LIGHTEST_STATE = 1e-7
 """Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
 
+ASKED = 4
+"""Questions after which a pencil's surface of first crossings is built where it is asked for: it costs as much as
+some ten searches."""
+
 
 @dataclass
 class _Nodes:
@@ -401,9 +405,17 @@ def first_crossing(
     load_max: float = 1000.0,
     kappa: float | None = None,
     search: bool = False,
+    table: bool = True,
 ) -> Crossing | None:
-    """First loss of stability for 0 < P ≤ load_max; None where there is none. `search`: without step 2."""
+    """First loss of stability for 0 < P ≤ load_max; None where there is none. `search`: without step 2. `table`: from
+    the pencil's surface of first crossings, where it covers this damping."""
     damping = Damping.of(pencil.e, alpha, beta, kappa)
+    table = table and not search and alpha >= 0 and beta >= 0 and damping.size > 0 and not pencil.conservative
+    if table:
+        pencil.asked += 1
+        settled, found = _tabulated(pencil, damping, alpha, beta, load_max, build=pencil.asked > ASKED)
+        if settled:
+            return found
     known, bound = None, load_max
     loads = pencil.divergence_loads
     if len(loads) and loads[0] <= bound * (1 + 1e-9):
@@ -432,6 +444,30 @@ def first_crossing(
             bound = known.load
     slow = reference_crossing(pencil, alpha, beta, bound, kappa=kappa)
     return known if slow is None or (known is not None and slow.load > known.load * (1 - 1e-9)) else slow
+
+
+def _tabulated(
+    pencil: Pencil, damping: Damping, alpha: float, beta: float, load_max: float, build: bool
+) -> tuple[bool, Crossing | None]:
+    """Whether the pencil's surface settles this damping, and what it says. build: where nothing was built yet too."""
+    surface = pencil.surface(load_max)
+    load, frequency, settled = surface.at(np.array([alpha]), np.array([beta]), build=build)
+    if not settled[0]:
+        return False, None
+    P, omega = float(load[0]), float(frequency[0])
+    if not P < min(surface.divergence, load_max * (1 + 1e-9)):
+        return True, pencil.divergence(surface.divergence) if surface.divergence <= load_max else None
+    scan = max(damping.size, LIGHTEST_SCAN * math.sqrt(pencil.e[0]))
+    A = load[0] * pencil._relative + np.diag(1 + (1j * omega * scan * damping.shape - omega**2) / pencil.e)
+    try:
+        v = np.linalg.inv(A) @ np.ones(pencil.size)
+        v = np.linalg.solve(A, v / np.abs(v).max())
+    except np.linalg.LinAlgError:
+        return False, None
+    found = _polish(pencil, damping, scan, omega, P, v / np.sqrt(pencil.e))
+    if found is None or abs(found.load - P) > 1e-8 * P:
+        return False, None
+    return True, found if found.load <= load_max else None
 
 
 def _witness(pencil: Pencil, damping: Damping, bound: float, limit: bool) -> float | None:

@@ -18,6 +18,7 @@ from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from freebeam_sym.ladder import Ladder
+    from freebeam_sym.surface import Surface
 
 __all__ = ["Crossing", "Damping", "Pencil", "inverse", "newton", "pencil_of"]
 
@@ -94,6 +95,8 @@ class Pencil:
         self.diagonal: Real = np.diag(self.H)
         self.off: Real = np.abs(self.H)
         np.fill_diagonal(self.off, 0.0)
+        self.asked = 0
+        self._surfaces: dict[float, Surface] = {}
 
     @cached_property
     def conservative(self) -> bool:
@@ -131,6 +134,15 @@ class Pencil:
         from freebeam_sym.ladder import Ladder
 
         return Ladder(self)
+
+    def surface(self, load_max: float) -> Surface:
+        """First crossings over all damping up to `load_max` and beyond it. Kept, and computed where it is asked."""
+        from freebeam_sym.surface import Surface
+
+        bound = 10.0 ** max(3, math.ceil(math.log10(load_max)))
+        if bound not in self._surfaces:
+            self._surfaces[bound] = Surface(self, bound)
+        return self._surfaces[bound]
 
 
 def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:

@@ -18,7 +18,7 @@ from freebeam_sym.checks import InputError, count
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
 
-__all__ = ["Branches", "Spectrum", "branches", "spectrum", "state_matrix"]
+__all__ = ["Branches", "Spectrum", "branches", "eigenvalues", "spectrum", "state_matrix"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -155,6 +155,69 @@ def _reference(M: Real, C: Real, E: Real) -> float | None:
     v = np.linalg.solve(L.T, Y[:, -1])
     square = 1 / float(inverse[-1]) - (float(v @ C @ v) / float(v @ M @ v) / 2) ** 2
     return math.sqrt(square) if square > 0 else None
+
+
+def eigenvalues(
+    column: Column,
+    load: ArrayLike = 0.0,
+    alpha: ArrayLike = 0.0,
+    beta: ArrayLike = 0.0,
+    modes: int = 8,
+    **parameters: ArrayLike,
+) -> Complex:
+    """Eigenvalues λ of the elastic motion over arrays of load, alpha, beta and own parameters, which broadcast like
+    NumPy's: complex, of their shape and (2N,) more, each row sorted as `spectrum` sorts. Eqs. (24)-(25).
+
+    >>> import freebeam_sym as fb
+    >>> fb.eigenvalues(fb.column("beck"), load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
+    (2, 3, 16)
+
+    Raises InputError for bad values and for shapes that do not broadcast.
+    """
+    from freebeam_sym.grids import alike, checked_axes
+
+    modes = count("modes", modes, hint="elastic functions in the series")
+    P = np.asarray(load, dtype=float)
+    if not np.isfinite(P).all():
+        raise InputError(f"load = {P[~np.isfinite(P)][0]}: must be finite")
+    values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
+    try:
+        arrays = np.broadcast_arrays(*values.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
+        raise InputError(f"shapes do not broadcast: {shapes}") from None
+    points = {name: array.ravel() for name, array in zip(values, arrays, strict=True)}
+    n, size = arrays[0].size, 2 * modes
+    found = np.empty((n, size), dtype=complex)
+    block = max(1, 2**20 // size**2)  # states at a time
+    for own, which in alike({x: points[x] for x in parameters}, n):
+        given = column.own_parameters(dict(own))
+        M, E, H = column.matrices(modes, False, **given)
+        E, H = np.linalg.solve(M, E), np.linalg.solve(M, H)
+        for part in (which[k : k + block] for k in range(0, len(which), block)):
+            c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
+            c_M, c_E = (np.broadcast_to(c, part.shape)[:, None, None] for c in (c_M, c_E))
+            K = E + points["load"][part, None, None] * H
+            found[part] = _values(K, c_M * np.eye(modes) + c_E * E)
+    for row in found:
+        row[:] = row[_order(row)]
+    return found.reshape(*arrays[0].shape, size)
+
+
+def _values(K: Real, C: Real) -> Complex:
+    """λ (m, 2n) of q̈ + C q̇ + K q = 0, each (m, n, n). Undamped ones from s = −λ², as in `_eigen`."""
+    m, n = len(K), K.shape[1]
+    values = np.empty((m, 2 * n), dtype=complex)
+    free = ~C.any(axis=(1, 2))
+    if free.any():
+        root = np.sqrt(-np.linalg.eigvals(K[free]).astype(complex))
+        values[free] = np.concatenate([root, -root], axis=1) + 0j
+    A = np.zeros((int((~free).sum()), 2 * n, 2 * n))
+    A[:, :n, n:] = np.eye(n)
+    A[:, n:, :n], A[:, n:, n:] = -K[~free], -C[~free]
+    if len(A):
+        values[~free] = np.linalg.eigvals(A)
+    return values
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,196 @@
+"""Critical loads of many points at once: arrays in, arrays out. What maps and sweeps are computed with.
+
+`solve` takes any number of dampings of one column with fixed parameters of its own. They share a pencil, and with it
+the surface of first crossings over all damping (`surface.py`), which settles most points by a series; the rest are
+searched one by one (`crossings.py`). `solve_grid` does so for every combination of axes, `solve_points` for any points.
+
+An answer hangs on the arrays of its own call alone, never on earlier calls, and nothing is drawn at random: work cut
+into the same blocks gives the same bits, in whatever order or process the blocks run. A layer that spreads a map over
+processes cuts the axes into blocks, calls `solve_grid` for each and puts the arrays side by side.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Mapping
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.checks import InputError
+from freebeam_sym.critical import FREQUENCY_TOLERANCE, LOAD_TOLERANCE
+from freebeam_sym.pencil import Pencil, Real, pencil_of
+
+if TYPE_CHECKING:
+    from freebeam_sym.columns import Column
+
+__all__ = ["KINDS", "Answers", "agree", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
+
+KINDS = ("none", "flutter", "divergence")
+"""What the numbers of `Answers.kind` stand for."""
+_FEW = 16
+"""Points of a pencil below which they are searched one by one: a surface would cost more."""
+
+
+class Answers(NamedTuple):
+    """Arrays of one shape: load and frequency (nan where there is none; frequency 0 in divergence), and kind, int8."""
+
+    load: Real
+    frequency: Real
+    kind: NDArray[np.int8]
+
+
+def agree(one: Answers, more: Answers) -> NDArray[np.bool_]:
+    """Whether the same kind is found with more modes, at a load that differs by LOAD_TOLERANCE at most and, in flutter,
+    at a frequency that differs by FREQUENCY_TOLERANCE."""
+    with np.errstate(invalid="ignore"):
+        near = np.abs(more.load - one.load) <= LOAD_TOLERANCE * one.load
+        near &= (one.kind == 2) | (np.abs(more.frequency - one.frequency) <= FREQUENCY_TOLERANCE * one.frequency)
+    return np.asarray((one.kind == more.kind) & ((one.kind == 0) | near))
+
+
+def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
+    """Arrays of alpha, beta and the column's own parameters by name, as floats. Raises InputError for a name that the
+    column has not and for values that are not finite, or negative damping."""
+    own = {p.name: p.default for p in column.parameters}
+    found: dict[str, Real] = {}
+    for name, given in values.items():
+        if name not in ("alpha", "beta", *own):
+            listing = ", ".join(["alpha", "beta", *own])
+            raise InputError(f"{name}: {column.name} has no such parameter; there are {listing}")
+        try:
+            array = np.asarray(given, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(f"{name} = {given!r:.60}: must be a number or an array of numbers") from None
+        wrong = array[~np.isfinite(array)]
+        if wrong.size:
+            raise InputError(f"{name} = {wrong[0]}: must be finite, and {wrong.size} of {array.size} values are not")
+        if name in ("alpha", "beta"):
+            if (array < 0).any():
+                raise InputError(f"{name} = {array.min()}: must be zero or greater (damping)")
+            if array.any() and name not in column.damping:
+                raise InputError(f"{name} = {array.max()}: {column.name} states no such damping; leave it at 0")
+            if array.max(initial=0.0) >= 1e100:
+                raise InputError(f"{name} = {array.max()}: must be below 1e100 to be computed with")
+        found[name] = array
+    return found
+
+
+def solve(column: Column, modes: int, alpha: Real, beta: Real, load_max: float, own: Mapping[str, float]) -> Answers:
+    """First loss of stability at each of n dampings, (n,). Section 3.2, Eqs. (24)-(25).
+
+    alpha, beta: (n,) internal and external damping; both 0 is no damping at all, whose flutter is the coalescence of
+    two frequencies. modes: N. load_max: largest load to look at. own: the column's own parameters, those not named at
+    their default. Values as `checked_axes` leaves them. All nondimensional. Raises InputError where the column is not
+    stable without load.
+    """
+    parameters = column.own_parameters(dict(own))
+    pencil = pencil_of(*column.matrices(modes, False, **parameters))
+    c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in column.kernel.damping_factors(alpha, beta, **parameters))
+    return _of_pencil(pencil, c_E, c_M, load_max)
+
+
+def solve_grid(
+    column: Column,
+    modes: int,
+    axes: Mapping[str, Real],
+    fixed: Mapping[str, float],
+    load_max: float,
+    step: Callable[[float], None] | None = None,
+) -> Answers:
+    """First loss of stability at every combination of the axes.
+
+    axes: arrays (n_k,) by name, of alpha, beta and the column's own parameters; the answers' shape is (n_1, n_2, …) in
+    their order. fixed: the other parameters; what neither names is 0 (damping) or at its default. step: told which
+    part is done, 0 to 1. The rest as in `solve`.
+    """
+    names = list(axes)
+    dampings, others = ([x for x in names if (x in ("alpha", "beta")) == wanted] for wanted in (True, False))
+    alpha, beta = (axes.get(x, np.array([fixed.get(x, 0.0)])) for x in ("alpha", "beta"))
+    a, b = (x.ravel() for x in np.meshgrid(alpha, beta, indexing="ij"))
+    own = {name: value for name, value in fixed.items() if name not in ("alpha", "beta")}
+    count = [len(axes[x]) for x in others]
+    parts = []
+    for k in range(math.prod(count)):
+        here = {x: float(axes[x][i]) for x, i in zip(others, np.unravel_index(k, count), strict=True)} if count else {}
+        parts.append(solve(column, modes, a, b, load_max, {**own, **here}))
+        if step is not None:
+            step((k + 1) / math.prod(count))
+    # so far (own parameters, in their order; alpha; beta), the dampings that are axes at least
+    order = [*others, *(x for x in ("alpha", "beta") if x in dampings)]
+    shape = [len(axes[x]) for x in order]
+    turn = [order.index(x) for x in names]
+    load, frequency, kind = (np.stack(p).reshape(shape).transpose(turn) for p in zip(*parts, strict=True))
+    return Answers(*(np.ascontiguousarray(x) for x in (load, frequency, kind)))
+
+
+def solve_points(
+    column: Column, modes: int, points: Mapping[str, Real], load_max: float, step: Callable[[float], None] | None = None
+) -> Answers:
+    """First loss of stability at points, arrays (n,) by name as in `solve_grid`; those that share their own parameters
+    are solved together."""
+    n = len(next(iter(points.values())))
+    alpha, beta = (points.get(x, np.zeros(n)) for x in ("alpha", "beta"))
+    answers = Answers(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8))
+    done = 0
+    for own, which in alike({x: points[x] for x in points if x not in ("alpha", "beta")}, n):
+        for array, part in zip(answers, solve(column, modes, alpha[which], beta[which], load_max, own), strict=True):
+            array[which] = part
+        done += len(which)
+        if step is not None:
+            step(done / n)
+    return answers
+
+
+def alike(own: Mapping[str, Real], n: int) -> Iterator[tuple[dict[str, float], NDArray[np.intp]]]:
+    """The different sets of own parameters and the points that have them."""
+    if not own:
+        yield {}, np.arange(n)
+        return
+    table = np.stack(list(own.values()), axis=1)
+    unique, member = np.unique(table, axis=0, return_inverse=True)
+    order = np.argsort(member.ravel(), kind="stable")
+    ends = np.cumsum(np.bincount(member.ravel(), minlength=len(unique)))[:-1]
+    for values, which in zip(unique, np.split(order, ends), strict=True):
+        yield dict(zip(own, values.tolist(), strict=True)), which
+
+
+def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answers:
+    """First crossings of one pencil at damping C = alpha E + beta M, each (n,)."""
+    from freebeam_sym.crossings import first_crossing
+
+    n = len(alpha)
+    load, frequency, kind = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+    if pencil.conservative:  # damping or not, divergence
+        ask, same = np.arange(min(n, 1)), np.arange(n)
+    else:
+        damped = (alpha > 0) | (beta > 0)
+        same, which = np.flatnonzero(~damped), np.flatnonzero(damped)
+        ask = same[:1]
+        covered = (alpha[which] >= 0) & (beta[which] >= 0)  # a column's energies may shift them below zero
+        if covered.sum() >= _FEW:
+            ask, which = np.append(ask, which[~covered]), which[covered]
+            surface = pencil.surface(load_max)
+            P, omega, settled = surface.at(alpha[which], beta[which])
+            load[which], frequency[which] = P, omega
+            with np.errstate(invalid="ignore"):
+                flutter = P < min(surface.divergence, load_max)
+            kind[which] = flutter
+            other = which[~flutter]
+            divergent = surface.divergence <= load_max
+            load[other] = surface.divergence if divergent else np.nan
+            frequency[other] = 0.0 if divergent else np.nan
+            kind[other] = 2 if divergent else 0
+            which = which[~settled]
+        ask = np.append(ask, which)
+    for k in ask:
+        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max, table=False)
+        load[k], frequency[k], kind[k] = (np.nan, np.nan, 0) if found is None else _plain(found)
+    if len(same):
+        load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]
+    return Answers(load, frequency, kind)
+
+
+def _plain(found: Any) -> tuple[float, float, int]:
+    return found.load, found.frequency, KINDS.index(found.kind)

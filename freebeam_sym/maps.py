@@ -1,0 +1,199 @@
+"""Stability maps: critical loads over a grid of parameters as a labelled dataset, and over arrays. Section 3.2."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebeam_sym.checks import InputError, count, positive
+from freebeam_sym.critical import FREQUENCY_TOLERANCE, LOAD_TOLERANCE, more_modes
+from freebeam_sym.grids import KINDS, Answers, agree, checked_axes, solve_grid, solve_points
+
+if TYPE_CHECKING:
+    import xarray
+    from freebeam_sym.columns import Column
+
+__all__ = ["CriticalLoads", "critical_loads", "stability_map"]
+
+_MEANINGS = {"alpha": "internal damping", "beta": "external damping"}
+_BYTES = 200
+"""Memory that a point of a map takes while it is computed, at most."""
+
+
+@dataclass(frozen=True)
+class CriticalLoads:
+    """Critical loads over arrays, each of the shape that the parameters broadcast to; nondimensional.
+
+    `load` and `frequency`: nan where there is none up to `load_max`; frequency 0 in divergence. `kind`: "none",
+    "flutter" or "divergence".
+    """
+
+    load: NDArray[np.float64]
+    frequency: NDArray[np.float64]
+    kind: NDArray[np.str_]
+    modes: int
+    load_max: float
+
+
+def critical_loads(
+    column: Column,
+    modes: int = 8,
+    alpha: ArrayLike = 0.0,
+    beta: ArrayLike = 0.0,
+    *,
+    load_max: float = 1000.0,
+    **parameters: ArrayLike,
+) -> CriticalLoads:
+    """`critical_load` over arrays of alpha, beta and the column's own parameters, which broadcast like NumPy's.
+
+    >>> import freebeam_sym as fb
+    >>> loads = fb.critical_loads(fb.column("beck"), alpha=[[1e-3], [1e-2]], beta=[0.1, 0.5, 1.0])
+    >>> loads.load.shape
+    (2, 3)
+
+    alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
+    parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
+    """
+    modes = count("modes", modes, hint="elastic functions in the series")
+    load_max = positive("load_max", load_max, "largest load to look at")
+    values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
+    try:
+        arrays = np.broadcast_arrays(*values.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
+        raise InputError(f"shapes do not broadcast: {shapes}") from None
+    shape = arrays[0].shape
+    points = dict(zip(values, (x.ravel() for x in arrays), strict=True))
+    if not arrays[0].size:
+        empty = np.empty(shape)
+        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), modes, load_max)
+    found = solve_points(column, modes, points, load_max)
+    load, frequency, kind = (x.reshape(shape) for x in found)
+    return CriticalLoads(load, frequency, np.array(KINDS)[kind], modes, load_max)
+
+
+def stability_map(
+    column: Column,
+    modes: int = 8,
+    *,
+    load_max: float = 1000.0,
+    convergence: bool = True,
+    step: Callable[[float], None] | None = None,
+    **parameters: ArrayLike,
+) -> xarray.Dataset:
+    """First loss of stability over a grid of any of alpha, beta and the column's own parameters. Section 3.2.
+
+    Parameters given as arrays (n_k,) are the axes, in the order given, of the dataset's variables; those given as
+    numbers are fixed, and those not given are 0 (damping) or at their default.
+
+    >>> import numpy as np
+    >>> import freebeam_sym as fb
+    >>> found = fb.stability_map(fb.column("free-free"), alpha=np.logspace(-6, -1, 20), beta=np.logspace(-2, 0, 10))
+    >>> found.load.dims, found.load.shape
+    (('alpha', 'beta'), (20, 10))
+    >>> float(found.load.sel(alpha=1e-6, beta=1e-2, method="nearest").round(3))
+    109.224
+
+    Variables: `load` and `frequency` (nan where there is none up to `load_max`; frequency 0 in divergence), `kind`
+    (int8: 0 none, 1 flutter, 2 divergence, as its attributes say) and, with `convergence`, `converged`: whether more
+    modes find the same kind at a load within 1 % and a frequency within 5 %; the map is then computed at that number
+    of modes too. Attributes hold the settings. All nondimensional. `found.to_netcdf(path, engine="h5netcdf")` saves it.
+    `step` is told which part of the work is done, 0 to 1. Needs xarray (the extra "maps").
+
+    Raises InputError for bad values, for axes that are not one-dimensional, without two values or not distinct, and
+    for a map that memory has no room for.
+    """
+    modes = count("modes", modes, hint="elastic functions in the series")
+    load_max = positive("load_max", load_max, "largest load to look at")
+    axes, fixed = split(column, parameters)
+    done = (lambda x: step(x / 9 if convergence else x)) if step is not None else None
+    found = solve_grid(column, modes, axes, fixed, load_max, done)
+    converged = None
+    if convergence:
+        later = (lambda x: step((1 + 8 * x) / 9)) if step is not None else None
+        converged = agree(found, solve_grid(column, more_modes(modes), axes, fixed, load_max, later))
+    return dataset(column, modes, axes, fixed, load_max, found, converged)
+
+
+def split(column: Column, parameters: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, float]]:
+    """The axes of a map, each (n_k,), and the fixed parameters, all that are not axes. Raises InputError."""
+    values = checked_axes(column, parameters)
+    axes = {name: array for name, array in values.items() if array.ndim}
+    fixed = {"alpha": 0.0, "beta": 0.0, **{p.name: p.default for p in column.parameters}}
+    fixed = {x: float(values.get(x, y)) for x, y in fixed.items() if x not in axes}
+    for name, array in axes.items():
+        if array.ndim != 1 or not len(array):
+            raise InputError(f"{name} has the shape {array.shape}: an axis of a map is a sequence of one value or more")
+        if len(np.unique(array)) != len(array):
+            raise InputError(f"{name}: the values of an axis must be distinct")
+    if not axes:
+        raise InputError("a map needs an axis: give alpha, beta or a parameter of the column as an array")
+    points = math.prod(len(array) for array in axes.values())
+    count("points of the map", points, 1, int(4e9 / _BYTES), "cut the grid and compute the parts one by one")
+    return axes, fixed
+
+
+def dataset(
+    column: Column,
+    modes: int,
+    axes: Mapping[str, Any],
+    fixed: Mapping[str, float],
+    load_max: float,
+    found: Answers,
+    converged: NDArray[np.bool_] | None,
+) -> xarray.Dataset:
+    """The labelled dataset of a map's arrays, each of the shape of the axes. Raises InputError without xarray."""
+    try:
+        import xarray
+    except ImportError:
+        raise InputError('a map needs the package xarray: pip install "freebeam[maps]"') from None
+    meanings = _MEANINGS | {p.name: p.meaning for p in column.parameters}
+    names = list(axes)
+    variables = {
+        "load": (names, found.load, {"long_name": "critical load P", "units": "1"}),
+        "frequency": (names, found.frequency, {"long_name": "frequency at the critical load", "units": "1"}),
+        "kind": (
+            names,
+            found.kind,
+            {
+                "long_name": "kind of the loss of stability",
+                "flag_values": np.arange(len(KINDS), dtype=np.int8),
+                "flag_meanings": " ".join(KINDS),
+            },
+        ),
+    }
+    if converged is not None:
+        more = {
+            "long_name": "converged in the number of modes",
+            "modes": more_modes(modes),
+            "load_tolerance": LOAD_TOLERANCE,
+            "frequency_tolerance": FREQUENCY_TOLERANCE,
+        }
+        variables["converged"] = (names, converged, more)
+    coordinates = {x: (x, axes[x], {"long_name": meanings[x], "units": "1"}) for x in names}
+    settings = {
+        "title": f"Critical loads of the column {column.name}",
+        "column": column.name,
+        "column_title": column.title,
+        "basis": column.basis_name,
+        "modes": modes,
+        "load_max": load_max,
+        **fixed,
+        "units": "nondimensional, Eq. (5)",
+        "source": f"freebeam {_version()}",
+    }
+    return xarray.Dataset(variables, coordinates, settings)
+
+
+def _version() -> str:
+    from importlib.metadata import PackageNotFoundError, version
+
+    try:
+        return version("freebeam")
+    except PackageNotFoundError:
+        return "unknown"

@@ -1,0 +1,419 @@
+"""The surface of first crossings over all damping: what a pencil's critical load is at every (α, β), tabulated.
+
+With C = αE + βM, κ₀ = √(e₁e₂) and size = ακ₀ + β, the coordinates
+
+    ξ = size²/(size² + κ₀),    χ = β/size
+
+take all damping, from none to infinite, to the unit square, and there the load and the frequency of one crossing are
+analytic: the limit of vanishing damping is the edge ξ = 0 (a boundary point depends on the square of the damping, as
+λ = iω and λ = −iω cross together), the coalescence its corner χ = 1, and neither is a singular point. So the square is
+cut into patches with a Chebyshev series each. The nodes of a patch are solved in one batch from a neighbour's series.
+
+A patch is taken only where its series have converged and where, at loads just below the surface, every eigenvalue but
+the crossing pair is damped, with a margin that varies too little between the places of the count for another branch
+to come between them; at its middle loads further below are counted too. Else it is cut. What no patch of the least
+size settles is left to the search of `crossings.py`.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.pencil import Complex, Damping, Pencil, Real
+
+__all__ = ["Surface"]
+
+NODES = 12
+"""Nodes of a patch in each direction."""
+TOLERANCE = 3e-11
+"""Of the last coefficients of a patch's series for the load, relative."""
+SMALLEST = 1 / 512
+"""Least width of a patch."""
+_BLOCK = 8192  # points evaluated at a time: their arrays stay in the cache
+
+
+def _gauss(n: int) -> Real:
+    """Chebyshev's interior nodes on (0, 1), ascending: no node lies at vanishing or infinite damping."""
+    return np.asarray((1 - np.cos(np.pi * (np.arange(n) + 0.5) / n)) / 2)
+
+
+def _to_series(n: int) -> Real:
+    """Values at n nodes to coefficients, (n, n)."""
+    k = np.arange(n)[:, None]
+    return np.asarray(np.cos(k * np.arccos(2 * _gauss(n) - 1)) * np.where(k == 0, 1, 2) / n)
+
+
+_COARSE = 7
+_COUNTED = _gauss(4)
+_LEVELS = np.array([0.25, 0.5, 0.7, 0.85, 0.94, 0.98])
+
+
+def chebyshev(x: Real) -> Real:
+    """T_0 … T_(NODES−1) at 2x − 1, shape (NODES, *x.shape)."""
+    t = 2 * x - 1
+    if x.size < 100:
+        k = np.arange(NODES).reshape(-1, *[1] * x.ndim)
+        return np.asarray(np.cos(k * np.arccos(np.clip(t, -1.0, 1.0))))
+    T = np.empty((NODES, *x.shape))
+    T[0], T[1] = 1, t
+    t2 = 2 * t
+    for k in range(2, NODES):
+        np.multiply(t2, T[k - 1], out=T[k])
+        T[k] -= T[k - 2]
+    return T
+
+
+_T = chebyshev(_gauss(NODES))
+
+
+def _filled(values: Real) -> Real | None:
+    """Values on a grid (2, m, m), those missing taken from the nearest there are, for a guess; None of none."""
+    known = np.isfinite(values[0])
+    if known.all() or not known.any():
+        return values if known.all() else None
+    i, j = np.nonzero(known)
+    out = values.copy()
+    for a, b in np.argwhere(~known):
+        k = int(((i - a) ** 2 + (j - b) ** 2).argmin())
+        out[:, a, b] = values[:, i[k], j[k]]
+    return out
+
+
+@dataclass
+class _Patch:
+    """A rectangle of (ξ, χ). `state`: "new", "flutter" (with a series), "none" (no flutter below the bound), "cut"
+    (into equal `parts` along `axis`) or "unsettled". `series` (2, NODES, NODES): of load and ω²/(1 − ξ)."""
+
+    low: tuple[float, float]
+    high: tuple[float, float]
+    guess: Real | None
+    """Load and ω²/(1 − ξ) at the nodes, to begin with, (2, NODES, NODES)."""
+    tail: float = math.inf
+    """Of the series that the guess is from."""
+    state: str = "new"
+    series: Real | None = None
+    axis: int = 0
+    parts: list[_Patch] = field(default_factory=list)
+
+    def nodes(self, t: Real) -> tuple[Real, Real]:
+        """ξ and χ, each (m²,), at the places t × t of the patch."""
+        (x, y), (X, Y) = self.low, self.high
+        xi, chi = np.meshgrid(x + (X - x) * t, y + (Y - y) * t, indexing="ij")
+        return xi.ravel(), chi.ravel()
+
+
+class Surface:
+    """First crossings of a pencil that is not conservative, below `bound`, for any α ≥ 0 and β ≥ 0. Patches are made
+    when first asked for."""
+
+    def __init__(self, pencil: Pencil, bound: float) -> None:
+        self.pencil = pencil
+        loads = pencil.divergence_loads
+        self.divergence = pencil.divergence(float(loads[0])).load if len(loads) else math.inf
+        self.bound = bound
+        self.kappa0 = math.sqrt(pencil.e[0] * pencil.e[1])
+        self._root: _Patch | None = None
+
+    # --- asking ----------------------------------------------------------------------------------------------------
+
+    def coordinates(self, alpha: Real, beta: Real, kappa: float | None = None) -> tuple[Real, Real, Real]:
+        """ξ, 1 − ξ and χ of damping, each (n,). kappa: of the limit, where alpha and beta are 0."""
+        size = alpha * self.kappa0 + beta
+        square = size * size
+        rest = self.kappa0 / (square + self.kappa0)
+        limit = 1.0 if kappa is None or math.isinf(kappa) else kappa / (kappa + self.kappa0)
+        with np.errstate(invalid="ignore", divide="ignore"):
+            chi = np.where(size > 0, beta / size, limit)
+        return np.minimum(square / self.kappa0, 1e300) * rest, rest, chi
+
+    def at(
+        self, alpha: Real, beta: Real, kappa: float | None = None, build: bool = True
+    ) -> tuple[Real, Real, NDArray[np.bool_]]:
+        """Load and frequency of the first flutter at damping (n,), nan where there is none below the bound, and which
+        of them are settled. build: make patches that are not there yet."""
+        load, square = np.full(len(alpha), np.nan), np.full(len(alpha), np.nan)
+        settled = np.zeros(len(alpha), dtype=bool)
+        if self._root is None:
+            if not build:
+                return load, square, settled
+            self._root = self._first()
+        for start in range(0, len(alpha), _BLOCK):
+            part = slice(start, start + _BLOCK)
+            xi, rest, chi = self.coordinates(alpha[part], beta[part], kappa)
+            self._descend(self._root, np.arange(len(xi)), xi, chi, load[part], square[part], settled[part], build)
+            square[part] *= rest
+        return load, np.sqrt(square), settled
+
+    def _descend(
+        self,
+        patch: _Patch,
+        which: NDArray[np.intp],
+        xi: Real,
+        chi: Real,
+        load: Real,
+        square: Real,
+        settled: NDArray[np.bool_],
+        build: bool,
+    ) -> None:
+        if patch.state == "new" and build:
+            self._make(patch)
+        if patch.state == "cut":
+            k = np.searchsorted([part.high[patch.axis] for part in patch.parts[:-1]], (xi, chi)[patch.axis][which])
+            for number, part in enumerate(patch.parts):
+                mine = which[k == number]
+                if len(mine):
+                    self._descend(part, mine, xi, chi, load, square, settled, build)
+        elif patch.state in ("flutter", "none"):
+            settled[which] = True
+            if patch.series is not None:
+                (x, y), (X, Y) = patch.low, patch.high
+                Tx, Ty = chebyshev((xi[which] - x) / (X - x)), chebyshev((chi[which] - y) / (Y - y))
+                rows = patch.series.reshape(2 * NODES, NODES) @ Ty
+                load[which] = np.einsum("kn,kn->n", rows[:NODES], Tx)
+                square[which] = np.einsum("kn,kn->n", rows[NODES:], Tx)
+
+    # --- making patches ----------------------------------------------------------------------------------------------
+
+    def _first(self) -> _Patch:
+        """The whole square, cut along χ, with what continuation from the limit of vanishing damping finds on a coarse
+        grid as a first guess."""
+        p, t = self.pencil, _gauss(_COARSE)
+        found = np.full((2, _COARSE), np.nan)
+        for k, chi in enumerate(t):
+            start = p.ladder.start(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
+            if start is not None and start[0] > 0 and start[1] > 0:
+                found[:, k] = start[1], start[0]
+        values, before = np.empty((2, _COARSE, _COARSE)), found
+        for k, xi in enumerate(t):
+            first = 2 * found - before if k > 1 else found
+            before, found = found, self._solve(np.full(_COARSE, xi), t, first, steps=3, rough=True)
+            values[:, k] = found
+        filled = _filled(values)
+        root = _Patch((0.0, 0.0), (1.0, 1.0), None, state="cut", axis=1)
+        root.parts = self._parts(root, 1, 4, None if filled is None else self._series(filled), math.inf)
+        return root
+
+    def _make(self, patch: _Patch) -> None:
+        """Settle a patch or cut it."""
+        xi, chi = patch.nodes(_gauss(NODES))
+        values = np.full((2, NODES * NODES), np.nan)
+        if patch.guess is not None:
+            values = self._solve_all(xi, chi, patch.guess)
+        trusted = False
+        for _ in range(2):
+            if np.isfinite(values).all():
+                series = self._series(values)
+                tails = self._tails(series)
+                if max(tails) < TOLERANCE and self._first_there(patch, series):
+                    patch.state, patch.series = "flutter", series
+                    return
+                if TOLERANCE <= max(tails) < 0.5 * patch.tail:
+                    break
+            if trusted:
+                break
+            trusted = True
+            again = self._from_search(patch, xi, chi)
+            if again is None:
+                if self._none_there(patch):
+                    patch.state = "none"
+                    return
+                break
+            values = again
+        tails = self._tails(self._series(np.nan_to_num(values))) if np.isfinite(values).all() else (1e-7, 1e-7)
+        self._cut(patch, values, tails)
+
+    def _cut(self, patch: _Patch, values: Real, tails: tuple[float, float]) -> None:
+        widths = [b - a for a, b in zip(patch.low, patch.high, strict=True)]
+        # along the direction whose series is the longer
+        axis = 0 if tails[0] > tails[1] or (tails[0] == tails[1] and widths[0] >= widths[1]) else 1
+        axis = axis if widths[axis] > 2 * SMALLEST else 1 - axis
+        if widths[axis] <= 2 * SMALLEST:
+            patch.state = "unsettled"
+            return
+        # a series twice as good in each half would not do yet
+        count = 4 if tails[axis] > math.sqrt(TOLERANCE) and widths[axis] > 4 * SMALLEST else 2
+        filled = _filled(values.reshape(2, NODES, NODES))
+        patch.parts = self._parts(patch, axis, count, None if filled is None else self._series(filled), max(tails))
+        patch.state, patch.axis = "cut", axis
+
+    @staticmethod
+    def _parts(patch: _Patch, axis: int, count: int, series: Real | None, tail: float) -> list[_Patch]:
+        edges = np.linspace(patch.low[axis], patch.high[axis], count + 1).tolist()
+        parts = []
+        for k in range(count):
+            low, high = list(patch.low), list(patch.high)
+            low[axis], high[axis] = edges[k], edges[k + 1]
+            guess = None
+            if series is not None:
+                Tx = Ty = _T
+                part = chebyshev((_gauss(NODES) + k) / count)
+                Tx, Ty = (part, _T) if axis == 0 else (_T, part)
+                guess = np.einsum("fkl,km,ln->fmn", series, Tx[: series.shape[1]], Ty[: series.shape[2]])
+            parts.append(_Patch((low[0], low[1]), (high[0], high[1]), guess, tail))
+        return parts
+
+    @staticmethod
+    def _series(values: Real) -> Real:
+        n = math.isqrt(values.size // 2)
+        to = _to_series(n)
+        return np.asarray(to @ values.reshape(2, n, n) @ to.T)
+
+    @staticmethod
+    def _tails(series: Real) -> tuple[float, float]:
+        """Last coefficients along ξ and χ, relative; of the frequency with a tenth of the weight."""
+        size = np.abs(series).max(axis=(1, 2))
+        weight = np.array([1.0, 0.1]) / size
+        a = np.abs(series) * weight[:, None, None]
+        return float(a[:, -2:, :].max()), float(a[:, :, -2:].max())
+
+    # --- crossings in a batch ------------------------------------------------------------------------------------------
+
+    def _damping(self, xi: Real, chi: Real) -> Real:
+        """D of C = diag(D) in the basis of the pencil, (n, N)."""
+        size = np.sqrt(self.kappa0 * xi / (1 - xi))
+        return np.asarray(size[:, None] * ((1 - chi)[:, None] * (self.pencil.e / self.kappa0) + chi[:, None]))
+
+    def _solve(self, xi: Real, chi: Real, guess: Real, steps: int = 7, rough: bool = False) -> Real:
+        """Load and ω²/(1 − ξ) of the crossings near a guess (2, n); nan where the iteration does not settle.
+
+        Newton's method for det A = 0 in (P, ω), A = diag(e − ω² + iωD) + P H scaled to E = I, with d ln det A =
+        tr(A⁻¹ dA).
+        """
+        p, out = self.pencil, np.full(guess.shape, np.nan)
+        live = np.flatnonzero(np.isfinite(guess).all(axis=0) & (guess > 0).all(axis=0))
+        if not len(live):
+            return out
+        P, omega, D = guess[0, live], np.sqrt(guess[1, live] * (1 - xi[live])), self._damping(xi[live], chi[live])
+        n, i, step = p.size, np.arange(p.size), np.full(len(live), np.inf)
+        D, RT = 1j * D / p.e, p._relative.T.astype(complex).ravel()
+        for _ in range(steps):
+            slope = omega[:, None] * (-1 / p.e)
+            A = np.multiply(P[:, None, None], p._relative, dtype=complex)
+            A[:, i, i] += 1 + omega[:, None] * (slope + D)
+            try:
+                B = np.linalg.inv(A)
+            except np.linalg.LinAlgError:  # a root to the last digit
+                A[:, i, i] *= 1 + 1e-14
+                B = np.linalg.inv(A)
+            a = B.reshape(-1, n * n) @ RT
+            b = (B[:, i, i] * (D + 2 * slope)).sum(axis=1)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                share = 1 / (a * b.conj()).imag
+                change_P, change = b.imag * share, -a.imag * share
+                step = np.abs(change_P / P) + np.abs(change / omega)
+                P, omega = P + change_P, omega + change
+                good = (P > 0) & (omega > 0) & (step < 1e3)
+            if not good.all():
+                live, P, omega, D, step = (x[good] for x in (live, P, omega, D, step))
+            if not len(live) or step.max() < 1e-7:
+                break
+        good = step < (0.03 if rough else 1e-6)
+        live = live[good]
+        out[:, live] = P[good], omega[good] ** 2 / (1 - xi[live])
+        return out
+
+    def _from_search(self, patch: _Patch, xi: Real, chi: Real) -> Real | None:
+        """Crossings at the nodes, followed from the one that a search finds in the middle; None where it finds no
+        flutter."""
+        from freebeam_sym.crossings import first_crossing
+
+        x, y = ((a + b) / 2 for a, b in zip(patch.low, patch.high, strict=True))
+        size = math.sqrt(self.kappa0 * x / (1 - x))
+        found = first_crossing(self.pencil, (1 - y) * size / self.kappa0, y * size, self.bound, table=False)
+        if found is None or found.frequency == 0:
+            return None
+        middle = np.array([[found.load], [found.frequency**2 / (1 - x)]])
+        before = value = np.repeat(middle, len(xi), axis=1)
+        parts = 6
+        for k in range(1, parts + 1):
+            t = k / parts
+            before, value = value, self._solve_all(x + t * (xi - x), y + t * (chi - y), 2 * value - before, k < parts)
+        return value
+
+    def _solve_all(self, xi: Real, chi: Real, guess: Real, rough: bool = False) -> Real:
+        """As `_solve`, for all nodes of a patch; those that do not settle try again from where their neighbours did."""
+        values = self._solve(xi, chi, guess.reshape(2, -1), rough=rough)
+        for _ in range(2):
+            lost = np.isnan(values[0])
+            if lost.all() or not lost.any():
+                break
+            near = _filled(values.reshape(2, NODES, NODES))
+            if near is not None:
+                values[:, lost] = self._solve(xi[lost], chi[lost], near.reshape(2, -1)[:, lost], 10, rough)
+        return values
+
+    # --- whether they are the first --------------------------------------------------------------------------------
+
+    def _eigenvalues(self, xi: Real, chi: Real, load: Real) -> Complex:
+        """√e₁/λ of the 2N eigenvalues, (n, 2N): those of the low modes are exact however strong the damping."""
+        p, n = self.pencil, self.pencil.size
+        first, i = math.sqrt(p.e[0]), np.arange(p.size)
+        K = load[:, None, None] * (p.H / p.e[0])
+        K[:, i, i] += p.e / p.e[0]
+        inverse = np.linalg.inv(K)
+        A = np.zeros((len(load), 2 * n, 2 * n))
+        A[:, :n, :n] = -inverse * (self._damping(xi, chi) / first)[:, None, :]
+        A[:, :n, n:] = -inverse
+        A[:, n + i, i] = 1
+        return np.asarray(np.linalg.eigvals(A), dtype=complex)
+
+    def _first_there(self, patch: _Patch, series: Real) -> bool:
+        xi, chi = patch.nodes(_COUNTED)
+        T = chebyshev(_COUNTED)
+        load, square = np.einsum("fkl,km,ln->fmn", series, T, T).reshape(2, -1)
+        if not (load > 0).all() or not (square > 0).all():
+            return False
+        top = min(self.bound, self.divergence)
+        if (load > top).all():
+            return self._none_there(patch)
+        omega = np.sqrt(square * (1 - xi))
+        below = load < top
+        theta = self._eigenvalues(xi, chi, np.minimum(load, top) * (1 - 1e-7))
+        damped = -theta.real / np.abs(theta)
+        crossing = -1j * math.sqrt(self.pencil.e[0]) / omega
+        rows = np.arange(len(xi))
+        for c in (crossing, crossing.conj()):
+            k = np.abs(theta - c[:, None]).argmin(axis=1)
+            near = np.abs(theta[rows, k] - c) < 1e-3 * np.abs(c)
+            if not near[below].all():
+                return False
+            damped[rows[below], k[below]] = np.inf
+        if not below.all():  # λ = 0 comes first
+            k = np.abs(theta).argmax(axis=1)
+            damped[rows[~below], k[~below]] = np.inf
+        return self._margin(damped, xi) and self._below(patch, float(load.min()))
+
+    def _none_there(self, patch: _Patch) -> bool:
+        xi, chi = patch.nodes(_COUNTED)
+        top = min(self.bound, self.divergence)
+        theta = self._eigenvalues(xi, chi, np.full(len(xi), top * (1 - 1e-7)))
+        damped = -theta.real / np.abs(theta)
+        if self.divergence <= self.bound:
+            damped[np.arange(len(xi)), np.abs(theta).argmax(axis=1)] = np.inf
+        return self._margin(damped, xi) and self._below(patch, top)
+
+    @staticmethod
+    def _margin(damped: Real, xi: Real) -> bool:
+        """Whether the least damping ratios are positive and vary too little for a zero between the places counted."""
+        least = damped.min(axis=1) / np.sqrt(xi)
+        if not (least > 0).all():
+            return False
+        m = np.log(least.reshape(len(_COUNTED), len(_COUNTED)))
+        return bool(max(np.abs(np.diff(m, axis=0)).max(), np.abs(np.diff(m, axis=1)).max()) < math.log(6))
+
+    def _below(self, patch: _Patch, load: float) -> bool:
+        """Whether the beam is stable in the middle of the patch at loads further below."""
+        x, y = ((a + b) / 2 for a, b in zip(patch.low, patch.high, strict=True))
+        m = len(_LEVELS)
+        theta = self._eigenvalues(np.full(m, x), np.full(m, y), load * _LEVELS)
+        return bool((theta.real < 0).all())
+
+
+def leaves(patch: Any) -> list[Any]:
+    """All patches that were made and not cut."""
+    return [x for part in patch.parts for x in leaves(part)] if patch.parts else [patch]
