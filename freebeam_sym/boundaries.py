@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -115,7 +116,9 @@ def trace_boundary(
     low, high = finite("low", low), finite("high", high)
     names = ("alpha", "beta", *(p.name for p in column.parameters))
     if parameter not in names:
-        raise InputError(f"parameter = {parameter!r}: {column.name} has no such parameter; there are {', '.join(names)}")
+        raise InputError(
+            f"parameter = {parameter!r}: {column.name} has no such parameter; there are {', '.join(names)}"
+        )
     if parameter in fixed:
         raise InputError(f"{parameter} = {fixed[parameter]}: is the parameter that is traced; it cannot be fixed too")
     if not low < high:
@@ -135,7 +138,7 @@ def trace_boundary(
 
     tracer = _Tracer(at, tolerance)
     ends = np.linspace(0.0, 1.0, 33).tolist()
-    for a, b in zip(ends, ends[1:], strict=False):
+    for a, b in pairwise(ends):
         tracer.follow(a, b)
     places = sorted(tracer.found)
     points = [tracer.found[t] for t in places]

@@ -460,11 +460,11 @@ def _tabulated(
     scan = max(damping.size, LIGHTEST_SCAN * math.sqrt(pencil.e[0]))
     A = load[0] * pencil._relative + np.diag(1 + (1j * omega * scan * damping.shape - omega**2) / pencil.e)
     try:
-        v = np.linalg.inv(A) @ np.ones(pencil.size)
+        v = np.linalg.inv(A) @ np.ones(pencil.size, dtype=complex)
         v = np.linalg.solve(A, v / np.abs(v).max())
     except np.linalg.LinAlgError:
         return False, None
-    found = _polish(pencil, damping, scan, omega, P, v / np.sqrt(pencil.e))
+    found = _polish(pencil, damping, scan, omega, P, np.asarray(v / np.sqrt(pencil.e)))
     if found is None or abs(found.load - P) > 1e-8 * P:
         return False, None
     return True, found if found.load <= load_max else None

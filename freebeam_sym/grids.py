@@ -135,8 +135,8 @@ def solve_points(
     answers = Answers(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8))
     done = 0
     for own, which in alike({x: points[x] for x in points if x not in ("alpha", "beta")}, n):
-        for array, part in zip(answers, solve(column, modes, alpha[which], beta[which], load_max, own), strict=True):
-            array[which] = part
+        found = solve(column, modes, alpha[which], beta[which], load_max, own)
+        answers.load[which], answers.frequency[which], answers.kind[which] = found
         done += len(which)
         if step is not None:
             step(done / n)

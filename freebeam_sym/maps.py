@@ -16,6 +16,7 @@ from freebeam_sym.grids import KINDS, Answers, agree, checked_axes, solve_grid, 
 
 if TYPE_CHECKING:
     import xarray
+
     from freebeam_sym.columns import Column
 
 __all__ = ["CriticalLoads", "critical_loads", "stability_map"]
@@ -73,8 +74,8 @@ def critical_loads(
         empty = np.empty(shape)
         return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), modes, load_max)
     found = solve_points(column, modes, points, load_max)
-    load, frequency, kind = (x.reshape(shape) for x in found)
-    return CriticalLoads(load, frequency, np.array(KINDS)[kind], modes, load_max)
+    kind = np.array(KINDS)[found.kind].reshape(shape)
+    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, modes, load_max)
 
 
 def stability_map(
@@ -94,9 +95,9 @@ def stability_map(
     >>> import numpy as np
     >>> import freebeam_sym as fb
     >>> found = fb.stability_map(fb.column("free-free"), alpha=np.logspace(-6, -1, 20), beta=np.logspace(-2, 0, 10))
-    >>> found.load.dims, found.load.shape
+    >>> found["load"].dims, found["load"].shape
     (('alpha', 'beta'), (20, 10))
-    >>> float(found.load.sel(alpha=1e-6, beta=1e-2, method="nearest").round(3))
+    >>> float(found["load"].sel(alpha=1e-6, beta=1e-2, method="nearest").round(3))
     109.224
 
     Variables: `load` and `frequency` (nan where there is none up to `load_max`; frequency 0 in divergence), `kind`
@@ -184,6 +185,7 @@ def dataset(
         "modes": modes,
         "load_max": load_max,
         **fixed,
+        "fixed": " ".join(fixed),
         "units": "nondimensional, Eq. (5)",
         "source": f"freebeam {_version()}",
     }

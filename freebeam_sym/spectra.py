@@ -193,7 +193,7 @@ def eigenvalues(
     for own, which in alike({x: points[x] for x in parameters}, n):
         given = column.own_parameters(dict(own))
         M, E, H = column.matrices(modes, False, **given)
-        E, H = np.linalg.solve(M, E), np.linalg.solve(M, H)
+        E, H = (np.asarray(np.linalg.solve(M, X), dtype=float) for X in (E, H))
         for part in (which[k : k + block] for k in range(0, len(which), block)):
             c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
             c_M, c_E = (np.broadcast_to(c, part.shape)[:, None, None] for c in (c_M, c_E))

@@ -32,7 +32,7 @@ NODES = 12
 """Nodes of a patch in each direction."""
 TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
-SMALLEST = 1 / 512
+SMALLEST = 1 / 8192
 """Least width of a patch."""
 _BLOCK = 8192  # points evaluated at a time: their arrays stay in the cache
 
@@ -57,8 +57,7 @@ def chebyshev(x: Real) -> Real:
     """T_0 … T_(NODES−1) at 2x − 1, shape (NODES, *x.shape)."""
     t = 2 * x - 1
     if x.size < 100:
-        k = np.arange(NODES).reshape(-1, *[1] * x.ndim)
-        return np.asarray(np.cos(k * np.arccos(np.clip(t, -1.0, 1.0))))
+        return np.asarray(np.cos(np.multiply.outer(np.arange(NODES), np.arccos(np.clip(t, -1.0, 1.0)))))
     T = np.empty((NODES, *x.shape))
     T[0], T[1] = 1, t
     t2 = 2 * t
@@ -84,10 +83,16 @@ def _filled(values: Real) -> Real | None:
     return out
 
 
+def _same(one: Real, other: Real) -> bool:
+    """Whether the values of two crossings at the nodes are those of one and the same."""
+    return bool(np.nanmax(np.abs(one / other - 1)) < 1e-6)
+
+
 @dataclass
 class _Patch:
     """A rectangle of (ξ, χ). `state`: "new", "flutter" (with a series), "none" (no flutter below the bound), "cut"
-    (into equal `parts` along `axis`) or "unsettled". `series` (2, NODES, NODES): of load and ω²/(1 − ξ)."""
+    (into equal `parts` along `axis`) or "unsettled". `series` (m, 2, NODES, NODES): of load and ω²/(1 − ξ) of m
+    crossings, of which the first is the one at the least load."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -173,9 +178,10 @@ class Surface:
             if patch.series is not None:
                 (x, y), (X, Y) = patch.low, patch.high
                 Tx, Ty = chebyshev((xi[which] - x) / (X - x)), chebyshev((chi[which] - y) / (Y - y))
-                rows = patch.series.reshape(2 * NODES, NODES) @ Ty
-                load[which] = np.einsum("kn,kn->n", rows[:NODES], Tx)
-                square[which] = np.einsum("kn,kn->n", rows[NODES:], Tx)
+                rows = (patch.series.reshape(-1, NODES) @ Ty).reshape(-1, NODES, len(which))
+                P, w = np.einsum("skn,kn->sn", rows, Tx).reshape(-1, 2, len(which)).transpose(1, 0, 2)
+                first = P.argmin(axis=0) if len(P) > 1 else np.zeros(1, dtype=int)
+                load[which], square[which] = (np.take_along_axis(x, first[None, :], 0)[0] for x in (P, w))
 
     # --- making patches ----------------------------------------------------------------------------------------------
 
@@ -200,32 +206,42 @@ class Surface:
 
     def _make(self, patch: _Patch) -> None:
         """Settle a patch or cut it."""
-        xi, chi = patch.nodes(_gauss(NODES))
-        values = np.full((2, NODES * NODES), np.nan)
+        values, tails = np.full((2, NODES * NODES), np.nan), (1e-7, 1e-7)
         if patch.guess is not None:
-            values = self._solve_all(xi, chi, patch.guess)
-        trusted = False
-        for _ in range(2):
-            if np.isfinite(values).all():
-                series = self._series(values)
-                tails = self._tails(series)
-                if max(tails) < TOLERANCE and self._first_there(patch, series):
-                    patch.state, patch.series = "flutter", series
-                    return
-                if TOLERANCE <= max(tails) < 0.5 * patch.tail:
-                    break
-            if trusted:
-                break
-            trusted = True
-            again = self._from_search(patch, xi, chi)
-            if again is None:
+            values = self._solve_all(patch, patch.guess)
+            tails = self._tails(values)
+            if max(tails) < TOLERANCE and self._take(patch, [values]):
+                return
+        if not TOLERANCE <= max(tails) < 0.5 * patch.tail:  # there is more to it than the length of a series
+            middle = self._found_at(patch, 0.5, 0.5)
+            if middle is None:
                 if self._none_there(patch):
                     patch.state = "none"
                     return
-                break
-            values = again
-        tails = self._tails(self._series(np.nan_to_num(values))) if np.isfinite(values).all() else (1e-7, 1e-7)
-        self._cut(patch, values, tails)
+            else:
+                values = middle
+                tails = self._tails(values)
+                if max(tails) < TOLERANCE:
+                    if self._take(patch, [values]):
+                        return
+                    # another crossing comes first in a part of the patch: both, and the lesser of the two
+                    corners = (self._found_at(patch, x, y) for x in _COUNTED[[0, -1]] for y in _COUNTED[[0, -1]])
+                    sheets = [values]
+                    for other in corners:
+                        if other is not None and not any(_same(other, one) for one in sheets):
+                            sheets.append(other)
+                    ends = [self._tails(x) for x in sheets]
+                    tails = max(a for a, _ in ends), max(b for _, b in ends)
+                    if max(tails) < TOLERANCE and self._take(patch, sheets):
+                        return
+        self._cut(patch, values, tails if max(tails) < math.inf else (1e-7, 1e-7))
+
+    def _take(self, patch: _Patch, sheets: list[Real]) -> bool:
+        """Settle a patch with the values of one crossing or more, where the least is the first."""
+        series = np.stack([self._series(values) for values in sheets])
+        if self._first_there(patch, series):
+            patch.state, patch.series = "flutter", series
+        return patch.state == "flutter"
 
     def _cut(self, patch: _Patch, values: Real, tails: tuple[float, float]) -> None:
         widths = [b - a for a, b in zip(patch.low, patch.high, strict=True)]
@@ -263,15 +279,18 @@ class Surface:
         to = _to_series(n)
         return np.asarray(to @ values.reshape(2, n, n) @ to.T)
 
-    @staticmethod
-    def _tails(series: Real) -> tuple[float, float]:
-        """Last coefficients along ξ and χ, relative; of the frequency with a tenth of the weight."""
+    def _tails(self, values: Real) -> tuple[float, float]:
+        """Last coefficients along ξ and χ of values at the nodes, relative; of the frequency with a tenth of the
+        weight. inf where values are missing."""
+        if not np.isfinite(values).all():
+            return math.inf, math.inf
+        series = self._series(values)
         size = np.abs(series).max(axis=(1, 2))
         weight = np.array([1.0, 0.1]) / size
         a = np.abs(series) * weight[:, None, None]
         return float(a[:, -2:, :].max()), float(a[:, :, -2:].max())
 
-    # --- crossings in a batch ------------------------------------------------------------------------------------------
+    # --- crossings in a batch ----------------------------------------------------------------------------------------
 
     def _damping(self, xi: Real, chi: Real) -> Real:
         """D of C = diag(D) in the basis of the pencil, (n, N)."""
@@ -288,9 +307,9 @@ class Surface:
         live = np.flatnonzero(np.isfinite(guess).all(axis=0) & (guess > 0).all(axis=0))
         if not len(live):
             return out
-        P, omega, D = guess[0, live], np.sqrt(guess[1, live] * (1 - xi[live])), self._damping(xi[live], chi[live])
+        P, omega = guess[0, live], np.sqrt(guess[1, live] * (1 - xi[live]))
         n, i, step = p.size, np.arange(p.size), np.full(len(live), np.inf)
-        D, RT = 1j * D / p.e, p._relative.T.astype(complex).ravel()
+        D, RT = 1j * self._damping(xi[live], chi[live]) / p.e, p._relative.T.astype(complex).ravel()
         for _ in range(steps):
             slope = omega[:, None] * (-1 / p.e)
             A = np.multiply(P[:, None, None], p._relative, dtype=complex)
@@ -317,34 +336,36 @@ class Surface:
         out[:, live] = P[good], omega[good] ** 2 / (1 - xi[live])
         return out
 
-    def _from_search(self, patch: _Patch, xi: Real, chi: Real) -> Real | None:
-        """Crossings at the nodes, followed from the one that a search finds in the middle; None where it finds no
-        flutter."""
+    def _found_at(self, patch: _Patch, x: float, y: float) -> Real | None:
+        """Crossings at the nodes, followed from the one that a search finds at a place (0 to 1) of the patch; None
+        where it finds no flutter."""
         from freebeam_sym.crossings import first_crossing
 
-        x, y = ((a + b) / 2 for a, b in zip(patch.low, patch.high, strict=True))
+        (a, b), (A, B) = patch.low, patch.high
+        x, y = a + (A - a) * x, b + (B - b) * y
         size = math.sqrt(self.kappa0 * x / (1 - x))
         found = first_crossing(self.pencil, (1 - y) * size / self.kappa0, y * size, self.bound, table=False)
         if found is None or found.frequency == 0:
             return None
-        middle = np.array([[found.load], [found.frequency**2 / (1 - x)]])
-        before = value = np.repeat(middle, len(xi), axis=1)
-        parts = 6
-        for k in range(1, parts + 1):
-            t = k / parts
-            before, value = value, self._solve_all(x + t * (xi - x), y + t * (chi - y), 2 * value - before, k < parts)
-        return value
+        xi, chi = patch.nodes(_gauss(_COARSE))
+        place = np.array([[found.load], [found.frequency**2 / (1 - x)]])
+        before = value = np.repeat(place, len(xi), axis=1)
+        for t in (0.25, 0.5, 0.75, 1.0):
+            now = self._solve(x + t * (xi - x), y + t * (chi - y), 2 * value - before, rough=True)
+            before, value = value, np.where(np.isnan(now), value, now)
+        T = chebyshev(_gauss(NODES))[:_COARSE]
+        return self._solve_all(patch, np.einsum("fkl,km,ln->fmn", self._series(value), T, T))
 
-    def _solve_all(self, xi: Real, chi: Real, guess: Real, rough: bool = False) -> Real:
+    def _solve_all(self, patch: _Patch, guess: Real) -> Real:
         """As `_solve`, for all nodes of a patch; those that do not settle try again from where their neighbours did."""
-        values = self._solve(xi, chi, guess.reshape(2, -1), rough=rough)
+        xi, chi = patch.nodes(_gauss(NODES))
+        values = self._solve(xi, chi, guess.reshape(2, -1))
         for _ in range(2):
-            lost = np.isnan(values[0])
-            if lost.all() or not lost.any():
-                break
             near = _filled(values.reshape(2, NODES, NODES))
-            if near is not None:
-                values[:, lost] = self._solve(xi[lost], chi[lost], near.reshape(2, -1)[:, lost], 10, rough)
+            lost = np.isnan(values[0])
+            if near is None or not lost.any():
+                break
+            values[:, lost] = self._solve(xi[lost], chi[lost], near.reshape(2, -1)[:, lost], 10)
         return values
 
     # --- whether they are the first --------------------------------------------------------------------------------
@@ -364,29 +385,31 @@ class Surface:
 
     def _first_there(self, patch: _Patch, series: Real) -> bool:
         xi, chi = patch.nodes(_COUNTED)
-        T = chebyshev(_COUNTED)
-        load, square = np.einsum("fkl,km,ln->fmn", series, T, T).reshape(2, -1)
+        T, rows = chebyshev(_COUNTED), np.arange(len(xi))
+        load, square = np.einsum("sfkl,km,ln->fsmn", series, T, T).reshape(2, len(series), -1)
         if not (load > 0).all() or not (square > 0).all():
             return False
         top = min(self.bound, self.divergence)
         if (load > top).all():
             return self._none_there(patch)
-        omega = np.sqrt(square * (1 - xi))
-        below = load < top
-        theta = self._eigenvalues(xi, chi, np.minimum(load, top) * (1 - 1e-7))
+        first, least = load.argmin(axis=0), load.min(axis=0)
+        below = least < top
+        theta = self._eigenvalues(xi, chi, np.minimum(least, top) * (1 - 1e-7))
         damped = -theta.real / np.abs(theta)
-        crossing = -1j * math.sqrt(self.pencil.e[0]) / omega
-        rows = np.arange(len(xi))
-        for c in (crossing, crossing.conj()):
-            k = np.abs(theta - c[:, None]).argmin(axis=1)
-            near = np.abs(theta[rows, k] - c) < 1e-3 * np.abs(c)
-            if not near[below].all():
-                return False
-            damped[rows[below], k[below]] = np.inf
+        for number, frequency in enumerate(np.sqrt(square * (1 - xi))):
+            crosses = below & (first == number)
+            for sign in (1, -1):
+                c = sign * -1j * math.sqrt(self.pencil.e[0]) / frequency
+                k = np.abs(theta - c[:, None]).argmin(axis=1)
+                near = np.abs(theta[rows, k] - c) < 1e-3 * np.abs(c)
+                # a crossing that comes later is still damped, and known: no other needs to be feared from it
+                if not np.where(crosses, near, damped[rows, k] > 0).all():
+                    return False
+                damped[rows, k] = np.inf
         if not below.all():  # λ = 0 comes first
             k = np.abs(theta).argmax(axis=1)
             damped[rows[~below], k[~below]] = np.inf
-        return self._margin(damped, xi) and self._below(patch, float(load.min()))
+        return self._margin(damped, xi) and self._below(patch, float(least.min()))
 
     def _none_there(self, patch: _Patch) -> bool:
         xi, chi = patch.nodes(_COUNTED)

@@ -342,6 +342,8 @@ def stability_map(
         if "load" not in loads:
             raise InputError(f"map: the Dataset has no variable 'load', only {', '.join(map(str, loads.data_vars))}")
         kinds, loads = (loads["kind"] if "kind" in loads else None), loads["load"]
+        if kinds is not None and "flag_meanings" in kinds.attrs:
+            kinds = np.array(kinds.attrs["flag_meanings"].split())[np.asarray(kinds)]
     names: tuple[str, ...] = ()
     if hasattr(loads, "dims"):
         names = tuple(map(str, loads.dims))
@@ -367,6 +369,9 @@ def stability_map(
             steps = MaxNLocator(steps).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
         ax.set_facecolor("#D9D9D9")
         shown = np.ma.masked_invalid(values.T)
+        for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
+            if geometric(where):
+                scale("log")  # before the labels, which are placed on what is seen
         filled = ax.contourf(across, up, shown, steps, cmap=MAP, extend="neither")
         light = len(steps) * 0.6
         inks = ["white" if k < light else INK for k in range(len(steps))]
@@ -376,9 +381,6 @@ def stability_map(
             still = np.asarray(np.asarray(kinds) == "divergence").T
             if still.any():
                 ax.contourf(across, up, still.astype(float), [0.5, 1.5], colors="none", hatches=["////"])
-        for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
-            if geometric(where):
-                scale("log")
         for text in texts_on_lines:  # none that the frame would cut
             spot = ax.transAxes.inverted().transform(ax.transData.transform(text.get_position()))
             text.set_visible(bool((np.abs(spot - 0.5) < 0.45).all()))

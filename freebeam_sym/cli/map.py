@@ -1,0 +1,181 @@
+"""`freebeam map`."""
+
+from __future__ import annotations
+
+import io
+from importlib.util import find_spec
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from freebeam_sym.cli.application import app
+from freebeam_sym.cli.options import (
+    BasisOption,
+    ColumnOption,
+    JsonOption,
+    ModesOption,
+    Number,
+    SetOption,
+    assignments,
+    number,
+)
+from freebeam_sym.cli.output import print_json, print_table, working, written
+
+if TYPE_CHECKING:
+    import xarray
+
+MOST_PRINTED = 10_000
+"""Points of a map up to which it is printed as JSON."""
+FORMATS = (".nc", ".png")
+
+_RANGE = "LO HI COUNT"
+
+
+@app.command(
+    "map",
+    epilog="Example: freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (or map.png, or --json)",
+)
+def stability_map(
+    alpha: Annotated[
+        tuple[str, str, str] | None, typer.Option(metavar=_RANGE, help="Internal damping: from, to, how many values.")
+    ] = None,
+    beta: Annotated[
+        tuple[str, str, str] | None, typer.Option(metavar=_RANGE, help="External damping: from, to, how many values.")
+    ] = None,
+    column: ColumnOption = "free-free",
+    modes: ModesOption = 8,
+    basis: BasisOption = None,
+    linear: Annotated[bool, typer.Option("--linear", help="Space the values evenly, not by a factor.")] = False,
+    own: SetOption = None,
+    load_max: Annotated[Number | None, typer.Option(parser=number, metavar="P", help="Search up to this load.")] = None,
+    no_convergence: Annotated[
+        bool, typer.Option("--no-convergence", help="Without the second map, of more modes, that judges convergence.")
+    ] = False,
+    output: Annotated[
+        Path | None, typer.Option(metavar="FILE.nc|.png", help="Write a NetCDF file, or a picture.")
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+    as_json: JsonOption = False,
+) -> None:
+    """Map the critical load over internal and external damping.
+
+    Each point is the first loss of stability, with its kind and frequency and a mark where more modes disagree.
+    """
+    import numpy as np
+
+    import freebeam_sym as fb
+    from freebeam_sym.checks import InputError
+
+    axes = {name: _axis(name, given, linear) for name, given in (("alpha", alpha), ("beta", beta)) if given is not None}
+    if len(axes) < 2:
+        missing = " and ".join(f"--{name} {_RANGE}" for name in ("alpha", "beta") if name not in axes)
+        raise InputError(f"a map has two axes: give {missing}, such as --alpha 1e-6 1e-1 100 --beta 1e-2 1 100")
+    points = len(axes["alpha"]) * len(axes["beta"])
+    if output is not None and output.suffix not in FORMATS:
+        raise InputError(f"{output}: must end in {' or '.join(FORMATS)}")
+    if output is not None and output.suffix == ".png" and min(map(len, axes.values())) < 2:
+        raise InputError("a picture needs two values or more along each axis; give a larger COUNT")
+    if output is not None and output.exists() and not force:
+        raise InputError(f"{output}: exists and is kept; give another name, or --force to replace it")
+    if as_json and output is None and points > MOST_PRINTED:
+        raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.nc")
+    chosen = fb.column(column, basis)
+    fixed = chosen.own_parameters(assignments(own))
+    limit = {} if load_max is None else {"load_max": float(load_max)}
+    with working("map") as report:
+        found = fb.stability_map(
+            chosen,
+            modes,
+            convergence=not no_convergence,
+            step=lambda part: report(f"{part:.0%}"),
+            **limit,
+            **axes,
+            **fixed,
+        )
+        if output is not None:
+            report("writing")
+            content = _picture(found) if output.suffix == ".png" else _netcdf(found)
+            with written(output, force) as stream:
+                stream.write(content)
+    kinds = np.array(found.kind.attrs["flag_meanings"].split())[found.kind.values]
+    head: dict[str, Any] = {
+        "column": chosen.name,
+        "basis": chosen.basis_name,
+        "modes": modes,
+        "parameters": fixed,
+        "load_max": found.attrs["load_max"],
+        "units": "nondimensional",
+    }
+    if as_json:
+        if points <= MOST_PRINTED:
+            head |= {**axes, "load": found["load"].values, "kind": kinds, "frequency": found.frequency.values}
+            if "converged" in found:
+                head["converged"] = found.converged.values
+        if output is not None:
+            head |= {"output": output, "points": points}
+        print_json(head)
+        return
+    rows = [["points", f"{len(axes['alpha'])} x {len(axes['beta'])}"]]
+    for name in ("flutter", "divergence", "none"):
+        share = kinds == name
+        if share.any():
+            loads = found["load"].values[share]
+            between = "" if name == "none" else f", load {loads.min():.10g} to {loads.max():.10g}"
+            rows.append([name, f"{share.sum()} points{between}"])
+    if "converged" in found:
+        rows.append(["not converged in N", f"{int((~found.converged).sum())} points"])
+    if output is not None:
+        rows.append(["written", str(output)])
+    title = ", ".join([chosen.name, f"N = {modes}", *(f"{name} = {value:g}" for name, value in fixed.items())])
+    print_table(rows, title=title)
+
+
+def _axis(name: str, given: tuple[str, str, str], linear: bool) -> Any:
+    """The values of an axis, (COUNT,). Raises InputError."""
+    import numpy as np
+
+    from freebeam_sym.checks import InputError, count
+
+    try:
+        low, high = (float(number(text)) for text in given[:2])
+    except typer.BadParameter as error:
+        raise InputError(f"--{name}: {error}") from None
+    try:
+        number_of = int(given[2])
+    except ValueError:
+        raise InputError(f"--{name}: COUNT = {given[2]} must be a whole number") from None
+    number_of = count(f"--{name} COUNT", number_of, 1, hint="values along the axis")
+    if low < 0 or (low == 0 and not linear):
+        cure = "damping is zero or greater" if linear else "a logarithmic axis starts above zero; or give --linear"
+        raise InputError(f"--{name}: LO = {given[0]}: {cure}")
+    if high < low or (high == low and number_of > 1):
+        raise InputError(f"--{name}: HI = {given[1]} must be above LO = {given[0]}")
+    return (np.linspace if linear else np.geomspace)(low, high, number_of)
+
+
+def _netcdf(found: xarray.Dataset) -> bytes:
+    from freebeam_sym.checks import InputError
+
+    missing = [name for name in ("h5netcdf", "h5py") if find_spec(name) is None]  # the one writes with the other
+    if missing:
+        raise InputError(f"a NetCDF file needs {' and '.join(missing)}: pip install h5netcdf h5py")
+    stream = io.BytesIO()
+    found.to_netcdf(stream, engine="h5netcdf")
+    return stream.getvalue()
+
+
+def _picture(found: xarray.Dataset) -> bytes:
+    from matplotlib.figure import Figure
+
+    from freebeam_sym.figures import stability_map as draw
+    from freebeam_sym.figures.files import image_of
+    from freebeam_sym.figures.look import style
+
+    axes = draw(found)
+    drawn = axes.figure
+    assert isinstance(drawn, Figure)
+    fixed = [f", {x} = {found.attrs[x]:g}" for x in found.attrs["fixed"].split()]
+    with style():
+        axes.set_title(f"{found.attrs['column']}, N = {found.attrs['modes']}" + "".join(fixed))
+    return image_of(drawn, "png")

@@ -1,0 +1,345 @@
+"""Maps, boundaries and arrays of critical loads against plain counts of growing eigenvalues, and laws of theirs."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import freebeam_sym as fb
+from freebeam_sym import cli, grids, pencil
+from freebeam_sym.crossings import first_crossing
+from freebeam_sym.surface import leaves
+
+KINDS = ("none", "flutter", "divergence")
+
+
+def growing(column: fb.Column, modes: int, alpha: float, beta: float, loads: np.ndarray, **own: float) -> np.ndarray:
+    """How many of the 2N eigenvalues of Eq. (25) grow at each load. The inverse of the state matrix keeps the slow ones
+    apart from the rounding of the fast ones."""
+    M, E, H = column.matrices(modes, **own)
+    m = np.sqrt(np.diag(M))
+    M, E, H = (X / np.outer(m, m) for X in (M, E, H))
+    inverse = np.linalg.inv(E + loads[:, None, None] * H)
+    A = np.zeros((len(loads), 2 * modes, 2 * modes))
+    A[:, :modes, :modes] = -inverse @ (alpha * E + beta * M)
+    A[:, :modes, modes:] = -inverse @ M
+    A[:, modes:, :modes] = np.eye(modes)
+    return (np.linalg.eigvals(A).real > 1e-13 * np.linalg.norm(A, axis=(1, 2))[:, None]).sum(axis=1)
+
+
+def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:
+    return st.floats(math.log(low), math.log(high)).map(math.exp)
+
+
+DAMPINGS = st.tuples(
+    st.one_of(st.just(0.0), log_uniform(1e-4, 10.0)), st.one_of(st.just(0.0), log_uniform(1e-2, 1000.0))
+).filter(lambda pair: pair[0] + pair[1] > 0)
+
+
+@settings(max_examples=25, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(["free-free", "beck", "beck", "euler-pinned"]),
+    basis=st.sampled_from(["modes", "legendre"]),
+    modes=st.integers(2, 9),
+    eta=st.floats(0.0, 1.2),
+    dampings=st.lists(DAMPINGS, min_size=16, max_size=16),
+)
+def test_loads_are_where_stability_is_lost_first(
+    name: str, basis: str, modes: int, eta: float, dampings: list[tuple[float, float]]
+) -> None:
+    """Nothing grows at many loads below, and something just above, whatever the damping: by brute force."""
+    column = fb.column(name, basis)
+    own = {"eta": round(eta, 3)} if name == "beck" else {}
+    alpha, beta = np.array(dampings).T
+    found = grids.solve(column, modes, alpha, beta, 400.0, own)
+    for k in range(0, 16, 3):
+        top = found.load[k] if found.kind[k] else 400.0
+        below = np.concatenate([np.linspace(0.004, 0.98, 60), np.linspace(0.981, 0.9999, 12)]) * top
+        assert not growing(column, modes, alpha[k], beta[k], below, **own).any(), (alpha[k], beta[k])
+        if found.kind[k]:
+            assert growing(column, modes, alpha[k], beta[k], np.array([top * 1.0005]), **own)[0]
+            assert (found.frequency[k] == 0) == (found.kind[k] == 2)
+        else:
+            assert np.isnan(found.load[k]) and np.isnan(found.frequency[k])
+
+
+@pytest.mark.parametrize(("name", "basis"), [("free-free", "modes"), ("free-free", "legendre"), ("beck", "modes")])
+def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, basis: str) -> None:
+    column, rng = fb.column(name, basis), np.random.default_rng(5)
+    surface = pencil.Pencil(*column.matrices(8)).surface(1000.0)
+    alpha, beta = 10 ** rng.uniform(-6, 1, 400), 10 ** rng.uniform(-3, 3, 400)
+    alpha[:40], beta[40:80] = 0.0, 0.0
+    load, frequency, settled = surface.at(alpha, beta)
+    assert settled.all()
+    for k in range(0, 400, 20):
+        found = first_crossing(surface.pencil, alpha[k], beta[k], table=False)
+        assert found is not None
+        assert load[k] == pytest.approx(found.load, rel=1e-10)
+        assert frequency[k] == pytest.approx(found.frequency, rel=1e-9)
+
+
+def test_where_one_branch_takes_over_the_lesser_of_two_crossings_is_the_first() -> None:
+    """Beck's column between alpha 1.05 and 1.1: the load is continuous with a kink, the frequency jumps."""
+    surface = pencil.Pencil(*fb.column("beck").matrices(8)).surface(1000.0)
+    alpha = np.linspace(1.04, 1.08, 41)
+    load, frequency, settled = surface.at(alpha, np.zeros(41))
+    assert settled.all() and frequency[0] > 10 * frequency[-1]
+    assert max(len(leaf.series) for leaf in leaves(surface._root) if leaf.series is not None) > 1
+    jump = int(np.abs(np.diff(frequency)).argmax())
+    for k in (0, jump, jump + 1, 40):
+        found = first_crossing(surface.pencil, alpha[k], table=False)
+        assert found is not None and load[k] == pytest.approx(found.load, rel=1e-10)
+        assert frequency[k] == pytest.approx(found.frequency, rel=1e-9)
+
+
+@pytest.mark.parametrize("name", ["free-free", "beck"])
+def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
+    """Along beta = kappa alpha the loads tend to the tangent rule's, kappa from 0 to infinity (the coalescence)."""
+    column = fb.column(name)
+    for kappa, (a, b) in {0.0: (1, 0), 3.0: (1, 3), 500.0: (1, 500), math.inf: (0, 1)}.items():
+        size = np.array([1e-14, 1e-12, 1e-10, 1e-9] * 4)
+        found = fb.critical_loads(column, alpha=a * size, beta=b * size)
+        limit = fb.critical_load(column, kappa=kappa)
+        assert limit.load is not None and limit.frequency is not None
+        assert np.abs(found.load / limit.load - 1).max() < 1e-11
+        assert np.abs(found.frequency / limit.frequency - 1).max() < 1e-8
+
+
+def test_single_questions_and_maps_agree_in_either_order() -> None:
+    """A surface that earlier questions have built changes no answer."""
+    column = fb.column("free-free")
+    cold = [first_crossing(pencil.Pencil(*column.matrices(8)), a, 0.3) for a in (1e-5, 1e-2, 10.0)]
+    shared = pencil.Pencil(*column.matrices(8))
+    for _ in range(6):
+        warm = [first_crossing(shared, a, 0.3) for a in (1e-5, 1e-2, 10.0)]
+    assert shared.surface(1000.0)._root is not None
+    for one, other in zip(cold, warm, strict=True):
+        assert one is not None and other is not None
+        assert other.load == pytest.approx(one.load, rel=1e-12)
+        assert other.frequency == pytest.approx(one.frequency, rel=1e-10)
+        assert np.abs(other.vector - one.vector).max() < 1e-6
+
+
+def test_blocks_give_the_same_bits_in_any_order() -> None:
+    column = fb.column("beck")
+    alpha, beta = np.geomspace(1e-4, 1.0, 12), np.geomspace(1e-2, 10.0, 10)
+    blocks = [{"alpha": a, "beta": b} for a, b in itertools.product(np.split(alpha, 2), np.split(beta, 2))]
+    runs = []
+    for order in ((0, 1, 2, 3), (3, 1, 0, 2)):
+        pencil._kept.cache_clear()
+        runs.append({k: grids.solve_grid(column, 8, blocks[k], {}, 1000.0) for k in order})
+    for k in range(4):
+        for one, other in zip(runs[0][k], runs[1][k], strict=True):
+            assert one.tobytes() == other.tobytes()
+    whole = grids.solve_grid(column, 8, {"alpha": alpha, "beta": beta}, {}, 1000.0)
+    assert np.allclose(whole.load[:6, :5], runs[0][0].load, rtol=1e-12, atol=0)
+
+
+def test_a_map_is_labelled_in_the_order_of_its_axes() -> None:
+    column = fb.column("beck")
+    axes = {"beta": np.array([0.1, 1.0]), "eta": np.array([0.3, 0.8, 1.0]), "alpha": np.array([0.0, 1e-3, 1e-2, 0.1])}
+    done: list[float] = []
+    found = fb.stability_map(column, 6, load_max=300.0, step=done.append, **axes)
+    assert found["load"].dims == ("beta", "eta", "alpha") and done == sorted(done) and done[-1] == pytest.approx(1)
+    assert found.attrs["modes"] == 6 and found.attrs["column"] == "beck" and found.attrs["load_max"] == 300.0
+    kinds = np.array(found["kind"].attrs["flag_meanings"].split())[found["kind"]]
+    for (i, b), (j, e), (k, a) in itertools.product(*(enumerate(x) for x in axes.values())):
+        one = fb.critical_load(column, 6, a, b, load_max=300.0, eta=e)
+        assert found["load"].values[i, j, k] == pytest.approx(one.load, rel=1e-10)
+        assert found["frequency"].values[i, j, k] == pytest.approx(one.frequency, rel=1e-8)
+        assert kinds[i, j, k] == one.kind and one.kind == ("divergence" if e < 0.5 else "flutter")
+        assert found["converged"].values[i, j, k] == one.converged
+
+
+def test_a_load_that_truncation_invents_is_marked() -> None:
+    """Beck's crossing at internal damping 10 wanders with N; at light damping N = 8 has converged."""
+    found = fb.stability_map(fb.column("beck"), alpha=np.array([1e-3, 10.0]), beta=np.array([0.0, 0.1]))
+    assert found["converged"].values[0].all() and not found["converged"].values[1].any()
+
+
+def test_a_map_survives_its_file(tmp_path: Path) -> None:
+    pytest.importorskip("h5py")
+    xarray = pytest.importorskip("xarray")
+    found = fb.stability_map(fb.column("free-free"), 4, alpha=np.geomspace(1e-4, 1, 5), beta=np.geomspace(0.1, 10, 4))
+    path = tmp_path / "map.nc"
+    assert cli.main(["map", "--modes", "4", "--alpha", "1e-4", "1", "5", "--beta", "0.1", "10", "4"]
+                    + ["--output", str(path)]) == 0  # fmt: skip
+    with xarray.open_dataset(path, engine="h5netcdf") as read:
+        xarray.testing.assert_identical(read.load(), found)
+
+
+# --- arrays ---------------------------------------------------------------------------------------------------
+
+
+def test_loads_broadcast() -> None:
+    column = fb.column("beck")
+    alpha, beta, eta = (
+        np.array([[0.0], [1e-3], [2.0]]),
+        np.array([0.0, 0.1, 30.0, 1000.0]),
+        np.array([[[0.4]], [[1.0]]]),
+    )
+    found = fb.critical_loads(column, 5, alpha, beta, eta=eta, load_max=500.0)
+    assert found.load.shape == found.kind.shape == (2, 3, 4)
+    for where in np.ndindex(found.load.shape):
+        a, b, e = (float(np.broadcast_to(x, found.load.shape)[where]) for x in (alpha, beta, eta))
+        one = fb.critical_load(column, 5, a, b, eta=e, load_max=500.0)
+        assert found.kind[where] == one.kind
+        if one.load is not None:
+            assert found.load[where] == pytest.approx(one.load, rel=1e-10)
+    assert fb.critical_loads(fb.column("euler-pinned")).load == pytest.approx(math.pi**2, rel=1e-12)
+    assert fb.critical_loads(column, alpha=np.empty((0, 3))).load.shape == (0, 3)
+
+
+def test_spectra_broadcast() -> None:
+    column = fb.column("beck")
+    load, alpha, eta = np.array([[0.0], [15.0], [40.0]]), np.array([0.0, 1e-2]), np.array([[[0.6]], [[1.0]]])
+    found = fb.eigenvalues(column, load, alpha, modes=4, eta=eta)
+    assert found.shape == (2, 3, 2, 8)
+    for where in np.ndindex(found.shape[:-1]):
+        P, a, e = (float(np.broadcast_to(x, found.shape[:-1])[where]) for x in (load, alpha, eta))
+        one = fb.spectrum(column.system(4, P, a, eta=e)).eigenvalues
+        assert np.abs(found[where] - one).max() < 1e-9 * np.abs(one).max()
+
+
+# --- boundaries ---------------------------------------------------------------------------------------------
+
+
+def test_the_boundary_of_becks_column_over_eta_turns_from_divergence_to_flutter() -> None:
+    column = fb.column("beck")
+    curve = fb.trace_boundary(column, "eta", 0.3, 0.7, modes=4, load_max=100.0)
+    (event,) = curve.events
+    assert event.what == "divergence to flutter"
+    for off, kind in ((-1e-8, "divergence"), (1e-8, "flutter")):
+        assert fb.critical_load(column, 4, eta=event.value + off, load_max=100.0).kind == kind
+    assert (np.diff(curve.values) > 0).all()
+    assert (curve.kind == np.where(curve.values < event.value, "divergence", "flutter")).all()
+    middle = (curve.values[1:] + curve.values[:-1]) / 2
+    for k in range(0, len(middle), 7):  # what lies between the points is near the chord
+        one = fb.critical_load(column, 4, eta=float(middle[k]), load_max=100.0)
+        assert one.load == pytest.approx((curve.load[k] + curve.load[k + 1]) / 2, rel=3e-3)
+
+
+def test_the_boundary_over_internal_damping_has_the_place_where_another_branch_takes_over() -> None:
+    curve = fb.trace_boundary(fb.column("beck"), "alpha", 1e-3, 10.0, log=True)
+    (event,) = curve.events
+    assert event.what == "another branch" and 1.05 < event.value < 1.1
+    assert event.load[0] == pytest.approx(event.load[1], rel=1e-7)
+    assert event.frequency[0] > 10 * event.frequency[1]  # type: ignore[operator]
+
+
+def test_a_boundary_without_events() -> None:
+    curve = fb.trace_boundary(fb.column("euler-pinned"), "beta", 0.0, 10.0, modes=3)
+    assert not curve.events and np.allclose(curve.load, math.pi**2, rtol=1e-12) and (curve.frequency == 0).all()
+    curve = fb.trace_boundary(fb.column("free-free"), "alpha", 1e-6, 10.0, log=True)
+    limit = fb.critical_load(fb.column("free-free"), kappa=0.0).load
+    assert not curve.events and curve.load[0] == pytest.approx(limit, rel=1e-9)
+
+
+# --- bad input -----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("given", "message"),
+    [
+        ({}, "needs an axis"),
+        ({"alpha": 0.1}, "needs an axis"),
+        ({"alpha": [0.1, -0.1]}, "alpha = -0.1"),
+        ({"alpha": [0.1, math.nan]}, "alpha = nan"),
+        ({"alpha": [[0.1]]}, r"shape \(1, 1\)"),
+        ({"alpha": []}, r"shape \(0,\)"),
+        ({"alpha": [0.1, 0.1]}, "distinct"),
+        ({"alpha": ["x", "y"]}, "must be a number"),
+        ({"zeta": [0.1, 0.2]}, "no such parameter"),
+        ({"alpha": [0.1, 0.2], "load_max": -1.0}, "load_max"),
+        ({"alpha": [0.1, 0.2], "modes": 0}, "modes"),
+        ({"alpha": np.arange(10**5), "beta": np.arange(10**5)}, "points of the map"),
+    ],
+)
+def test_maps_refuse_what_makes_no_sense(given: dict, message: str) -> None:
+    with pytest.raises(fb.InputError, match=message):
+        fb.stability_map(fb.column("beck"), **given)
+
+
+def test_boundaries_and_arrays_refuse_what_makes_no_sense() -> None:
+    beck = fb.column("beck")
+    for given, message in (
+        (("eta", 1.0, 0.0), "low must be below high"),
+        (("zeta", 0.0, 1.0), "no such parameter"),
+        (("eta", math.nan, 1.0), "low = nan"),
+    ):
+        with pytest.raises(fb.InputError, match=message):
+            fb.trace_boundary(beck, *given)
+    with pytest.raises(fb.InputError, match="above zero"):
+        fb.trace_boundary(beck, "alpha", 0.0, 1.0, log=True)
+    with pytest.raises(fb.InputError, match="cannot be fixed"):
+        fb.trace_boundary(beck, "eta", 0.0, 1.0, eta=0.5)
+    with pytest.raises(fb.InputError, match=r"alpha \(2,\), beta \(3,\)"):
+        fb.critical_loads(beck, alpha=[0.1, 0.2], beta=[0.1, 0.2, 0.3])
+    with pytest.raises(fb.InputError, match="do not broadcast"):
+        fb.eigenvalues(beck, load=[1.0, 2.0], beta=[0.1, 0.2, 0.3])
+    with pytest.raises(fb.InputError, match="load = inf"):
+        fb.eigenvalues(beck, load=math.inf)
+
+
+# --- the command line ----------------------------------------------------------------------------------------
+
+GRID = ["--alpha", "1e-4", "1", "4", "--beta", "0.1", "10", "3"]
+
+
+def test_the_command_prints_the_map(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["map", "--column", "beck", "--modes", "4", "--set", "eta=0.9", *GRID, "--json"]) == 0
+    record = json.loads(capsys.readouterr().out)
+    found = fb.critical_loads(
+        fb.column("beck"), 4, np.geomspace(1e-4, 1, 4)[:, None], np.geomspace(0.1, 10, 3), eta=0.9
+    )
+    assert record["alpha"] == np.geomspace(1e-4, 1, 4).tolist() and record["beta"] == np.geomspace(0.1, 10, 3).tolist()
+    assert np.allclose(record["load"], found.load, rtol=1e-10) and record["kind"] == found.kind.tolist()
+    assert np.allclose(record["frequency"], found.frequency, rtol=1e-8)
+    assert (
+        cli.main(["map", "--linear", "--alpha", "0", "1", "3", "--beta", "0", "2", "2", "--modes", "2", "--json"]) == 0
+    )
+    assert json.loads(capsys.readouterr().out)["alpha"] == [0.0, 0.5, 1.0]
+    assert cli.main(["map", "--modes", "2", *GRID]) == 0
+    assert "12 points" in capsys.readouterr().out
+
+
+def test_the_command_draws_the_map_and_keeps_what_exists(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "map.png"
+    arguments = ["map", "--modes", "2", "--no-convergence", *GRID, "--output", str(path)]
+    assert cli.main(arguments) == 0
+    first = path.read_bytes()
+    assert first.startswith(b"\x89PNG")
+    assert cli.main(arguments) == 2
+    assert "--force" in capsys.readouterr().err and path.read_bytes() == first
+    assert cli.main([*arguments, "--force"]) == 0 and list(tmp_path.iterdir()) == [path]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["--alpha", "0", "1", "3", "--beta", "1", "2", "2"], "--linear"),
+        (["--alpha", "-1", "1", "3", "--beta", "1", "2", "2", "--linear"], "LO = -1"),
+        (["--alpha", "2", "1", "3", "--beta", "1", "2", "2"], "HI = 1"),
+        (["--alpha", "1", "2", "0", "--beta", "1", "2", "2"], "COUNT"),
+        (["--alpha", "1", "2", "2.5", "--beta", "1", "2", "2"], "COUNT = 2.5"),
+        (["--alpha", "1", "x", "2", "--beta", "1", "2", "2"], "'x' is not a number"),
+        (["--alpha", "1", "2", "2"], "give --beta"),
+        ([*GRID, "--output", "map.txt"], ".nc or .png"),
+        ([*GRID, "--set", "zeta=1"], "zeta"),
+        ([*GRID, "--output", "no/such/folder/map.png"], "cannot be written"),
+        (["--alpha", "1", "2", "200", "--beta", "1", "2", "51", "--json"], "10200 points"),
+    ],
+)
+def test_the_command_refuses_in_one_line(
+    arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["map", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert out == "" and message in err and err.count("\n") == 1
