@@ -451,21 +451,29 @@ def _tabulated(
 ) -> tuple[bool, Crossing | None]:
     """Whether the pencil's surface settles this damping, and what it says. build: where nothing was built yet too."""
     surface = pencil.surface(load_max)
-    load, frequency, settled = surface.at(np.array([alpha]), np.array([beta]), build=build)
-    if not settled[0]:
+    point = surface.point(alpha, beta, build)
+    if point is None:
         return False, None
-    P, omega = float(load[0]), float(frequency[0])
+    P, omega = point
     if not P < min(surface.divergence, load_max * (1 + 1e-9)):
         return True, pencil.divergence(surface.divergence) if surface.divergence <= load_max else None
+    light = damping.size < 1e-4 * math.sqrt(pencil.e[0])
     scan = max(damping.size, LIGHTEST_SCAN * math.sqrt(pencil.e[0]))
-    A = load[0] * pencil._relative + np.diag(1 + (1j * omega * scan * damping.shape - omega**2) / pencil.e)
+    D = 1j * scan * damping.shape
+    A = P * pencil._relative + np.diag(1 + omega * (D - omega) / pencil.e)
     try:
-        v = np.linalg.inv(A) @ np.ones(pencil.size, dtype=complex)
-        v = np.linalg.solve(A, v / np.abs(v).max())
+        B = np.linalg.inv(A)
     except np.linalg.LinAlgError:
         return False, None
-    found = _polish(pencil, damping, scan, omega, P, np.asarray(v / np.sqrt(pencil.e)))
-    if found is None or abs(found.load - P) > 1e-8 * P:
+    v = B @ B.sum(axis=1)
+    v = v / np.sqrt(pencil.e) / np.abs(v).max()
+    if light:
+        found = _polish(pencil, damping, scan, omega, P, np.asarray(v))
+    else:  # one more step of Newton's method for det A = 0, as the surface was made
+        a, b = (B * pencil._relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
+        share = 1 / float((a * b.conj()).imag)
+        found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v))
+    if found is None or not abs(found.load - P) < 1e-8 * P:
         return False, None
     return True, found if found.load <= load_max else None
 
