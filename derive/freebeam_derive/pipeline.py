@@ -10,8 +10,8 @@ integrals     forms, modes                closed forms                          
 polynomials   ends                        Legendre series, the second basis         legendre.py      Eqs. (9), (11)
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
 kernel        closed forms                graph of operations                       kernel.py
-emission      graph                       NumPy module                              emit.py
-verification  module, forms               measured errors within bounds             verify.py
+emission      graph                       NumPy module                              emit.py, emit_legendre.py, source.py
+verification  module, forms               measured errors within bounds             verify.py, independent.py
 """
 
 from __future__ import annotations
@@ -28,7 +28,18 @@ from functools import cached_property, lru_cache, partial
 from importlib.metadata import version
 from pathlib import Path
 
-from freebeam_derive import emit, integrals, kernel, modes, newmark, ritz, scaling, statement, variation, verify
+from freebeam_derive import (
+    emit,
+    integrals,
+    kernel,
+    modes,
+    newmark,
+    ritz,
+    scaling,
+    statement,
+    variation,
+    verify,
+)
 from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column, StatementError

@@ -44,12 +44,12 @@ def numbers(dice: random.Random, derivation: Derivation) -> dict[Any, Any]:
     return {s: sp.Rational(dice.randint(1, 9), 10) for s in symbols}
 
 
-def test_equations_of_the_coordinates_are_the_principle(name: str, derived: Derived, principle: Any) -> None:
+def test_equations_of_the_coordinates_are_the_principle(unlike: str, derived: Derived, principle: Any) -> None:
     """Eqs. (9)-(11): for y = Σ φ_j q_j and δy = φ_i the principle gives row i of M q̈ + C q̇ + K q − F_0 Q, exactly.
 
     The trial functions are not orthogonal and meet no natural condition; H is not symmetric.
     """
-    dice, derivation = random.Random(name), derived(name)
+    dice, derivation = random.Random(unlike), derived(unlike)
     system, values, force = derivation.system, numbers(dice, derivation), sp.Rational(5, 3)
     phi = functions(dice, derivation.column.ends)
     q = [sum(sp.Rational(dice.randint(1, 9), 4) * t**n for n in range(3)) for _ in phi]

@@ -18,7 +18,7 @@ from freebeam_derive.pipeline import Derivation
 from freebeam_derive.statement import Column, StatementError
 
 Derived = Callable[[str], Derivation]
-DIMENSIONAL = ("free-free", "beck", "euler-pinned", "leipholz")
+DIMENSIONAL = ("free-free", "leipholz")
 
 
 def beam(dice: random.Random) -> dict[Any, Any]:

@@ -51,13 +51,13 @@ def evaluated(expression: Any, motion: Any, virtual: Any, values: dict[Any, Any]
     return sp.expand(expression.replace(jet, one).xreplace(values).subs(t, now))
 
 
-def test_weak_and_strong_form_are_the_principle(name: str, derived: Derived, principle: Any, integrate: Any) -> None:
+def test_weak_and_strong_form_are_the_principle(unlike: str, derived: Derived, principle: Any, integrate: Any) -> None:
     """Energies differentiated along random motions = weak form = ∫ strong form δy dx + end terms, exactly.
 
     P, α, β, the column's own parameters, the force and its place are random; motion and virtual displacement keep
     the geometric conditions and no natural one.
     """
-    dice, derivation = random.Random(name), derived(name)
+    dice, derivation = random.Random(unlike), derived(unlike)
     motion = derivation.motion
     values, now = numbers(dice, derivation), sp.Rational(dice.randint(1, 9), 7)
     moving = sp.expand(admissible(dice, derivation.column.ends) * polynomial(dice, 2, t) + t**3 * x**2 * (1 - x) ** 2)

@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 import sympy as sp
 
-from freebeam_derive import verify
+from freebeam_derive import independent, verify
 from freebeam_derive.pipeline import Derivation
 from freebeam_derive.verify import VerificationError
 
@@ -20,8 +20,8 @@ Text = Callable[[str], str]
 
 
 # the reference depends on the ends alone: computed once for all tampered texts
-independent_mode = cache(verify.independent_mode)
-products = cache(verify._Products)
+independent_mode = cache(independent.independent_mode)
+products = cache(independent.Products)
 
 
 @pytest.fixture(autouse=True)
@@ -31,7 +31,7 @@ def few_modes(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(verify, "EXACT_MODES", 7)
     monkeypatch.setattr(verify, "HIGH_MODES", (9,))
     monkeypatch.setattr(verify, "independent_mode", independent_mode)
-    monkeypatch.setattr(verify, "_Products", lambda modes, rigid: products(tuple(modes), rigid))
+    monkeypatch.setattr(verify, "Products", lambda modes, rigid: products(tuple(modes), rigid))
 
 
 def function_of(text: str, name: str) -> tuple[int, int]:
