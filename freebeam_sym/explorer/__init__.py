@@ -40,7 +40,8 @@ def page(column: Column) -> str:
         "BASIS": column.basis_name,
         "FORMS": html.escape("; ".join(f"{name}: {form}" for name, form in column.kernel.COLUMN["forms"].items())),
         "LOADMAX": f"{LOAD_MAX:g}",
-        "KEY": f'<span class="key">{_key()}</span>',
+        "KEY": _key("mode"),
+        "BRANCHKEY": _key("branch"),
         "RIGIDNOTE": _rigid_note(column.rigid_count),
         "STYLE": _style(),
         # a "<" could end the element that the numbers stand in
@@ -75,9 +76,10 @@ def _style() -> str:
     return _text("libraries/uPlot.css") + _text("page.css").replace("@CIVIDIS@", scale)
 
 
-def _key() -> str:
-    """Colours of the modes in the plots."""
-    return "".join(f'<i style="background: var(--mode-{k})"></i>mode {k}' for k in range(1, 5))
+def _key(what: str) -> str:
+    """Colours of the lines in a plot."""
+    lines = "".join(f'<span><i style="background: var(--mode-{k})"></i>{what} {k}</span> ' for k in range(1, 5))
+    return f'<span class="key">{lines}</span>'
 
 
 def _rigid_note(rigid: int) -> str:

@@ -88,13 +88,15 @@ def own_column(tmp_path_factory: pytest.TempPathFactory) -> str:
 def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """The file of a column's page, written once; by name, or by the path of a user's own column."""
     folder = tmp_path_factory.mktemp("explorer")
-    known: dict[tuple[str, str | None], Path] = {}
+    known: dict[Any, Path] = {}
 
-    def write(column: str, basis: str | None = None) -> Path:
+    def write(column: str | fb.Column, basis: str | None = None) -> Path:
         key = (column, basis)
         if key not in known:
             known[key] = folder / f"{len(known)}.html"
-            known[key].write_text(explorer.page(fb.column(column, basis)), encoding="utf-8")
+            known[key].write_text(
+                explorer.page(column if isinstance(column, fb.Column) else fb.column(column, basis)), encoding="utf-8"
+            )
         return known[key]
 
     return write
@@ -103,9 +105,9 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
 @pytest.fixture(scope="session")
 def kept(browser: Any, written: Callable[..., Path]) -> Iterator[Callable[..., Opened]]:
     """One open page of each column and basis, with a desk's screen and the beam at rest."""
-    pages: dict[tuple[str, str | None], Opened] = {}
+    pages: dict[Any, Opened] = {}
 
-    def get(column: str, basis: str | None) -> Opened:
+    def get(column: str | fb.Column, basis: str | None) -> Opened:
         if (column, basis) not in pages:
             pages[column, basis] = Opened(browser, written(column, basis), reduced_motion="reduce")
         return pages[column, basis]
@@ -124,7 +126,9 @@ def opened(browser: Any, written: Callable[..., Path], kept: Callable[..., Opene
     pages: list[Opened] = []
     new: list[Opened] = []
 
-    def open_page(column: str = "free-free", fragment: str = "", basis: str | None = None, **context: Any) -> Opened:
+    def open_page(
+        column: str | fb.Column = "free-free", fragment: str = "", basis: str | None = None, **context: Any
+    ) -> Opened:
         if context:
             new.append(Opened(browser, written(column, basis), fragment, **context))
             pages.append(new[-1])

@@ -3,6 +3,7 @@
 import json
 import random
 import re
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -238,6 +239,20 @@ def test_users_own_column(opened, own_column):
     assert page.page.locator("#slider-mu").count() == 1
     page.page.locator("#map").scroll_into_view_if_needed()
     page.page.wait_for_function("freebeam.map() && freebeam.map().axes.beta.length === 1")
+
+
+def test_column_without_damping(opened):
+    """No map, no sliders of damping, and nothing that fails for want of them."""
+    real = fb.column("beck")
+    kernel = SimpleNamespace(**vars(real.kernel))
+    kernel.COLUMN = {**real.kernel.COLUMN, "damping": []}
+    page = opened(fb.Column(kernel))
+    assert page.page.locator("#map-panel").is_hidden()
+    assert set(page.values()) == {"P", "N", "eta", "sensor"}
+    page.type("N", "4")
+    page.ask("askForMap(freebeam.view())")
+    page.type("P", "18")
+    assert page.text("undamped") == page.text("critical")
 
 
 ARROWS = """(values) => {

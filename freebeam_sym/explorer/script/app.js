@@ -36,7 +36,8 @@ function startPage() {
       change(view, Object.fromEntries(Object.entries(wanted).filter(([key]) => key in view.values)), true);
     });
   } else {
-    view.part["map-panel"].hidden = true;
+    view.part["map-panel"].hidden = true; // no damping is no map
+    view.part.plots.dataset.map = "none";
   }
   followAddress(view);
   watchMap(view);
@@ -106,17 +107,21 @@ function settle(view) {
   show(view);
 }
 
-/** The map takes some seconds of computing: it is begun when it comes into view. */
-function askForMap({ seen, compute, mapKey, values, parameters }) {
-  if (seen) compute({ kind: "map", id: mapKey, N: values.N, own: ownOf(parameters, values) });
+/** The map takes some seconds of computing: it is begun at once where it is in view, else when the page has rested. */
+function askForMap(view) {
+  const { mapKey, values, parameters } = view;
+  const ask = () => view.compute({ kind: "map", id: mapKey, N: values.N, own: ownOf(parameters, values) });
+  clearTimeout(view.resting);
+  if (!view.plots.map) return;
+  if (view.seen) ask();
+  else view.resting = setTimeout(ask, 2000);
 }
 
 function watchMap(view) {
   const watch = new IntersectionObserver((entries) => {
-    if (!entries.some((entry) => entry.isIntersecting)) return;
-    watch.disconnect();
-    view.seen = true;
-    askForMap(view);
+    const before = view.seen;
+    view.seen = entries[entries.length - 1].isIntersecting;
+    if (view.seen && !before && view.map?.id !== view.mapKey) askForMap(view);
   });
   watch.observe(view.part.map);
 }
@@ -341,6 +346,7 @@ function outside(view) {
     analysis: () => view.analysis,
     map: () => view.map,
     state: () => view.state,
+    view: () => view,
     response: () => view.response,
     steps: () => [...view.steps],
     frames: () => [...view.frames],

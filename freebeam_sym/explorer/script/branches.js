@@ -43,7 +43,6 @@ function advance(states, at, load, depth) {
 
 /** For each branch its place in b; null where that is not clear and need not yet be settled. */
 function match(a, b, last) {
-  const n = a.re.length;
   const h = (b.load - a.load) / 2;
   const gap = a.re.map((_, j) =>
     b.re.map((_, k) =>
@@ -57,7 +56,7 @@ function match(a, b, last) {
   const free = new Set(b.re.map((_, k) => k));
   order.forEach((k, j) => good[j] && free.delete(k));
   // of two that meet and part, the growing one goes on with the smaller number
-  for (let j = 0; j < n; j++) {
+  for (let j = 0; j < order.length; j++) {
     if (good[j]) continue;
     const distance = (k) => Math.hypot(b.re[k] - a.re[j], b.im[k] - a.im[j]);
     const nearest = [...free].sort((k, m) => distance(k) - distance(m))[0];

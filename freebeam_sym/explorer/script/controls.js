@@ -80,7 +80,6 @@ function showValue(control, value, range) {
   if (Number(slider.max) !== max || slider.step === "") Object.assign(slider, { min, max, step });
   slider.value = to(value);
   slider.setAttribute("aria-valuetext", exact(value));
-  slider.style.setProperty("--share", `${(100 * (to(value) - min)) / (max - min)}%`);
   const typing = document.activeElement === box && Number(box.value) === value;
   if (!typing) box.value = exact(value);
 }

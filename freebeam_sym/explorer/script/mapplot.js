@@ -132,10 +132,9 @@ function nearestKnown(loads, i, j, n) {
 /** Where the critical load is the present load: between stable and not. */
 function drawBoundary(u, map, P, n, m) {
   const { ctx } = u;
-  const excess = (i, j) => {
-    const load = nearestKnown(map.loads, i, j, n);
-    return Number.isFinite(load) ? Math.log(load / Math.max(P, 1e-9)) : Number.isNaN(load) ? NaN : 5;
-  };
+  map.logs ??= map.loads.map((_, k) => Math.log(nearestKnown(map.loads, k % n, Math.floor(k / n), n)));
+  const level = Math.log(Math.max(P, 1e-9));
+  const excess = (i, j) => Math.min(5, map.logs[j * n + i] - level); // no critical load: far above
   const edges = [];
   for (let j = 0; j < m; j++) {
     for (let i = 0; i < n; i++) {
@@ -165,6 +164,7 @@ function steps(before, after, edge) {
 function crossings(value, i, j) {
   const corners = [[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]];
   const values = corners.map((corner) => value(...corner));
+  if (values.every((x) => x > 0) || !values.some((x) => x > 0)) return [];
   const points = [];
   corners.forEach(([x, y], k) => {
     const [X, Y] = corners[(k + 1) % 4];

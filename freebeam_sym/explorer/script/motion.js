@@ -27,16 +27,16 @@ function stateAt(pencil, damping, P) {
   const upper = modes.filter((mode) => mode.im >= 0 && !(mode.im === 0 && damping.size === 0 && mode.re < 0));
   const rounding = 1e-9 * largest;
   const least = upper.reduce((x, y) => (y.re > x.re + (y.im > x.im ? rounding : 0) ? y : x));
-  const growing = isGrowing(pencil, damping, P);
-  return { upper, least, growing, number: numberOf(pencil, damping, upper, least) };
+  // close to the boundary the count decides that the critical load rests on
+  const sure = damping.ratio >= LIGHTEST && Math.abs(least.re) > 1e-6 * largest;
+  const growing = sure ? least.re > 0 : isGrowing(pencil, damping, P);
+  return { upper, least, growing, number: numberOf(least) };
 }
 
-/** Number of a mode in the order of frequency, after those that external damping keeps from oscillating. */
-function numberOf(pencil, damping, upper, mode) {
-  let still = 0;
-  while (still < pencil.N && damping.size * damping.shape[still] >= 2 * pencil.root[still]) still++;
-  if (still === pencil.N) still = 0;
-  return still + upper.filter((other) => other.im > 0 && other.im < mode.im * (1 - 1e-9)).length + 1;
+/** The mode of the unloaded beam that has the greatest part in a motion, numbered from 1. */
+function numberOf({ q }) {
+  const share = q.re.map((x, i) => Math.hypot(x, q.im[i]));
+  return share.indexOf(Math.max(...share)) + 1;
 }
 
 /** The motion of a mode along the beam: real and imaginary part, the largest deflection 1. */
@@ -53,17 +53,18 @@ function motionOf(pencil, mode, shapes) {
 }
 
 /**
- * Deflection at a sensor after the release of q₁ = 0.01 (the column's own first function) from rest. Eqs. (9), (10).
+ * Deflection at a sensor after release from rest in the first mode of the unloaded beam, its largest coordinate 0.01.
+ * Eqs. (9), (10).
  * The state is a sum of e^(λt) over the eigenvectors; it ends where it has grown a thousandfold.
  */
 function responseAt(column, pencil, damping, P, place, duration, count = 700) {
   const { N, root, basis } = pencil;
-  const found = new EigenvalueDecomposition(stateMatrix(pencil, damping, P), { assumeSymmetric: false });
+  const found = stateDecomposition(pencil, damping, P);
   const V = new LuDecomposition(found.eigenvectorMatrix);
   // eigenvectors of a coalescence to the last digit are no basis; beside it they are
   if (V.isSingular()) return responseAt(column, pencil, damping, P * (1 + 1e-9) + 1e-9, place, duration, count);
-  const start = new LuDecomposition(new Matrix(basis)).solve(Matrix.columnVector([0.01, ...Array(N - 1).fill(0)]));
-  const initial = [...start.to1DArray().map((x, i) => x * root[i]), ...Array(N).fill(0)];
+  const first = Math.max(...basis.map((row) => Math.abs(row[0])));
+  const initial = [(0.01 / first) * Math.sign(basis[0][0]) * root[0], ...Array(2 * N - 1).fill(0)];
   const c = V.solve(Matrix.columnVector(initial)).to1DArray();
   const sensor = shapesAt(column, place).value.slice(0, N);
   const weights = root.map((w, i) => dot(sensor, basis.map((row) => row[i])) / w);

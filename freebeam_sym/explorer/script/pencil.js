@@ -193,6 +193,17 @@ function stateMatrix(pencil, damping, P) {
   return A;
 }
 
+let lastState = { pencil: null, damping: null, P: NaN, found: null };
+
+/** Eigenvalues and eigenvectors of the state matrix; the last ones are kept, since modes and response share them. */
+function stateDecomposition(pencil, damping, P) {
+  if (lastState.pencil !== pencil || lastState.damping !== damping || lastState.P !== P) {
+    const found = new EigenvalueDecomposition(stateMatrix(pencil, damping, P), { assumeSymmetric: false });
+    lastState = { pencil, damping, P, found };
+  }
+  return lastState.found;
+}
+
 /** λ (2N) with their motions q in the basis of the pencil, sorted by |Im|, then falling Re, then falling Im. */
 function spectrumOf(pencil, damping, P) {
   const { N, root } = pencil;
@@ -205,7 +216,7 @@ function spectrumOf(pencil, damping, P) {
       modes.push({ re, im, q: vectors[k] }, { re: -re, im: -im, q: vectors[k] });
     });
   } else {
-    const found = new EigenvalueDecomposition(stateMatrix(pencil, damping, P), { assumeSymmetric: false });
+    const found = stateDecomposition(pencil, damping, P);
     complexColumns(found, N).forEach((u, k) => {
       const q = { re: u.re.map((x, i) => x / root[i]), im: u.im.map((x, i) => x / root[i]) };
       modes.push({ re: found.realEigenvalues[k], im: found.imaginaryEigenvalues[k], q });

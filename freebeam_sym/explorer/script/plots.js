@@ -1,6 +1,7 @@
 // The four plots. uPlot makes axes, grids and scales; what is no function of x is drawn over them.
 
 function makePlot(place, { x, y, series = [], draw = () => {}, height = 290 }) {
+  const digits = (_, splits) => splits.map((value) => String(Number(value.toPrecision(6))).replace("-", "−"));
   const axis = (options) => ({
     stroke: () => palette.ink,
     grid: { stroke: () => palette.grid, width: 1 },
@@ -19,8 +20,8 @@ function makePlot(place, { x, y, series = [], draw = () => {}, height = 290 }) {
     padding: [12, 14, 0, 4],
     scales: { x: { time: false, range: x.range }, y: { range: y.range } },
     axes: [
-      axis({ label: x.label, size: 34, values: x.values, splits: x.splits, space: x.space ?? 50 }),
-      axis({ label: y.label, size: y.size ?? 52, values: y.values, splits: y.splits, space: y.space ?? 34 }),
+      axis({ label: x.label, size: 34, values: x.values ?? digits, splits: x.splits, space: x.space ?? 50 }),
+      axis({ label: y.label, size: y.size ?? 52, values: y.values ?? digits, splits: y.splits, space: y.space ?? 34 }),
     ],
     series: [{}, ...(series.length ? series : [{ show: false }])],
     hooks: { draw: [(u) => clipped(u, () => draw(u))] },
