@@ -26,7 +26,7 @@ How a claim was settled:
   and that the beam is stable below.
 - *proven over the range*: in ball arithmetic, for every value of the range, which is covered by cells. Where a critical
   load is followed along a range, its crossing is proven to go on, alone in its place, with the sign of its slope; that
-  it is the first crossing is proven at both ends.
+  it is the first crossing is proven at both ends, and, where the row says so, up to a share of the load between them.
 - *map*: in floating point, at the points of a dense map; along the lines named it is proven.
 - *computed*: in floating point, at the values named.
 """

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from freebeam_derive.paper.compare import Comparison
     from freebeam_sym.ledger.finding import Interval
 
-__all__ = ["amplitude", "cells", "eigenvalues", "equations", "exact", "interval", "line", "ritz"]
+__all__ = ["amplitude", "cells", "eigenvalues", "equations", "exact", "interval", "line", "none_before", "ritz"]
 
 DIGITS = 20  # proven; fewer are printed
 
@@ -70,6 +70,12 @@ def cells(name: str, which: str, held: str, low: str, high: str, pieces: int) ->
         assert found.load is not None and found.frequency is not None
         near.append((found.load, found.frequency))
     return tuple(line(name, which, held).cells(dampings, near))
+
+
+@lru_cache(maxsize=32)
+def none_before(name: str, which: str, held: str, low: str, high: str, pieces: int, share: str) -> Fraction:
+    """Proof that the column is stable up to the crossings of `cells`, but for a share of the load; that share."""
+    return line(name, which, held).none_before(cells(name, which, held, low, high, pieces), Fraction(share))
 
 
 @lru_cache(maxsize=32)

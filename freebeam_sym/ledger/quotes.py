@@ -290,7 +290,7 @@ INTERNAL = (
     Quote(
         "4.2-rises", "4.2",
         r"in the range  $10^{-3} < \overline{\alpha} \le 10^{-1}$ , the value of the critical follower force increased.",
-        "rises", {"which": "internal", "low": "0.001", "high": "0.1"},
+        "rises", {"which": "internal", "low": "0.001", "high": "0.1", "none_before": "0.03"},
     ),
     Quote(
         "4.2-cantilever", "4.2",
@@ -325,7 +325,7 @@ EXTERNAL = (
     Quote(
         "4.3-greater", "4.3",
         r"the value of the critical follower force is greater than the previous value calculated without damping effects ( $\overline{\beta} = 0$ ,  $\overline{\alpha} = 0$ ).",
-        "rises", {"which": "external", "low": "0.01", "high": "1", "above_undamped": True},
+        "rises", {"which": "external", "low": "0.01", "high": "1", "above_undamped": True, "none_before": "0.03"},
     ),
     Quote(
         "4.3-cantilever", "4.3",
@@ -339,7 +339,7 @@ BOTH = (
     Quote(
         "4.4-rises-with-beta", "4.4",
         r"there exists a specific value of  $\overline{\alpha}$  at which increasing the  $\overline{\beta}$  leads to a rise in the critical follower force",
-        "rises", {"which": "external", "low": "0.01", "high": "1", "held": "0.001"},
+        "rises", {"which": "external", "low": "0.01", "high": "1", "held": "0.001", "none_before": "0.03"},
     ),
     Quote(
         "4.4-falls-then-rises", "4.4",
@@ -430,7 +430,7 @@ CONCLUSIONS = (
     Quote(
         "5-rises-alpha", "5",
         r"in the range  $10^{-3} < \overline{\alpha} \le 10^{-1}$ , the value of critical follower force increased.",
-        "rises", {"which": "internal", "low": "0.001", "high": "0.1"},
+        "rises", {"which": "internal", "low": "0.001", "high": "0.1", "none_before": "0.03"},
     ),
     Quote("5-flutter-alpha", "5", "In this case, all the obtained critical follower force increased. […] follower forces cause flutter to occur.", "flutter_everywhere", {"which": "internal"}, note="The text at hand repeats half a sentence."),
     Quote(
@@ -443,7 +443,7 @@ CONCLUSIONS = (
         r"In the range  $10^{-1} < \overline{\beta} \le 10^{\circ}$ , the value of critical follower force increased",
         "digits_change", {"which": "external", "low": "0.1", "high": "1", "printed": "109.73"},
     ),
-    Quote("5-stabilizing", "5", "(in fact, this type of damping alone has a stabilizing effect)", "rises", {"which": "external", "low": "0.01", "high": "1", "above_undamped": True}),
+    Quote("5-stabilizing", "5", "(in fact, this type of damping alone has a stabilizing effect)", "rises", {"which": "external", "low": "0.01", "high": "1", "above_undamped": True, "none_before": "0.03"}),
     Quote("5-flutter-beta", "5", "In this case again, all the obtained critical follower forces caused flutter to occur.", "flutter_everywhere", {"which": "external"}),
     Quote(
         "5-complicated", "5",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from fractions import Fraction as F
 from itertools import pairwise
 
@@ -26,7 +27,7 @@ def critical(name: str, which: str, damping: float, held: float, modes: int) -> 
 
 @pytest.mark.parametrize(("name", "which", "held"), CASES)
 def test_stable_below_and_unstable_above(name: str, which: str, held: str) -> None:
-    """A narrow range of damping: what is proven stable ends at the critical load, what is proven unstable begins there."""
+    """Over a narrow range of damping what is proven stable ends where what is proven unstable begins."""
     modes = 5
     line = Line(fb.column(name).kernel, modes, which, F(held))
     low, high = F(1, 100), F(101, 10000)
@@ -57,6 +58,17 @@ def test_cells_follow_the_crossing(name: str, which: str, held: str) -> None:
             assert cell.load[0] * (1 - F(1, 10**9)) < load < cell.load[1] * (1 + F(1, 10**9))
             assert cell.square[0] * (1 - F(1, 10**7)) < frequency**2 < cell.square[1] * (1 + F(1, 10**7))
         assert cell.rises == np.sign(found[1][0] - found[0][0])
+
+
+def test_no_crossing_before_the_first() -> None:
+    """Stability up to a share of the load below the crossings; of a second crossing it is refused."""
+    line = Line(fb.column("free-free").kernel, 4, "internal")
+    dampings = [F(2, 100), F(4, 100)]
+    cells = line.cells(dampings, [critical("free-free", "internal", float(d), 0.0, 4) for d in dampings])
+    assert 0 < line.none_before(cells, F(1, 20)) <= F(1, 20)
+    beyond = [dataclasses.replace(cell, load=(cell.load[0] * 2, cell.load[1] * 2)) for cell in cells]
+    with pytest.raises(Unproven):
+        line.none_before(beyond[:1], F(1, 20))
 
 
 def test_a_wrong_start_proves_nothing() -> None:

@@ -19,6 +19,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import partial
 from itertools import pairwise
 from math import comb
 from types import ModuleType
@@ -38,6 +39,7 @@ from freebeam_derive.certify.ritz import (
 )
 
 BITS = 192
+MARGIN = 1 - Fraction(1, 1000)  # of the loads, to stay clear of the crossing
 MOST_CUTS = 12  # halvings of a cell before a proof is given up
 Curve = list[list[arb_poly]]  # [power of τ][power of P], polynomials in x
 Which = Literal["internal", "external"]
@@ -123,8 +125,27 @@ class Line:
         Raises Unproven."""
         return self._everywhere(low, high, lambda family: family.unstable(load))
 
+    def none_before(self, cells: Sequence[Cell], share: Fraction) -> Fraction:
+        """Stability for every damping of some cells up to their crossings, but for a share of the load, at most as
+        given; that share is returned. Raises Unproven."""
+        worst, first = Fraction(0), 0
+        while first < len(cells):
+            last, bottom, top = first, cells[first].load[0], cells[first].load[1]
+            while last + 1 < len(cells):
+                low, high = min(bottom, cells[last + 1].load[0]), max(top, cells[last + 1].load[1])
+                if low * MARGIN < high * (1 - share):
+                    break
+                last, bottom, top = last + 1, low, high
+            bottom *= MARGIN
+            self._throughout(cells[first].low, cells[last].high, partial(_Family.stable, start=Fraction(0), end=bottom))
+            worst, first = max(worst, 1 - bottom / top), last + 1
+        return worst
+
     def _everywhere(self, low: Fraction, high: Fraction, show: Callable[[_Family], None]) -> int:
-        waiting, done = [(self.of(low), self.of(high), MOST_CUTS)], 0
+        return self._throughout(self.of(low), self.of(high), show)
+
+    def _throughout(self, low: Fraction, high: Fraction, show: Callable[[_Family], None]) -> int:
+        waiting, done = [(low, high, MOST_CUTS)], 0
         with precision(BITS):
             while waiting:
                 a, b, depth = waiting.pop()
