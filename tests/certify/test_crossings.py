@@ -186,6 +186,11 @@ def test_two_crossings_close_together(apart: Fraction, monkeypatch: pytest.Monke
         else:
             with pytest.raises(Inseparable, match=r"two may lie closer together"):
                 crossings.survey(fb.column("beck").kernel, question, F(3), 20)
+            # an interval so wide that both are in it is not said to hold one
+            with pytest.raises(Unproven, match="a second crossing may lie"):
+                ritz.certify(fb.column("beck").kernel, question, (1.0, 0.0), 20)
+            monkeypatch.setattr(ritz, "_stable_below", lambda *_: [])
+            assert ritz.certify(fb.column("beck").kernel, question, (1.0, 0.0), 60).load is not None
     finally:
         monkeypatch.undo()
         ritz._characteristic.cache_clear()
@@ -214,7 +219,7 @@ def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
         for one, other in pairwise(listed):
             assert one.square is not None and other.square is not None
             P, x = one.load[0], one.square[0]
-            tables = [crossings._shift(t, balls.exact(P), balls.exact(x), survey.N) for t in survey.tables.values()]
+            tables = [ritz.shifted_to(t, balls.exact(P), balls.exact(x)) for t in survey.tables.values()]
             r, rho = other.load[1] - P, abs(other.square[1] - x) + abs(other.square[0] - x)
-            assert not crossings._alone(tables, r, rho)
-            assert crossings._alone(tables, r / 10**6, rho / 10**6)
+            assert not ritz.alone(tables, r, rho)
+            assert ritz.alone(tables, r / 10**6, rho / 10**6)

@@ -27,7 +27,7 @@ CASES = {
     "undamped": ("free-free", Question(8)),
     "damped": ("free-free", Question(8, F("0.001"), F("0.1"))),
     "limit": ("free-free", Question(8, kappa=F(0))),
-    "limit at a ratio": ("beck", Question(6, kappa=F(2))),
+    "limit at a ratio": ("beck", Question(4, kappa=F(2))),
     "beck": ("beck", Question(8, own={"eta": F(1)})),
     "beck, dead load": ("beck", Question(8, own={"eta": F(0)})),
     "beck, heavy damping": ("beck", Question(8, F(10))),
@@ -152,17 +152,26 @@ def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
 
 
 @pytest.mark.parametrize(
-    ("question", "near"),
+    ("name", "question", "near"),
     [
-        (Question(8), (1604.0, 0.0)),  # a divergence root far above the flutter load
-        (Question(8), (406.0, 60.0)),  # near the restabilisation
-        (Question(8, F("0.001"), F("0.1")), (109.72176, 23.08)),  # the undamped load
-        (Question(3), (399.0, 0.0)),
+        ("free-free", Question(8), (1604.0, 0.0)),  # a divergence root far above the flutter load
+        ("free-free", Question(8), (406.01237265, 50.04628115)),  # another pair that begins to flutter
+        ("free-free", Question(8, F("0.001"), F("0.1")), (109.72176, 23.08)),  # the undamped load
+        ("free-free", Question(3), (399.0, 0.0)),
+        ("beck", Question(8, own={"eta": F("0.4")}), (15.98833175, 0.0)),  # where stability is regained
+        ("beck", Question(8, own={"eta": F("0.4")}), (16.45615266, 4.47384517)),  # where it is lost again
     ],
 )
-def test_a_crossing_that_is_not_the_first_is_refused(question: Question, near: tuple[float, float]) -> None:
+def test_a_crossing_that_is_not_the_first_is_refused(name: str, question: Question, near: tuple[float, float]) -> None:
     with pytest.raises(Unproven):
-        ritz.certify(fb.column("free-free").kernel, question, near, 20)
+        ritz.certify(fb.column(name).kernel, question, near, 20)
+
+
+def test_a_refusal_says_what_was_established() -> None:
+    """Beck's column regains stability at 15.99: a crossing, but not the first."""
+    question = Question(8, own={"eta": F("0.4")})
+    with pytest.raises(Unproven, match=r"established is that there is a crossing, of divergence, at 15\.98833175"):
+        ritz.certify(fb.column("beck").kernel, question, (15.98833175, 0.0), 20)
 
 
 @pytest.mark.parametrize("case", ["undamped", "damped", "beck, dead load"])

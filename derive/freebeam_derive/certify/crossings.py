@@ -29,6 +29,7 @@ from freebeam_derive.certify.ritz import (
     Boundary,
     Question,
     Stretch,
+    alone,
     boundary,
     enclose_divergence,
     enclose_flutter,
@@ -36,6 +37,8 @@ from freebeam_derive.certify.ritz import (
     newton,
     rational,
     separators_at,
+    shifted_to,
+    tables,
     zeros,
 )
 
@@ -161,13 +164,9 @@ class _Survey:
         self.N = found.N
         # without damping two eigenvalues meet where h and h_x vanish
         g = found.g if found.g is not None else [p.derivative() for p in found.h]
-        self.tables = {"h": self._table(found.h), "g": self._table(g)}
+        self.tables = dict(zip("hg", tables(found), strict=True))
         self.polynomials = {"h": found.h, "g": g}
         self.crossings: list[_Found] = []
-
-    def _table(self, which: list[arb_poly]) -> arb_mat:
-        n = self.N + 1
-        return arb_mat([[which[a][b] if a < len(which) else 0 for b in range(n)] for a in range(n)])
 
     def run(self) -> list[_Found]:
         at_zero = separators_at(self.found, Fraction(0))
@@ -311,11 +310,11 @@ class _Survey:
         except Unproven:
             return None
         middle, place = rational(P, 60), rational(x, 60)
-        shifted = [_shift(table, exact(middle), exact(place), self.N) for table in self.tables.values()]
+        shifted = [shifted_to(table, exact(middle), exact(place)) for table in self.tables.values()]
         width = (b - a) / 2
         for halvings in range(0, 60, 2):
             r = width / 2**halvings
-            rho = next((p for k in range(1, 40, 2) if _alone(shifted, r, p := place / 2**k)), None)
+            rho = next((p for k in range(1, 40, 2) if alone(shifted, r, p := place / 2**k)), None)
             if rho is None or not (exact(middle - r) < P < exact(middle + r)):
                 continue
             low, high, bottom, top = middle - r, middle + r, place - rho, place + rho
@@ -410,37 +409,3 @@ def _keeps_sign(rows: arb_mat, low: Fraction, high: Fraction | None, degree: int
         turned = arb_mat([[rows[i, degree - j] for j in range(degree + 1)] for i in range(rows.nrows())])
         return bool(_one_sign((turned * _bernstein(Fraction(0), 1 / low, degree).transpose()).entries()))
     return bool(_one_sign((rows * _bernstein(low, high, n).transpose()).entries()))
-
-
-def _shift(table: arb_mat, P: arb, x: arb, n: int) -> arb_mat:
-    """Taylor coefficients about a point."""
-
-    def pascal(t: arb) -> arb_mat:
-        powers = [t**k for k in range(n + 1)]
-        return arb_mat([[comb(j, i) * powers[j - i] if j >= i else 0 for j in range(n + 1)] for i in range(n + 1)])
-
-    return pascal(P) * table * pascal(x).transpose()
-
-
-def _alone(shifted: list[arb_mat], r: Fraction, rho: Fraction) -> bool:
-    """Whether (h, g) is one to one on the box |P − P₀| ≤ r, |x − x₀| ≤ ρ: 1 − J(centre)⁻¹ J is a contraction there."""
-    u, v = exact(r), exact(rho)
-    n = shifted[0].nrows()
-    us, vs = [u**k for k in range(n)], [v**k for k in range(n)]
-    centre, spread = [], []
-    for s in shifted:
-        by_P = by_x = arb(0)
-        for i in range(n):
-            for j in range(n):
-                if i + j > 1:
-                    size = abs(s[i, j]).upper() * us[i] * vs[j]
-                    by_P, by_x = by_P + i * size, by_x + j * size
-        centre.append([s[1, 0] * u, s[0, 1] * v])
-        spread.append([by_P, by_x])
-    (a, b), (c, d) = centre
-    det = a * d - b * c
-    if det.contains(0):
-        return False
-    inverse = [[abs(d / det), abs(b / det)], [abs(c / det), abs(a / det)]]
-    rest = [sum((row[k] * spread[k][j] for k in range(2) for j in range(2)), arb(0)) for row in inverse]
-    return all(value < 1 for value in rest)

@@ -383,6 +383,50 @@ def enclose_flutter(found: Boundary, P: arb, x: arb, bits: int) -> tuple[arb, ar
     raise Unproven("no box around the candidate could be shown to hold a crossing")
 
 
+def tables(found: Boundary) -> list[arb_mat]:
+    """Coefficients of h and of g (of h_x without damping), by powers of P in rows and of x in columns."""
+    n = found.N + 1
+    g = found.g if found.g is not None else [p.derivative() for p in found.h]
+    return [
+        arb_mat([[which[a][b] if a < len(which) else 0 for b in range(n)] for a in range(n)]) for which in (found.h, g)
+    ]
+
+
+def shifted_to(table: arb_mat, P: arb, x: arb) -> arb_mat:
+    """Taylor coefficients about a point."""
+    n = table.nrows() - 1
+
+    def pascal(t: arb) -> arb_mat:
+        powers = [t**k for k in range(n + 1)]
+        return arb_mat([[comb(j, i) * powers[j - i] if j >= i else 0 for j in range(n + 1)] for i in range(n + 1)])
+
+    return pascal(P) * table * pascal(x).transpose()
+
+
+def alone(shifted: list[arb_mat], r: Fraction, rho: Fraction) -> bool:
+    """Whether (h, g) is one to one on the box |P − P₀| ≤ r, |x − x₀| ≤ ρ: 1 − J(centre)⁻¹ J is a contraction there."""
+    u, v = exact(r), exact(rho)
+    n = shifted[0].nrows()
+    us, vs = [u**k for k in range(n)], [v**k for k in range(n)]
+    centre, spread = [], []
+    for s in shifted:
+        by_P = by_x = arb(0)
+        for i in range(n):
+            for j in range(n):
+                if i + j > 1:
+                    size = abs(s[i, j]).upper() * us[i] * vs[j]
+                    by_P, by_x = by_P + i * size, by_x + j * size
+        centre.append([s[1, 0] * u, s[0, 1] * v])
+        spread.append([by_P, by_x])
+    (a, b), (c, d) = centre
+    det = a * d - b * c
+    if det.contains(0):
+        return False
+    inverse = [[abs(d / det), abs(b / det)], [abs(c / det), abs(a / det)]]
+    rest = [sum((row[k] * spread[k][j] for k in range(2) for j in range(2)), arb(0)) for row in inverse]
+    return all(value < 1 for value in rest)
+
+
 def enclose_divergence(found: Boundary, P: arb, bits: int) -> arb:
     """Interval Newton for det K = 0: a ball of P that holds exactly one root. Raises Unproven."""
     P, zero = P.mid(), arb(0)
@@ -487,7 +531,7 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
             raise Unproven("the crossing's frequency is not known to be positive")
     else:
         P = enclose_divergence(found, P, bits)
-    tolerance = Fraction(1, 10 ** (digits + 2))
+    tolerance = Fraction(1, 10 ** (max(digits, 8) + 2))
     middle = rational(P, bits)
     end = middle - abs(middle) * tolerance / 2
     top = middle + abs(middle) * tolerance / 2
@@ -509,6 +553,15 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
         squared = (point - spread, point + spread)
         if not (exact(squared[0]) < x < exact(squared[1])):
             raise Unproven("the frequency could not be enclosed to the digits asked for")
+        shifted = [shifted_to(table, exact(middle), exact(point)) for table in tables(found)]
+        single = alone(shifted, middle * tolerance / 2, spread)
+    else:
+        single = not found.value(found.h, exact(end).union(exact(top)), arb(0), 1).contains(0)
+    if not single:
+        raise Unproven(
+            f"a second crossing may lie with the one at {near[0]:.10g} in the interval of {digits} digits; established "
+            "is that the column is stable below; ask for more digits to tell them apart"
+        )
     return Enclosure(question, kind, (end, top), squared, None, tuple(stretches), proof)
 
 
