@@ -79,7 +79,7 @@ def own_column(tmp_path_factory: pytest.TempPathFactory) -> str:
     from freebeam_derive import emit, pipeline, statement
 
     file = tmp_path_factory.mktemp("own") / "tip_mass.py"
-    column = statement.load_column(Path(__file__).parents[1] / "derive" / "columns" / "tip_mass.py")
+    column = statement.load_column(Path(__file__).with_name("tip_mass.py"))
     file.write_text(emit.emit(pipeline.derive(column).kernel), encoding="utf-8")
     return str(file)
 
