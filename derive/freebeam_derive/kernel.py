@@ -297,7 +297,7 @@ def _matrix(name: str, letter: str, form: Form, beam: ComparisonBeam, equation: 
     diagonal = factor_terms(expand(_signs_squared(_plain(diagonal))))
 
     rigid = beam.rigid
-    corner = tuple(tuple(_rigid_pair(form, first, second) for second in rigid) for first in rigid)
+    corner = tuple(tuple(rigid_pair(form, first, second) for second in rigid) for first in rigid)
     rows, columns = _rigid_border(form, beam, False), _rigid_border(form, beam, True)
 
     lowered, mode_statements = _lower(listed)
@@ -328,7 +328,8 @@ def _signs_squared(expression: Expr) -> Expr:
     )
 
 
-def _rigid_pair(form: Form, first: Expr, second: Expr) -> Expr:
+def rigid_pair(form: Form, first: Expr, second: Expr) -> Expr:
+    """Entry of two rigid functions: a number times parameters."""
     along = Add(
         *(f * integral_polynomials(x**k * first.diff(x, p), second.diff(x, q)) for (k, p, q), f in form.along.items())
     )
@@ -339,7 +340,7 @@ def _rigid_pair(form: Form, first: Expr, second: Expr) -> Expr:
 
 def _rigid_border(form: Form, beam: ComparisonBeam, trial: bool) -> tuple[Expr, ...]:
     """Entries of each rigid function against an elastic mode; `trial`: the rigid functions are the columns."""
-    return tuple(_rigid_mode(form, beam, function, trial) for function in beam.rigid)
+    return tuple(rigid_mode(form, beam, function, trial) for function in beam.rigid)
 
 
 def _refuse_coupled(column: Column, beam: ComparisonBeam, columns: dict[str, tuple[Expr, ...]]) -> None:
@@ -355,7 +356,7 @@ def _refuse_coupled(column: Column, beam: ComparisonBeam, columns: dict[str, tup
                 )
 
 
-def _rigid_mode(form: Form, beam: ComparisonBeam, function: Expr, trial: bool) -> Expr:
+def rigid_mode(form: Form, beam: ComparisonBeam, function: Expr, trial: bool) -> Expr:
     """Entry of a rigid function against an elastic mode; `trial`: the rigid function is the column."""
     total = S.Zero
     for (k, p, q), factor in form.along.items():

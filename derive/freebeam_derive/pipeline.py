@@ -8,7 +8,9 @@ Ritz          weak form                   M, C, E, H, Q as bilinear forms       
 modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
 polynomials   ends                        Legendre series, the second basis         legendre.py      Eqs. (9), (11)
+stability     matrices                    pencil, meeting, tangent rule, work       stability.py     Eqs. (24)-(26)
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
+proofs        all of these                every step by another route               proofs.py
 kernel        closed forms                graph of operations                       kernel.py
 emission      graph                       NumPy module                              emit.py, emit_legendre.py, source.py
 verification  module, forms               measured errors within bounds             verify.py, independent.py
@@ -32,10 +34,13 @@ from freebeam_derive import (
     emit,
     integrals,
     kernel,
+    legendre,
     modes,
     newmark,
+    proofs,
     ritz,
     scaling,
+    stability,
     statement,
     variation,
     verify,
@@ -74,18 +79,21 @@ class Derivation:
 
     @property
     def steps(self) -> tuple[Step, ...]:
-        """The record of every stage, in order."""
+        """The record of every stage, in order; each step with its proof."""
         damped = self.damped.steps if self.damped else ()
-        return (
+        made = (
             *self.scaling,
             *self.motion.steps,
             *self.system.steps,
             *damped,
             *self.beam.steps,
             *integrals.orthogonality(self.beam),
-            *self.polynomials.basis.steps,
+            stability.load_matrix(self.beam, self.system.H),
+            *legendre.polynomials(self.column.ends).steps,
+            *stability.steps(self),
             *newmark_method().steps,
         )
+        return tuple(proofs.attach(self, made))
 
 
 @dataclass(frozen=True)

@@ -135,7 +135,11 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
 
     series = equal(show(jet(Integer(0), Integer(0), Integer(0), ALONG)), Symbol("Sigma_j") * phi_j * q_j)
     matrices = {"M": M, "C": C, "K": K}
-    stated = tuple(equal(Symbol(f"{name}_ij"), form.expression) for name, form in matrices.items())
+    force = F_0 * Add(*(size * phi_i.subs(x, place) for place, size in forces))
+    stated = (
+        *(equal(Symbol(f"{name}_ij"), form.expression) for name, form in matrices.items()),
+        equal(Symbol("Q_i"), force),
+    )
     geometric = H.map(lambda f: P * f)
     identity = _difference(C, M.map(lambda f: c_M * f) + (K + geometric.map(lambda f: -f)).map(lambda f: c_E * f))
     if identity:

@@ -17,6 +17,7 @@ from freebeam_sym.cli import (  # noqa: F401 (they register their commands)
     derivation,
     explore,
     figures,
+    lesson,
     map,
     respond,
     stability,

@@ -207,6 +207,8 @@ def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, points: int =
     if curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
         raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
     c_M, c_E = column.damping_factors(1.0, kappa, **parameters)
+    if not c_E:
+        raise InputError(f"{column.name}: states no internal damping, so there is no limit of it to construct")
     square = limit.frequency**2
     return Tangent(curves, limit, c_M / c_E, limit.load, square, (square + c_M / c_E) / limit.load)
 

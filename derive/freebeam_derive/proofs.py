@@ -1,0 +1,551 @@
+"""What proves each step of a derivation, by another route than the stage's own. Eqs. (5)-(23).
+
+Energies and forms are evaluated on motions that are polynomials, exactly (motions.py); modes and integrals are
+evaluated at the first roots with 40 digits; Newmark's method and the rest are identities. `attach` gives every step
+its proof: `Step.residual` runs it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
+from functools import cache, lru_cache, partial
+from typing import TYPE_CHECKING, Any
+
+import mpmath
+from sympy import Add, Expr, Integer, Poly, S, Symbol, cancel, exp, expand, integrate, lambdify, legendre, nsimplify
+
+from freebeam_derive import integrals, modes, motions, newmark_proofs, roots, variation
+from freebeam_derive import legendre as polynomials
+from freebeam_derive.notation import F_0, P, alpha, beta, chi, gamma, lambda_, t, x, y
+from freebeam_derive.record import Step
+from freebeam_derive.ritz import Form
+from freebeam_derive.statement import GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
+
+if TYPE_CHECKING:
+    from freebeam_derive.pipeline import Derivation
+
+DIGITS = 40
+MODES = 3  # first modes at which closed forms are compared with numbers
+
+
+Proof = Callable[["Derivation", Step], Any]
+_WORDS: dict[Proof, str] = {}
+
+
+def attach(derivation: Derivation, steps: Iterable[Step]) -> Iterator[Step]:
+    """The steps, each with its proof, and in `check` what it does. Raises KeyError for one that nothing here proves."""
+    for step in steps:
+        if step.proof is None:
+            key = (step.stage, step.why[:2] if step.why[1:2] == ")" else step.what)
+            if step.stage == newmark_proofs.STAGE:
+                proof, words = newmark_proofs.PROOFS[step.what]
+                step = replace(step, proof=partial(proof, step), check=words)
+            else:
+                step = replace(step, proof=partial(_PROOFS[key], derivation, step), check=_WORDS[_PROOFS[key]])
+        yield step
+
+
+def _says(words: str) -> Callable[[Proof], Proof]:
+    """What a proof does, for the step's `check`."""
+
+    def keep(proof: Proof) -> Proof:
+        _WORDS[proof] = words
+        return proof
+
+    return keep
+
+
+# --- scaling and variation ------------------------------------------------------------------------------------
+
+
+@_says(
+    "a motion and the same motion scaled, of a beam with numbers for m, EI and L: their works differ by the factor "
+    "EI / L, exactly"
+)
+def _scaling(d: Derivation, step: Step) -> Any:
+    """The dimensional work of a motion is EI / L times the nondimensional work of the scaled motion."""
+    from freebeam_derive.notation import EI, C_alpha, C_beta, L, m, x_F
+    from freebeam_derive.scaling import SCALES
+
+    name = step.what.split()[1]
+    assert d.column.dimensional is not None
+    length = Integer(2)
+    numbers = {m: 9, EI: 4, L: length}  # the unit of time, (m L^4 / EI)^(1/2), is then no root
+    unit = {key: size.subs(numbers) for key, size in SCALES.items()}
+    scaled = {x: x / length, t: t / unit["time"]}
+    moving, virtual = motions.motion(), motions.admissible(d.column.ends, S.One) * (1 + t)
+    given = d.column.dimensional.functional(name)
+    long, along = (expand(length * e.subs(scaled, simultaneous=True)) for e in (moving, virtual))
+    work = Functional(given.density.subs(numbers), given.points.subs(numbers))
+    found = motions.value(work, long, along, length, unit["force"] * motions.force().subs(scaled))
+    own = {P: unit["load"] * P, C_alpha: unit["alpha"] * alpha, C_beta: unit["beta"] * beta, x_F: length * x_F}
+    wanted = motions.value(d.column.energies.functional(name), moving, virtual).subs(scaled)
+    return expand(found.subs(own, simultaneous=True) - unit["energy"] * wanted)
+
+
+def _works(d: Derivation) -> tuple[Functional, ...]:
+    return tuple(d.column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc"))
+
+
+def _action(d: Derivation) -> Functional:
+    T, V, W_c, dW_nc = _works(d)
+    return (
+        variation.first_variation(T) + variation.first_variation(V).scaled(-1) + variation.first_variation(W_c) + dW_nc
+    )
+
+
+@_says("half the difference of the energies at y + δy and y − δy, on polynomials, exactly")
+def _first_variation(d: Derivation, step: Step) -> Any:
+    T, V, W_c, dW_nc = _works(d)
+    moving, virtual = motions.motion(), motions.vanishing(S.One) + x * t
+    energy = T + V.scaled(-1) + W_c
+    exact = motions.varied(energy, moving, virtual, S.One) + motions.value(dW_nc, moving, virtual)
+    return expand(motions.value(_action(d), moving, virtual) - exact)
+
+
+def _at_rest(d: Derivation) -> tuple[Expr, Expr]:
+    """A motion, and a virtual displacement that vanishes at the instants 0 and 1."""
+    return motions.motion(), expand(t * (1 - t) * motions.admissible(d.column.ends, S.One))
+
+
+@_says("both sides integrated over time, on polynomials with δy = 0 at both instants, exactly")
+def _by_parts_in_time(d: Derivation, step: Step) -> Any:
+    kinetic = variation.first_variation(_works(d)[0])
+    moved = variation.off_the_rates(kinetic)
+    return motions.over_time(motions.value(kinetic, *_at_rest(d)) - motions.value(moved, *_at_rest(d)))
+
+
+@_says("its time integral is that of the line before, negated, on polynomials with δy = 0 at both instants, exactly")
+def _weak_form(d: Derivation, step: Step) -> Any:
+    action, weak = _action(d), d.motion.weak
+    return motions.over_time(motions.value(action, *_at_rest(d)) + motions.value(weak, *_at_rest(d)))
+
+
+@_says("both sides on polynomials, exactly")
+def _by_parts_along(d: Derivation, step: Step) -> Any:
+    density = d.motion.weak.density
+    interior, bracket = variation.by_parts(density)
+    bare = interior * jet(Integer(1), Integer(0), Integer(0), Symbol("along"))
+    ends = variation.at_end(bracket, S.One) - variation.at_end(bracket, S.Zero)
+    moving, virtual = motions.motion(), motions.polynomial(4, 5)
+    return motions.value(Functional(density, -ends), moving, virtual) - motions.value(
+        Functional(expand(bare), S.Zero), moving, virtual
+    )
+
+
+def _strong(d: Derivation, virtual: Expr) -> Expr:
+    """Weak form less equation of motion and natural conditions, each times the virtual displacement."""
+    moving, motion = motions.motion(), d.motion
+    rest = motions.value(motion.weak, moving, virtual)
+    rest -= motions.integral(expand(motions.along(motion.strong, moving) * virtual), x, S.One)
+    rest += sum((motions.along(f, moving) * virtual.subs(x, place) for place, f in motion.forces), S.Zero)
+    for (end, order), condition in motion.natural.items():
+        rest -= motions.along(condition, moving) * virtual.diff(x, order).subs(x, end)
+    return expand(rest)
+
+
+@_says("times δy and integrated it is the weak form, on polynomials with δy = δy′ = 0 at the ends, exactly")
+def _equation_of_motion(d: Derivation, step: Step) -> Any:
+    return _strong(d, motions.vanishing(S.One))
+
+
+@_says("with them, weak and strong form agree on polynomials that move the ends wherever they may move, exactly")
+def _natural_conditions(d: Derivation, step: Step) -> Any:
+    return _strong(d, motions.admissible(d.column.ends, S.One))
+
+
+# --- Ritz -----------------------------------------------------------------------------------------------------
+
+
+def form_value(form: Form, test: Expr, trial: Expr) -> Expr:
+    """A bilinear form of two polynomials."""
+    inside = sum(
+        (f * motions.integral(expand(x**k * test.diff(x, p) * trial.diff(x, q)), x, S.One)
+         for (k, p, q), f in form.along.items()), S.Zero
+    )  # fmt: skip
+    points = (f * test.diff(x, p).subs(x, a) * trial.diff(x, q).subs(x, b) for (a, p, b, q), f in form.points.items())
+    return expand(inside + Add(*points))
+
+
+def _series(d: Derivation) -> tuple[Expr, tuple[tuple[Expr, Expr], ...]]:
+    """A test function, and two trial functions with their coordinates."""
+    test = motions.admissible(d.column.ends, S.One, 3)
+    trials = tuple(motions.admissible(d.column.ends, S.One, seed) for seed in (5, 8))
+    return test, tuple(zip(trials, (motions.polynomial(1, 3, t), motions.polynomial(4, 2, t)), strict=True))
+
+
+@_says("the weak form of a sum of two terms is the sum of their weak forms, on polynomials, exactly")
+def _linear(d: Derivation, step: Step) -> Any:
+    test, terms = _series(d)
+    free = Functional(d.motion.weak.density, d.motion.weak.points.subs(F_0, 0))
+    whole = motions.value(free, Add(*(phi * q for phi, q in terms)), test)
+    return expand(whole - sum(motions.value(free, expand(phi * q), test) for phi, q in terms))
+
+
+@_says("the weak form with polynomials for the functions and the coordinates, exactly")
+def _coordinates(d: Derivation, step: Step) -> Any:
+    test, terms = _series(d)
+    system, left = d.system, S.Zero
+    for phi, q in terms:
+        for form, rate in ((system.M, 2), (system.C, 1), (system.K, 0)):
+            left += _value_of(form, system, test, phi) * q.diff(t, rate)
+    force = sum((size * test.subs(x, place) for place, size in system.forces), S.Zero) * motions.force()
+    weak = motions.value(d.motion.weak, expand(Add(*(phi * q for phi, q in terms))), test)
+    return expand(left - force - weak)
+
+
+def _value_of(form: Form, system: Any, test: Expr, trial: Expr) -> Expr:
+    return form_value(form, test, trial)
+
+
+@_says("K less K at zero load is P times the load's matrix, on polynomials, exactly")
+def _geometric(d: Derivation, step: Step) -> Any:
+    test, ((phi, _), _) = _series(d)
+    whole = form_value(d.system.K, test, phi)
+    return expand(whole - whole.subs(P, 0) - P * form_value(d.system.H, test, phi))
+
+
+@_says("both sides on polynomials, exactly")
+def _proportional(d: Derivation, step: Step) -> Any:
+    test, ((phi, _), _) = _series(d)
+    system = d.system
+    M, C, K = (form_value(form, test, phi) for form in (system.M, system.C, system.K))
+    return expand(C - system.c_M * M - system.c_E * (K - P * form_value(system.H, test, phi)))
+
+
+# --- modes ----------------------------------------------------------------------------------------------------
+
+
+@_says("Hamilton's principle again, for the statement without load and force")
+def _unloaded(d: Derivation, step: Step) -> Any:
+    energies = d.column.energies
+    bare = {P: S.Zero, F_0: S.Zero}
+    without = Energies(energies.T, energies.V, energies.W_c.subs(bare), energies.dW_nc.subs(bare))
+    again = variation.derive(without, d.column.ends)
+    return expand(step.after.lhs - show(again.strong))
+
+
+@_says("y = χ(x) e^(λ₀t) put into the equation of motion")
+def _separated(d: Derivation, step: Step) -> Any:
+    separated = step.after[0].lhs
+    moving = chi * exp(lambda_ * t)
+    return expand(step.before.lhs.subs(y, moving).doit() - separated * exp(lambda_ * t))
+
+
+@_says("χ″″ = γ⁴ χ put into the separated equation leaves nothing")
+def _named(d: Derivation, step: Step) -> Any:
+    equation, quartic = step.after
+    inertia = step.before.lhs.subs(chi.diff(x, 4), quartic.rhs * chi)
+    return (cancel(inertia), expand(equation.lhs.subs(chi.diff(x, 4), gamma**4 * chi)))
+
+
+@_says("put back, both solve the quadratic; sum and product are those of its coefficients")
+def _eigenvalues(d: Derivation, step: Step) -> Any:
+    one, other = step.after
+    numerator, _ = (step.before.rhs - gamma**4).together().as_numer_denom()
+    quadratic = Poly(numerator, lambda_)
+    a, b, c = quadratic.all_coeffs()
+    return tuple(
+        expand(e) for e in (quadratic.as_expr().subs(lambda_, one), a * (one + other) + b, a * one * other - c)
+    )
+
+
+@_says("the natural conditions of a damped beam with these ends, from its own variation")
+def _damped_ends(d: Derivation, step: Step) -> Any:
+    """The natural conditions of a damped unloaded beam of these ends, from its own variation."""
+    bending = Energies(
+        integral(y.diff(t) ** 2) / 2,
+        integral(y.diff(x, 2) ** 2) / 2,
+        S.Zero,
+        -integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2))),
+    )
+    natural = variation.derive(bending, d.column.ends).natural
+    shape = motions.polynomial(2, 6)
+    derived = [
+        e.xreplace({j: lambda_ ** j.args[2] * shape.diff(x, j.args[1]).subs(x, j.args[3]) for j in jets(e)})
+        for e in natural.values()
+    ]
+    held = [shape.diff(x, k).subs(x, end) for end, kind in enumerate(d.column.ends) for k in GEOMETRIC[kind]]
+    # each is, up to its sign, one of those derived, or one that the support holds
+    known = [*derived, *(-e for e in derived), *held]
+    found = [e.lhs.replace(chi.func, lambda place: shape.subs(x, place)).doit() for e in step.after]
+    return tuple(min((expand(f - e) for e in known), key=lambda e: e != 0) for f in found)
+
+
+@_says("each condition is the factor times the other, or equal to it")
+def _struck_out(d: Derivation, step: Step) -> Any:
+    factors = (1 + lambda_ * alpha, S.One)
+    return tuple(
+        min((expand(one.lhs - f * other.lhs) for f in factors), key=lambda e: e != 0)
+        for one, other in zip(step.before, step.after, strict=True)
+    )
+
+
+def _root_values(d: Derivation) -> list[mpmath.mpf]:
+    return [root_of(d.beam, k) for k in range(MODES)]
+
+
+@_says("at the first three roots, bracketed to 40 digits, the determinant and both forms vanish")
+def _characteristic(d: Derivation, step: Step) -> Any:
+    """At the roots the determinant vanishes, and both forms of the equation hold."""
+    forms = [lambdify(gamma, e.lhs - e.rhs, "mpmath") for e in step.after]
+    conditions = lambdify(gamma, step.before, "mpmath")
+    with mpmath.workdps(DIGITS + 15):
+        found = []
+        for g in _root_values(d):
+            scale = mpmath.cosh(g)
+            found += [mpmath.det(conditions(g)), forms[0](g), forms[1](g) / scale]
+        return tuple(found)
+
+
+@dataclass(frozen=True)
+class Sampled:
+    """The first modes at the nodes of a quadrature rule: nodes and weights, values[k][p] of φ_k^(p) there, and
+    ends[k][p] at x = 0 and 1. 48 nodes leave 10^-60 of what is smooth to this degree."""
+
+    nodes: list[Any]
+    weights: list[Any]
+    values: list[list[list[Any]]]
+    ends: list[list[tuple[Any, Any]]]
+
+    def integral(self, *factors: list[Any]) -> Any:
+        """∫ of a product over the beam."""
+        return mpmath.fsum(mpmath.fprod(row) for row in zip(self.weights, *factors, strict=True))
+
+    def form(self, form: Form, i: int, j: int) -> Any:
+        """A bilinear form of modes i and j (from 0); its factors are numbers."""
+        return self._sum(form, self.values[i], self.ends[i], self.values[j], self.ends[j])
+
+    def with_trial(self, form: Form, i: int, trial: Expr) -> Any:
+        """The form of mode i as test function and a polynomial as trial function."""
+        orders = [lambdify(x, trial.diff(x, q), "mpmath") for q in range(4)]
+        values = [[mpmath.mpf(f(node)) for node in self.nodes] for f in orders]
+        return self._sum(form, self.values[i], self.ends[i], values, [(f(0), f(1)) for f in orders])
+
+    def _sum(self, form: Form, test: Any, test_ends: Any, trial: Any, trial_ends: Any) -> Any:
+        total = mpmath.mpf(0)
+        for (k, p, q), f in form.along.items():
+            powers = [node**k for node in self.nodes]
+            total += mpmath.mpf(f.p) / f.q * self.integral(powers, test[p], trial[q])
+        for (a, p, b, q), f in form.points.items():
+            total += mpmath.mpf(f.p) / f.q * test_ends[p][int(a)] * trial_ends[q][int(b)]
+        return total
+
+
+@cache
+def sampled(beam: modes.ComparisonBeam) -> Sampled:
+    """The first MODES modes of a comparison beam, sampled with DIGITS digits. Eq. (22)."""
+    with mpmath.workdps(DIGITS + 15):
+        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp)
+        pairs = rule.get_nodes(mpmath.mpf(0), mpmath.mpf(1), 5, mpmath.mp.prec)
+        values, ends = [], []
+        for k in range(MODES):
+            g, row, at_ends = root_of(beam, k), [], []
+            for order in range(4):
+                f = lambdify((x, gamma), beam.numeric(beam.mode(order), k + 1) * gamma**order, "mpmath")
+                row.append([f(node, g) for node, _ in pairs])
+                at_ends.append((f(mpmath.mpf(0), g), f(mpmath.mpf(1), g)))
+            values.append(row)
+            ends.append(at_ends)
+        return Sampled([node for node, _ in pairs], [w for _, w in pairs], values, ends)
+
+
+def own_values(d: Derivation) -> dict[Expr, Expr]:
+    """The column's own parameters at their defaults, exactly."""
+    return {p.symbol: nsimplify(p.default, rational=True) for p in d.column.parameters}
+
+
+@_says(
+    "the fourth derivative is γ⁴ times the mode identically; at the first three roots all end conditions hold to 40 "
+    "digits"
+)
+def _shapes(d: Derivation, step: Step) -> Any:
+    """The modes meet the four end conditions and their equation, at the first roots."""
+    found = [expand(d.beam.mode(4) - d.beam.mode())]
+    with mpmath.workdps(DIGITS + 15):
+        for row, g in zip(sampled(d.beam).ends, _root_values(d), strict=True):
+            found += [row[order][end] / g**order for end, orders in enumerate(d.beam.orders) for order in orders]
+    for order in range(4):
+        found.append(expand(d.beam.mode(order + 1) - d.beam.mode(order).diff(x) / gamma))
+    return tuple(found)
+
+
+@_says("no fourth derivative, all end conditions, orthogonal: exactly")
+def _rigid(d: Derivation, step: Step) -> Any:
+    left = [f.diff(x, 4) for f in d.beam.rigid]
+    for f in d.beam.rigid:
+        left += [f.diff(x, k).subs(x, end) for end, orders in enumerate(d.beam.orders) for k in orders]
+    left += [integrate(f * g, (x, 0, 1)) for i, f in enumerate(d.beam.rigid) for g in d.beam.rigid[:i]]
+    return tuple(left)
+
+
+@_says("values at the supports of the first modes, 40 digits")
+def _geometric_ends(d: Derivation, step: Step) -> Any:
+    held = [(end, k) for end, kind in enumerate(d.beam.ends) for k in GEOMETRIC[kind]]
+    return tuple(row[k][end] for row in sampled(d.beam).ends for end, k in held)
+
+
+@_says("the bracket of two polynomials that meet the conditions vanishes at both ends, exactly")
+def _self_adjoint(d: Derivation, step: Step) -> Any:
+    """The bracket of two functions that meet the end conditions vanishes at both ends."""
+    u, v = (Poly(motions.polynomial(seed, 9), x).as_expr() for seed in (1, 2))
+    left = []
+    for end, orders in enumerate(d.beam.orders):
+        # a Taylor polynomial about the end, without the orders that vanish there
+        f, g = (sum((c * (x - end) ** k for (k,), c in Poly(w, x).terms() if k not in orders), S.Zero) for w in (u, v))
+        left.append(sum(((-1) ** r * f.diff(x, 3 - r) * g.diff(x, r) for r in range(4)), S.Zero).subs(x, end))
+    return tuple(left)
+
+
+@_says("Gram's matrix of the first modes by quadrature is diagonal and positive, 40 digits")
+def _positive_mass(d: Derivation, step: Step) -> Any:
+    """Gram's matrix of the first modes is diagonal and positive, by quadrature."""
+    with mpmath.workdps(DIGITS):
+        mass, found = Form({(0, 0, 0): S.One}), sampled(d.beam)
+        gram = [[found.form(mass, i, j) for j in range(MODES)] for i in range(MODES)]
+        bad = [gram[i][j] for i in range(MODES) for j in range(i)]
+        return (*bad, *(mpmath.mpf(0 if gram[i][i] > 0 else 1) for i in range(MODES)))
+
+
+# --- integrals and polynomials -----------------------------------------------------------------------------------
+
+
+def closed_form(d: Derivation, expression: Expr, i: int, j: int) -> Any:
+    """An integral's closed form at modes i and j (from 0), DIGITS digits."""
+    values = {**_mode_values(d.beam, "i", i), **_mode_values(d.beam, "j", j)}
+    symbols, function = _lambdified(expression)
+    return function(*(values[s] for s in symbols))
+
+
+@lru_cache(maxsize=64)
+def _lambdified(expression: Expr) -> tuple[tuple[Symbol, ...], Callable[..., Any]]:
+    symbols = tuple(sorted(expression.free_symbols, key=str))
+    return symbols, lambdify(symbols, expression, "mpmath")
+
+
+@cache
+def _mode_values(beam: modes.ComparisonBeam, suffix: str, k: int) -> dict[Symbol, Any]:
+    """What the closed forms know of mode k: its root, its sign, its end values."""
+    g = root_of(beam, k)
+    values: dict[Symbol, Any] = {
+        Symbol(f"gamma_{suffix}", positive=True): g,
+        Symbol(f"sigma_{suffix}", real=True): mpmath.mpf((-1) ** k),
+    }
+    plain, named = integrals.end_values(beam).named, integrals.end_values(beam).of(suffix).named
+    with mpmath.workdps(DIGITS + 15):
+        for (_, e), (symbol, _) in zip(plain, named, strict=True):
+            values[symbol] = lambdify(gamma, beam.numeric(e, k + 1), "mpmath")(g)
+    return values
+
+
+@cache
+def root_of(beam: modes.ComparisonBeam, k: int) -> mpmath.mpf:
+    """The root of mode k (from 0), to more digits than are needed. Eq. (21)."""
+    return roots.root(beam, k + 1, DIGITS + 10)
+
+
+@_says("the closed forms against quadrature of the first three modes, 40 digits")
+def _orthogonal(d: Derivation, step: Step) -> Any:
+    mass, bending, of_mass, of_bending = step.after
+    with mpmath.workdps(DIGITS):
+        left = []
+        for different, same, p in ((mass, of_mass, 0), (bending, of_bending, 2)):
+            form = Form({(0, p, p): S.One})
+            left.append(sampled(d.beam).form(form, 0, 1) - closed_form(d, different, 0, 1))
+            left += [sampled(d.beam).form(form, k, k) / closed_form(d, same, k, k) - 1 for k in range(MODES)]
+        return tuple(left)
+
+
+@_says("the closed forms against quadrature of the first three modes, all nine entries, 40 digits")
+def _load_matrix(d: Derivation, step: Step) -> Any:
+    own = own_values(d)
+    different, same = (relation.rhs.subs(own) for relation in step.after)
+    form = d.system.H.map(lambda f: f.subs(own))
+    with mpmath.workdps(DIGITS):
+        left = []
+        for i in range(MODES):
+            for j in range(MODES):
+                size = closed_form(d, same, i, i)
+                found = closed_form(d, same if i == j else different, i, j)
+                left.append((sampled(d.beam).form(form, i, j) - found) / size)
+        return tuple(left)
+
+
+def trial_polynomials(d: Derivation, count: int = 6) -> list[Expr]:
+    basis = polynomials.polynomials(d.column.ends)
+    return [
+        expand(sum(c * legendre(n, 2 * x - 1) for n, c in enumerate(polynomials.coefficients(basis, degree))))
+        for degree in range(basis.first, basis.first + count)
+    ]
+
+
+@_says("the first six meet the conditions and are orthogonal to one another and to the rigid functions, exactly")
+def _polynomials_held(d: Derivation, step: Step) -> Any:
+    """The first six meet the geometric conditions and are orthogonal to one another and to the rigid functions."""
+    functions, basis = trial_polynomials(d), polynomials.polynomials(d.column.ends)
+    left = [f.diff(x, c.order).subs(x, c.end) for f in functions for c in basis.conditions]
+    everything = [*basis.rigid, *functions]
+    left += [motions.integral(expand(f * g), x, S.One) for i, f in enumerate(everything) for g in everything[:i]]
+    return tuple(left)
+
+
+@_says("the squares of the first six integrated, exactly")
+def _norms(d: Derivation, step: Step) -> Any:
+    basis = polynomials.polynomials(d.column.ends)
+    return tuple(
+        motions.integral(expand(f**2), x, S.One) - basis.norm.subs(polynomials.d, basis.first + n)
+        for n, f in enumerate(trial_polynomials(d))
+    )
+
+
+@_says("as many functions as dimensions, for every degree")
+def _degrees(d: Derivation, step: Step) -> Any:
+    """The trial functions of degree up to n are as many as the polynomials that meet the conditions."""
+    return step.before - step.after
+
+
+@_says("Legendre's identity for the slope, for the first four orders")
+def _differentiable(d: Derivation, step: Step) -> Any:
+    left = []
+    for n in range(1, 5):
+        p = [legendre(n + s, 2 * x - 1) for s in (-1, 0, 1)]
+        left.append(expand(p[2].diff(x) - p[0].diff(x) - 2 * (2 * n + 1) * p[1]))
+    return tuple(left)
+
+
+_PROOFS: dict[tuple[str, str], Proof] = {
+    **{("scaling", f"Write {name} in nondimensional quantities"): _scaling for name in ("T", "V", "W_c", "dW_nc")},
+    ("variation", "Take the first variation of the energies and add the virtual work"): _first_variation,
+    ("variation", "Integrate the kinetic term by parts in time"): _by_parts_in_time,
+    ("variation", "Read off the weak form"): _weak_form,
+    ("variation", "Integrate by parts along the beam until δy stands bare"): _by_parts_along,
+    ("variation", "State the equation of motion"): _equation_of_motion,
+    ("variation", "State the natural end conditions"): _natural_conditions,
+    ("Ritz series", "Approximate the deflection by a series"): _linear,
+    ("Ritz series", "Substitute it into the weak form"): _coordinates,
+    ("Ritz series", "Collect the equation of the coordinates"): _coordinates,
+    ("Ritz series", "Split the geometric stiffness off"): _geometric,
+    ("Ritz series", "Compare the damping with mass and elastic stiffness"): _proportional,
+    ("modes", "Take the load and the force away"): _unloaded,
+    ("modes", "Separate the variables"): _separated,
+    ("modes", "Name the factor of χ"): _named,
+    ("modes", "Solve for the eigenvalues"): _eigenvalues,
+    ("modes", "Put the separated motion into the end conditions"): _damped_ends,
+    ("modes", "Strike out the damping"): _struck_out,
+    ("modes", "Set the determinant to zero"): _characteristic,
+    ("modes", "Solve for the coefficients"): _shapes,
+    ("modes", "Keep what the ends let move as a rigid body"): _rigid,
+    ("modes", "1)"): _geometric_ends,
+    ("modes", "2)"): _shapes,
+    ("modes", "3)"): _self_adjoint,
+    ("modes", "4)"): _positive_mass,
+    ("integrals", "Integrate products of two modes"): _orthogonal,
+    ("integrals", "Write the load's matrix in closed form"): _load_matrix,
+    ("polynomials", "Take a polynomial of each degree that meets the geometric conditions"): _polynomials_held,
+    ("polynomials", "Integrate their squares"): _norms,
+    ("polynomials", "1)"): _polynomials_held,
+    ("polynomials", "2)"): _differentiable,
+    ("polynomials", "3)"): _degrees,
+    ("polynomials", "4)"): _norms,
+}

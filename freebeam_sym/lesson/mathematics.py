@@ -1,0 +1,158 @@
+"""LaTeX as MathML, and that as Typst: the one language of the lesson's mathematics in the others."""
+
+from __future__ import annotations
+
+import re
+from functools import lru_cache
+from xml.etree import ElementTree
+
+from freebeam_sym.checks import InputError
+
+__all__ = ["mathml", "typst"]
+
+_PRIME = {"lspace": "0", "rspace": "0", "class": "prime"}
+_PRIMES = {1: "′", 2: "″", 3: "‴", 4: "⁗"}
+
+
+@lru_cache(maxsize=4096)
+def mathml(latex: str, block: bool = False) -> str:
+    """MathML of a formula, without a namespace, as HTML has it. Raises InputError without latex2mathml."""
+    try:
+        from latex2mathml.converter import convert_to_element
+    except ImportError:
+        raise InputError("lessons need latex2mathml, which is not installed: pip install 'freebeam[lesson]'") from None
+    root = convert_to_element(latex, display="block" if block else "inline")
+    for parent in root.iter():
+        primes = [child for child in parent if child.tag == "mi" and _text(child) == "′"]
+        if primes and len(primes) == len(parent) and len(parent) <= 4:
+            for child in list(parent):
+                parent.remove(child)
+            ElementTree.SubElement(parent, "mo", _PRIME).text = _PRIMES[len(primes)]
+        if parent.tag == "mi" and _text(parent) == "′":
+            parent.tag = "mo"
+            parent.attrib.update(_PRIME)
+    root.attrib.pop("xmlns", None)
+    text = ElementTree.tostring(root, encoding="unicode")
+    return re.sub(r"&amp;(#x?[0-9A-Fa-f]+;)", r"&\1", text)
+
+
+def _text(element: ElementTree.Element) -> str:
+    """Characters of an element; latex2mathml keeps some as references."""
+    text = element.text or ""
+    return re.sub(r"&#x([0-9A-Fa-f]+);", lambda m: chr(int(m[1], 16)), text)
+
+
+_ACCENTS = {"˙": "dot", "¨": "dot.double", "^": "hat", "¯": "macron", "ˉ": "macron", "_": "macron", "‾": "overline"}
+_OPERATORS = {
+    "−": "-", "-": "-", "∫": "integral", "∑": "sum", "∂": "partial", "∞": "infinity", "≥": ">=", "≤": "<=",
+    "≠": "!=", "→": "->", "∮": "integral.cont", "′": "'", "″": "''", "‴": "'''", "⁗": "''''", "⋅": "dot.op",
+    "/": "\\/", "×": "times", "≈": "approx", "∈": "in", "±": "plus.minus", "…": "dots.h", "\u2061": "",
+}  # fmt: skip
+
+
+@lru_cache(maxsize=4096)
+def typst(latex: str) -> str:
+    """Typst's mathematics of a formula, by way of MathML."""
+    root = ElementTree.fromstring(_unreferenced(mathml(latex)))
+    return re.sub(r"\s+", " ", _typst(root)).strip()
+
+
+def _unreferenced(text: str) -> str:
+    return text.replace("&nbsp;", " ")
+
+
+def _children(element: ElementTree.Element) -> str:
+    found, rest = [], list(element)
+    while rest:
+        child = rest.pop(0)
+        if child.tag == "mo" and rest and rest[0].tag == "mtable" and (child.text or "").strip() in ("(", "{"):
+            rows = [[_children(cell) for cell in row] for row in rest.pop(0)]
+            if (child.text or "").strip() == "(":
+                found.append(
+                    'mat(delim: "(", ' + "; ".join(", ".join(c or '""' for c in cells) for cells in rows) + ")"
+                )
+                rest.pop(0)
+            else:
+                found.append("cases(" + ", ".join(" & ".join(cells) for cells in rows) + ")")
+        else:
+            found.append(_typst(child))
+    return " ".join(found)
+
+
+def _group(element: ElementTree.Element) -> str:
+    inner = _typst(element)
+    return f"({inner})" if inner else '""'
+
+
+def _letter(text: str, upright: bool) -> str:
+    if not text:
+        return ""
+    if len(text) > 1 and text.isascii():
+        return f'op("{text}")'
+    if len(text) > 1:
+        return f'"{text}"'
+    if text in "#$\\\"/_^&~@;,:'|":
+        return f'"{text}"'
+    return f"upright({text})" if upright and text.isascii() else text
+
+
+def _typst(element: ElementTree.Element) -> str:
+    tag, text = element.tag, (element.text or "").strip()
+    if tag in ("math", "mrow", "mstyle", "mpadded"):
+        return _children(element)
+    if tag == "mi":
+        variant = element.get("mathvariant", "")
+        if variant == "sans-serif":
+            return f"sans({text})"
+        return _letter(text, variant == "normal")
+    if tag == "mn":
+        return text
+    if tag == "mtext":
+        return '"' + (element.text or "").replace("\xa0", " ").replace('"', "") + '"'
+    if tag == "mspace":
+        return {"1em": "quad", "0.167em": "thin"}.get(element.get("width", ""), "space")
+    if tag == "mo":
+        if text in _OPERATORS:
+            return _OPERATORS[text]
+        if text in ("(", ")", "[", "]", "{", "}", "|"):
+            return "\\" + text if text != "|" else "|"
+        if len(text) > 1 and text.isalpha():
+            return f'op("{text}")'
+        return _letter(text, False) if text in ",;:" else text
+    if tag == "mfrac":
+        above, below = element
+        return f"frac({_typst(above)}, {_typst(below)})"
+    if tag == "msqrt":
+        return f"sqrt({_children(element)})"
+    if tag == "msup":
+        base, up = element
+        if _typst(up).strip("'") == "" and _typst(up):
+            return f"{_base(base)}{_typst(up)}"
+        return f"{_base(base)}^{_group(up)}"
+    if tag == "msub":
+        base, down = element
+        return f"{_base(base)}_{_group(down)}"
+    if tag in ("msubsup", "munderover"):
+        base, down, up = element
+        raised = _typst(up)
+        if raised and raised.strip("'") == "":
+            return f"{_base(base)}{raised}_{_group(down)}"
+        return f"{_base(base)}_{_group(down)}^{_group(up)}"
+    if tag == "mover":
+        base, accent = element
+        name = _ACCENTS.get((accent.text or "").strip())
+        return f"{name}({_typst(base)})" if name else f"{_base(base)}^{_group(accent)}"
+    if tag == "munder":
+        base, down = element
+        return f"{_base(base)}_{_group(down)}"
+    if tag == "mtable":
+        rows = [[_children(cell) for cell in row] for row in element]
+        if element.get("columnspacing") == "0em":  # lines that are aligned
+            return " \\ ".join(" & ".join(cells) for cells in rows)
+        return "mat(delim: #none, " + "; ".join(", ".join(cell or '""' for cell in cells) for cells in rows) + ")"
+    return _children(element)
+
+
+def _base(element: ElementTree.Element) -> str:
+    inner = _typst(element)
+    return inner if element.tag in ("mi", "mn", "mo", "mover") and inner else f"attach({inner})" if inner else '""'
