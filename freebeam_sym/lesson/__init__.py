@@ -71,7 +71,7 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     blocks += physics_chapters(chapter, facts, chapter.paper)
     say("Newmark's method")
     blocks += newmark_chapter(chapter)
-    blocks += [Heading("Misprints that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
+    blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
     made = Lesson(stated.title, _subtitle(facts), stated.name, tuple(blocks))
     count = len(made.checks)
     closing = Prose(

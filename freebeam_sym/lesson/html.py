@@ -117,7 +117,7 @@ class _Page:
             case Erratum():
                 inner = "\n".join(f"<p>{inline(p.removeprefix('- '))}</p>" for p in block.paragraphs)
                 return (
-                    f'<aside class="erratum"><p class="label">Misprint in the paper</p><h3>{inline(block.title)}</h3>'
+                    f'<aside class="erratum"><p class="label">Erratum of the paper</p><h3>{inline(block.title)}</h3>'
                     f"\n{inner}\n</aside>"
                 )
             case Figure():

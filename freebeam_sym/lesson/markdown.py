@@ -61,7 +61,7 @@ class Markdown:
                 inner = "\n\n".join(self.blocks(block.blocks))
                 return f"<details><summary>{block.summary}</summary>\n\n{inner}\n\n</details>"
             case Erratum():
-                lines = [f"**Misprint in the paper. {block.title}**", *block.paragraphs]
+                lines = [f"**Erratum of the paper. {block.title}**", *block.paragraphs]
                 return "\n>\n".join(f"> {line}" for line in lines)
             case Figure():
                 self.figures += 1

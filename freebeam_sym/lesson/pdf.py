@@ -48,7 +48,7 @@ HEAD = r"""
 #let checked(body) = block(above: 0.5em, below: 1.3em,
   text(size: 8.5pt, fill: grey)[#text(fill: rgb("#00815e"))[✓ *checked:*] #body])
 #let aside(title, body) = block(fill: rgb("#fff6ec"), stroke: (left: 2pt + rgb("#e0a566")), inset: 9pt, width: 100%,
-  breakable: true, text(size: 9.3pt)[#text(size: 7.5pt, fill: rgb("#c24e00"))[MISPRINT IN THE PAPER] \ *#title*
+  breakable: true, text(size: 9.3pt)[#text(size: 7.5pt, fill: rgb("#c24e00"))[ERRATUM OF THE PAPER] \ *#title*
 
 #body])
 #let folded(title, body) = block(inset: (left: 8pt), stroke: (left: 0.7pt + rgb("#cfd5d9")),

@@ -321,14 +321,12 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
         ),
         Exercise(
             "At $N = 2$ the critical load can be found by hand. How wrong is it?",
-            f"{n(modes_of[2], 6)} over modes, {percent(modes_of[2] / reference - 1)} off; {n(polynomials[2], 6)} over "
-            f"polynomials, {percent(polynomials[2] / reference - 1)} off."
-            if modes_of[2] is not None and polynomials[2] is not None
-            else "Two functions do not show this loss of stability at all: "
-            + ", ".join(
-                f"the {name} find {'none' if v is None else n(v, 6)}"
-                for name, v in (("modes", modes_of[2]), ("polynomials", polynomials[2]))
-            )
+            "; ".join(
+                f"{name} give {n(load, 6)}, {percent(load / reference - 1)} off"
+                if load is not None
+                else f"two {name} do not show this loss of stability at all"
+                for name, load in (("modes", modes_of[2]), ("polynomials", polynomials[2]))
+            ).capitalize()
             + ".",
         ),
     ]

@@ -134,7 +134,7 @@ class _Page:
             case Erratum():
                 inner = "\n\n".join(inline(p) for p in block.paragraphs)
                 return (
-                    r"\begin{quote}\textbf{Misprint in the paper.} " + rf"\textbf{{{inline(block.title)}}}"
+                    r"\begin{quote}\textbf{Erratum of the paper.} " + rf"\textbf{{{inline(block.title)}}}"
                     f"\n\n{inner}\n\\end{{quote}}"
                 )
             case Figure():
@@ -163,7 +163,7 @@ class _Page:
                     f"\n\n{{\\small \\emph{{Answer.}} {inline(block.answer)}\\par}}"
                 )
             case Listing():
-                return "{\\footnotesize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
+                return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
             case Cell():
                 return "\n\n".join(self.blocks(block.blocks))
 
