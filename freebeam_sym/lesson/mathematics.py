@@ -10,6 +10,7 @@ from freebeam_sym.checks import InputError
 
 __all__ = ["mathml", "typst"]
 
+_FUNCTIONS = {"sin", "cos", "sinh", "cosh", "ln", "det"}
 _PRIME = {"lspace": "0", "rspace": "0", "class": "prime"}
 _PRIMES = {1: "′", 2: "″", 3: "‴", 4: "⁗"}
 
@@ -31,6 +32,10 @@ def mathml(latex: str, block: bool = False) -> str:
         if parent.tag == "mi" and _text(parent) == "′":
             parent.tag = "mo"
             parent.attrib.update(_PRIME)
+        for k in reversed(range(len(parent) - 1)):  # a function and its argument stand apart
+            function = parent[k].tag == "mi" and _text(parent[k]) in _FUNCTIONS
+            if function and parent[k + 1].tag in ("mi", "mn"):
+                parent.insert(k + 1, ElementTree.Element("mspace", {"width": "0.167em"}))
     root.attrib.pop("xmlns", None)
     text = ElementTree.tostring(root, encoding="unicode")
     return re.sub(r"&amp;(#x?[0-9A-Fa-f]+;)", r"&\1", text)
