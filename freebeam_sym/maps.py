@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+import os
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,7 @@ from freebeam_sym.grids import KINDS, Answers, agree, checked_axes, solve_grid, 
 
 if TYPE_CHECKING:
     import xarray
+    from distributed import Client
 
     from freebeam_sym.columns import Column
 
@@ -85,6 +87,10 @@ def stability_map(
     load_max: float = 1000.0,
     convergence: bool = True,
     step: Callable[[float], None] | None = None,
+    chunks: int | Sequence[int] | Mapping[str, int] | None = None,
+    scheduler: str | Client | None = None,
+    workers: int | None = None,
+    store: str | os.PathLike[str] | None = None,
     **parameters: ArrayLike,
 ) -> xarray.Dataset:
     """First loss of stability over a grid of any of alpha, beta and the column's own parameters. Section 3.2.
@@ -106,12 +112,29 @@ def stability_map(
     of modes too. Attributes hold the settings. All nondimensional. `found.to_netcdf(path, engine="h5netcdf")` saves it.
     `step` is told which part of the work is done, 0 to 1. Needs xarray (the extra "maps").
 
-    Raises InputError for bad values, for axes that are not one-dimensional, without two values or not distinct, and
-    for a map that memory has no room for.
+    With `chunks` the map is computed in blocks, of so many values along each axis (or along one axis each), on Dask
+    (the extra "distributed"): `scheduler` is a client of any cluster, "processes" or "threads" of this machine, as
+    many as `workers` says, or "synchronous": here, one after the other, without Dask. None is the current client, or
+    processes where there is none (which need a main module that may be imported). The same blocks give the same bits
+    everywhere. `store`: a folder, new or left by a run of the same settings, which holds finished blocks as a Zarr
+    group; they are not computed again.
+
+    Raises InputError for bad values, for axes that are not one-dimensional, without two values or not distinct, for a
+    map that memory has no room for, for chunks that do not fit, and for a store of other settings.
     """
     modes = count("modes", modes, hint="elastic functions in the series")
     load_max = positive("load_max", load_max, "largest load to look at")
     axes, fixed = split(column, parameters)
+    if chunks is not None:
+        from freebeam_sym.sweeps import Sweep, chunk_sizes, run
+
+        sweep = Sweep(column, modes, axes, fixed, load_max, convergence, chunk_sizes(chunks, axes))
+        values = run(sweep, scheduler, workers, store, step)
+        answers = Answers(*(values[name] for name in Answers._fields))
+        return dataset(column, modes, axes, fixed, load_max, answers, values.get("converged"))
+    for name, given in (("scheduler", scheduler), ("workers", workers), ("store", store)):
+        if given is not None:
+            raise InputError(f"{name} needs chunks: values along an axis in a block of the map, such as chunks=100")
     done = (lambda x: step(x / 9 if convergence else x)) if step is not None else None
     found = solve_grid(column, modes, axes, fixed, load_max, done)
     converged = None

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from threading import get_ident
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -222,12 +223,12 @@ def newton(
 
 def pencil_of(M: Real, E: Real, H: Real) -> Pencil:
     """The pencil of these matrices, kept from earlier calls: by value, so that no one's change of an array is
-    missed."""
-    return _kept(len(M), *(np.asarray(a, dtype=float).tobytes() for a in (M, E, H)))
+    missed, and by thread, as what a pencil holds is computed when it is first asked for."""
+    return _kept(get_ident(), len(M), *(np.asarray(a, dtype=float).tobytes() for a in (M, E, H)))
 
 
 @lru_cache(maxsize=64)
-def _kept(n: int, *matrices: bytes) -> Pencil:
+def _kept(thread: int, n: int, *matrices: bytes) -> Pencil:
     return Pencil(*(np.frombuffer(a).reshape(n, n) for a in matrices))
 
 

@@ -52,6 +52,14 @@ def stability_map(
     no_convergence: Annotated[
         bool, typer.Option("--no-convergence", help="Without the second map, of more modes, that judges convergence.")
     ] = False,
+    chunks: Annotated[
+        int | None,
+        typer.Option(metavar="K", help="Compute in blocks of K x K points, by processes on Dask."),
+    ] = None,
+    workers: Annotated[int | None, typer.Option(metavar="W", help="Processes; one a core where not given.")] = None,
+    store: Annotated[
+        Path | None, typer.Option(metavar="FOLDER", help="Keep finished blocks here; a stopped run goes on from it.")
+    ] = None,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE.nc|.png", help="Write a NetCDF file, or a picture.")
     ] = None,
@@ -83,16 +91,13 @@ def stability_map(
     chosen = fb.column(column, basis)
     fixed = chosen.own_parameters(assignments(own))
     limit = {} if load_max is None else {"load_max": float(load_max)}
+    settings: dict[str, Any] = {"convergence": not no_convergence, **limit, **axes, **fixed}
+    if chunks is not None:
+        settings |= {"chunks": chunks, "workers": workers, "store": store}
+    elif workers is not None or store is not None:
+        raise InputError(f"--{'store' if workers is None else 'workers'} needs --chunks K, such as --chunks 100")
     with working("map") as report:
-        found = fb.stability_map(
-            chosen,
-            modes,
-            convergence=not no_convergence,
-            step=lambda part: report(f"{part:.0%}"),
-            **limit,
-            **axes,
-            **fixed,
-        )
+        found = fb.stability_map(chosen, modes, step=lambda part: report(f"{part:.0%}"), **settings)
         if output is not None:
             report("writing")
             content = _picture(found) if output.suffix == ".png" else _netcdf(found)
