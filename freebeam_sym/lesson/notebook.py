@@ -72,7 +72,11 @@ def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
     book.metadata.update(kernelspec={"name": "python3", "display_name": "Python 3", "language": "python"})
     try:
         NotebookClient(
-            book, timeout=300, kernel_name="python3", resources={"metadata": {"path": os.getcwd()}}
+            book,
+            timeout=300,
+            kernel_name="python3",
+            extra_arguments=["--log-level=40"],
+            resources={"metadata": {"path": os.getcwd()}},
         ).execute()
     except CellExecutionError as error:
         raise InputError(f"{output}: a cell of the notebook fails: {' '.join(str(error.evalue).split())}") from error
