@@ -1,0 +1,50 @@
+"""README and guides: their Python runs, their commands exist with the options that they name."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from pathlib import Path
+
+import pytest
+import typer.main
+
+import freebeam_sym as fb
+from freebeam_sym.cli import app
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
+PAGES = [page for page in PAGES if "made" not in page.parts]
+PYTHON = [
+    pytest.param(code, id=f"{page.name}-{k}")
+    for page in PAGES
+    for k, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S))
+    if "kernel" not in code  # which needs the emitted file beside it: tests/runtime/test_cli.py
+]
+COMMANDS = sorted({
+    line.strip().removeprefix("$ ").removeprefix(".venv/bin/")
+    for page in PAGES
+    for line in page.read_text(encoding="utf-8").splitlines()
+    if re.match(r"(    |\$ )(\.venv/bin/)?freebeam [a-z]", line)
+})  # fmt: skip
+
+
+def test_there_is_something_to_test() -> None:
+    assert len(PYTHON) >= 3 and len(COMMANDS) >= 15
+
+
+@pytest.mark.parametrize("code", PYTHON)
+def test_python_runs(code: str, capsys: pytest.CaptureFixture[str]) -> None:
+    names: dict[str, object] = {}
+    exec(compile(code, "page", "exec"), names)
+    if isinstance(names.get("critical"), fb.CriticalLoad):
+        assert names["critical"].kind in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("line", COMMANDS)
+def test_commands_are_understood(line: str) -> None:
+    """Parsed by the command line itself, up to the point where work would begin."""
+    group = typer.main.get_command(app)
+    _, name, *arguments = shlex.split(line.split("#")[0])
+    command = group.commands[name]  # type: ignore[attr-defined]
+    command.make_context(name, arguments)
