@@ -50,6 +50,8 @@ def _to_series(n: int) -> Real:
 
 _COARSE = 7
 _COUNTED = _gauss(4)
+_CORNERS = [(x, y) for x in _COUNTED[[0, -1]].tolist() for y in _COUNTED[[0, -1]].tolist()]
+_PROBED = (0.02, 0.35, 0.7, 0.98)
 _LEVELS = np.array([0.25, 0.5, 0.7, 0.85, 0.94, 0.98])
 
 
@@ -81,11 +83,6 @@ def _filled(values: Real) -> Real | None:
         k = int(((i - a) ** 2 + (j - b) ** 2).argmin())
         out[:, a, b] = values[:, i[k], j[k]]
     return out
-
-
-def _same(one: Real, other: Real) -> bool:
-    """Whether the values of two crossings at the nodes are those of one and the same."""
-    return bool(np.nanmax(np.abs(one / other - 1)) < 1e-6)
 
 
 @dataclass
@@ -235,41 +232,49 @@ class Surface:
         if patch.guess is not None:
             values = self._solve_all(patch, patch.guess)
             tails = self._tails(values)
-            if max(tails) < TOLERANCE and self._take(patch, [values]):
-                return
+            if max(tails) < TOLERANCE and (patch.low[0] == 0 or len(self._others(patch, values)) == 1):
+                if self._take(patch, [values]):
+                    return
         # where the first guess fails in a few places only, in the halves it may do; and series that are too long say
         # nothing against the guess
         short = TOLERANCE <= max(tails) < 0.5 * patch.tail or (
             patch.tail == math.inf and 0 < np.isnan(values[0]).mean() < 0.2
         )
         if not short:
-            middle = self._found_at(patch, 0.5, 0.5)
-            if middle is None:
-                if self._none_there(patch):
+            found = self._search(patch, 0.5, 0.5)
+            if found is None:
+                corners = (self._search(patch, *place) is None for place in _CORNERS)
+                if self._none_there(patch) and self._begins(patch, None) and all(corners):
                     patch.state = "none"
                     return
             else:
-                values = middle
+                values = self._follow(patch, 0.5, 0.5, found)
                 tails = self._tails(values)
                 if max(tails) < TOLERANCE:
-                    if self._take(patch, [values]):
-                        return
-                    # another crossing comes first in a part of the patch: both, and the lesser of the two
-                    corners = (self._found_at(patch, x, y) for x in _COUNTED[[0, -1]] for y in _COUNTED[[0, -1]])
-                    sheets = [values]
-                    for other in corners:
-                        if other is not None and not any(_same(other, one) for one in sheets):
-                            sheets.append(other)
+                    sheets = self._others(patch, values)
                     ends = [self._tails(x) for x in sheets]
                     tails = max(a for a, _ in ends), max(b for _, b in ends)
                     if max(tails) < TOLERANCE and self._take(patch, sheets):
                         return
         self._cut(patch, values, tails if max(tails) < math.inf else (1e-7, 1e-7))
 
+    def _others(self, patch: _Patch, values: Real) -> list[Real]:
+        """These crossings and those that come first in the corners of the patch, if they are others."""
+        sheets = [values]
+        for x, y in _CORNERS:
+            found = self._search(patch, x, y)
+            if found is None:
+                continue
+            Tx, Ty = chebyshev(np.array([[x], [y]]))[:, :, 0].T
+            here = (Tx @ self._series(sheet)[0] @ Ty for sheet in sheets)
+            if not any(abs(load / found[0] - 1) < 1e-8 for load in here):
+                sheets.append(self._follow(patch, x, y, found))
+        return sheets
+
     def _take(self, patch: _Patch, sheets: list[Real]) -> bool:
         """Settle a patch with the values of one crossing or more, where the least is the first."""
         series = np.stack([self._series(values) for values in sheets])
-        if self._first_there(patch, series):
+        if self._begins(patch, series) and self._first_there(patch, series):
             patch.state, patch.series = "flutter", series
         return patch.state == "flutter"
 
@@ -366,20 +371,23 @@ class Surface:
         out[:, live] = P[good], omega[good] ** 2 / (1 - xi[live])
         return out
 
-    def _found_at(self, patch: _Patch, x: float, y: float) -> Real | None:
-        """Crossings at the nodes, followed from the one that a search finds at a place (0 to 1) of the patch; None
-        where it finds no flutter."""
+    def _search(self, patch: _Patch, x: float, y: float) -> tuple[float, float] | None:
+        """Load and ω²/(1 − ξ) of the first flutter at a place (0 to 1) of the patch, by a search; None where there is
+        none."""
         from freebeam_sym.crossings import first_crossing
 
         (a, b), (A, B) = patch.low, patch.high
+        xi, chi = a + (A - a) * x, b + (B - b) * y
+        size = math.sqrt(self.kappa0 * xi / (1 - xi))
+        found = first_crossing(self.pencil, (1 - chi) * size / self.kappa0, chi * size, self.bound, table=False)
+        return None if found is None or found.frequency == 0 else (found.load, found.frequency**2 / (1 - xi))
+
+    def _follow(self, patch: _Patch, x: float, y: float, found: tuple[float, float]) -> Real:
+        """Crossings at the nodes, followed from the one at a place (0 to 1) of the patch."""
+        (a, b), (A, B) = patch.low, patch.high
         x, y = a + (A - a) * x, b + (B - b) * y
-        size = math.sqrt(self.kappa0 * x / (1 - x))
-        found = first_crossing(self.pencil, (1 - y) * size / self.kappa0, y * size, self.bound, table=False)
-        if found is None or found.frequency == 0:
-            return None
         xi, chi = patch.nodes(_gauss(_COARSE))
-        place = np.array([[found.load], [found.frequency**2 / (1 - x)]])
-        before = value = np.repeat(place, len(xi), axis=1)
+        before = value = np.repeat(np.array(found)[:, None], len(xi), axis=1)
         for t in (0.25, 0.5, 0.75, 1.0):
             now = self._solve(x + t * (xi - x), y + t * (chi - y), 2 * value - before, rough=True)
             before, value = value, np.where(np.isnan(now), value, now)
@@ -440,6 +448,24 @@ class Surface:
             k = np.abs(theta).argmax(axis=1)
             damped[rows[~below], k[~below]] = np.inf
         return self._margin(damped, xi) and self._below(patch, float(least.min()))
+
+    def _begins(self, patch: _Patch, series: Real | None) -> bool:
+        """Whether at vanishing damping, if the patch has it, the first crossing is what the undamped branches say: one
+        that ends as the damping grows may end before the first place counted."""
+        if patch.low[0] > 0:
+            return True
+        top, zero = min(self.bound, self.divergence), chebyshev(np.zeros(1))[:, 0]
+        for t in _PROBED:
+            chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
+            damping = Damping.of(self.pencil.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi))
+            start = self.pencil.ladder.start(damping)
+            first = start[1] if start is not None and start[0] > 0 else math.inf
+            here = math.inf
+            if series is not None:
+                here = float((zero @ series[:, 0] @ chebyshev(np.array([t]))[:, 0]).min())
+            if first < 0.98 * min(here, top):
+                return False
+        return True
 
     def _none_there(self, patch: _Patch) -> bool:
         xi, chi = patch.nodes(_COUNTED)
