@@ -28,7 +28,7 @@ from freebeam_sym.pencil import Complex, Damping, Pencil, Real
 
 __all__ = ["Surface"]
 
-NODES = 16
+NODES = 13
 """Nodes of a patch in each direction."""
 TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
