@@ -37,6 +37,13 @@ Block = tuple[slice, ...]
 Values = dict[str, NDArray[Any]]
 
 CURE = 'pip install "freebeam[distributed]"'
+LOCAL = {
+    "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 2**25,
+    "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**28,
+    "distributed.worker.profile.enabled": False,
+}
+"""Dask's settings for workers of this machine: by default they give all memory back after each array, which costs a
+block a quarter of its time, and watch themselves a hundred times a second."""
 SCHEDULERS = ("synchronous", "threads", "processes")
 TYPES = {"load": np.float64, "frequency": np.float64, "kind": np.int8, "converged": np.bool_}
 
@@ -267,6 +274,7 @@ def _client(scheduler: str | Client | None, workers: int | None, blocks: int) ->
     number = min(workers or os.cpu_count() or 1, blocks)
     processes = here != "threads"
     with (
+        import_module("dask").config.set(LOCAL),
         distributed.LocalCluster(
             n_workers=number if processes else 1,
             threads_per_worker=1 if processes else number,
