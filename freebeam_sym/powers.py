@@ -7,6 +7,7 @@ well conditioned.
 
 from __future__ import annotations
 
+from threading import Lock
 from typing import Any, Protocol
 
 import numpy as np
@@ -58,12 +59,15 @@ class MatrixPowers:
         self._rounded = [step.high]
         self._turned = [np.ascontiguousarray(step.high.T)]
         self._within = 0
+        self._lock = Lock()  # powers are kept for later responses, in whatever thread
 
     def __getitem__(self, k: int) -> Array:
-        while len(self._rounded) <= k:
-            self._exact = matmul(self._exact, self._exact)
-            self._rounded.append(self._exact.high)
-            self._turned.append(np.ascontiguousarray(self._exact.high.T))
+        if len(self._turned) <= k:
+            with self._lock:
+                while len(self._turned) <= k:
+                    self._exact = matmul(self._exact, self._exact)
+                    self._rounded.append(self._exact.high)
+                    self._turned.append(np.ascontiguousarray(self._exact.high.T))
         return self._rounded[k]
 
     def forward(self, states: Array, k: int) -> Array:
@@ -77,9 +81,11 @@ class MatrixPowers:
         return moved
 
     def reach(self, k: int) -> bool:
-        while self._within <= k and np.abs(self[self._within]).max() < LARGEST:
-            self._within += 1
-        return self._within > k
+        within = self._within
+        while within <= k and np.abs(self[within]).max() < LARGEST:
+            within += 1
+        self._within = max(within, self._within)
+        return within > k
 
     def outputs(self, rows: Array, length: int) -> Array:
         table: Array = orbit(rows, length, self.backward)

@@ -74,12 +74,10 @@ def forced(
         levels -= 1
     if levels < inner + GROUP:  # growth: blocks one after the other
         group = 1
-    tables = {
-        name: np.vstack(
-            [powers.outputs(part, length).T, _responses(powers, part, direct[name] + part @ after, B, length)]
-        )
-        for name, part in rows.items()
-    }
+    tables = {}
+    for name, part in rows.items():
+        pushed = _responses(powers, part, direct[name] + part @ after, B, length)
+        tables[name] = np.ascontiguousarray(np.vstack([powers.outputs(part, length).T, pushed]))
     last = np.ascontiguousarray(orbit(B, length, powers.forward)[::-1])
     w = state - force(0, 1) * after
     whole = np.empty((group, cases, (1 << levels) // (group * length), d + length))
@@ -145,24 +143,18 @@ def _responses(powers: MatrixPowers, rows: Array, direct: Array, B: Array, lengt
 
 
 def carried(powers: MatrixPowers, level: int, w: Array, r: Array) -> Array:
-    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): groups side by side, their ends the same way."""
+    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d), by doubling the span of what each has of the r's."""
     cases, count, d = r.shape
-    group = 1 << GROUP
     states = np.empty((cases, count + 1, d))
-    done = 0
-    if count >= 2 * group and powers.reach(level + GROUP):
-        done = count // group * group
-        body = r[:, :done].reshape(cases, -1, group, d)
-        total = body[:, :, 0]
-        for k in range(1, group):
-            total = powers.forward(total, level) + body[:, :, k]
-        starts = carried(powers, level + GROUP, w, total)
-        inner = states[:, :done].reshape(cases, -1, group, d)
-        inner[:, :, 0] = starts[:, :-1]
-        for k in range(1, group):
-            inner[:, :, k] = powers.forward(inner[:, :, k - 1], level) + body[:, :, k - 1]
-        w = starts[:, -1]
-    states[:, done] = w
-    for k in range(done, count):
-        states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
+    spans = max(0, (count - 1).bit_length())
+    if not powers.reach(level + spans):  # growth: one after the other
+        states[:, 0] = w
+        for k in range(count):
+            states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
+        return states
+    states[:] = orbit(w, count + 1, powers.forward, level).swapaxes(0, 1)
+    sums = r.copy()
+    for k in range(spans):
+        sums[:, 1 << k :] += powers.forward(sums[:, : -(1 << k)], level + k)
+    states[:, 1:] += sums
     return states

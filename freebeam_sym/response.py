@@ -9,6 +9,7 @@ import math
 import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -384,13 +385,24 @@ def _matrix_powers(
     system: System, h: float, newmark: tuple[float, float], Q: Array, rotation: Fixed | None = None
 ) -> tuple[MatrixPowers, Array, Array, Array]:
     """Powers of the step, what the force before and after it adds, the state's scale. With a rotation, augmented."""
-    M, C, K = system.M, system.C, system.K
-    scale = scale_of(M, K)
-    A, before, after = step_matrix(system.column.kernel.newmark_step, M, C, K, Q, h, newmark)
-    exact, before, after = exact_step(M, C, K, h, newmark, A, scale), before / scale, after / scale
+    M, C, K = (np.asarray(part, dtype=float) for part in (system.M, system.C, system.K))
+    recurrence, scale = system.column.kernel.newmark_step, scale_of(M, K)
+    A, before, after = step_matrix(recurrence, M, C, K, Q, h, newmark)
+    before, after = before / scale, after / scale
     if rotation is not None:
-        exact = augmented(exact, before, after, rotation)
-    return MatrixPowers(exact), before, after, scale
+        exact = exact_step(M, C, K, h, newmark, A, scale)
+        return MatrixPowers(augmented(exact, before, after, rotation)), before, after, scale
+    return _powers(len(M), M.tobytes(), C.tobytes(), K.tobytes(), h, newmark, A.tobytes()), before, after, scale
+
+
+@lru_cache(maxsize=16)
+def _powers(
+    size: int, mass: bytes, damping: bytes, elasticity: bytes, h: float, newmark: tuple[float, float], step: bytes
+) -> MatrixPowers:
+    """Powers of a system's step, kept from earlier calls, by value."""
+    M, C, K = (np.frombuffer(part).reshape(size, size) for part in (mass, damping, elasticity))
+    A = np.frombuffer(step).reshape(2 * size, 2 * size)
+    return MatrixPowers(exact_step(M, C, K, h, newmark, A, scale_of(M, K)))
 
 
 def _closed(
