@@ -12,12 +12,14 @@ unexport PYTHONPATH PYTHONHOME PYTHONSTARTUP VIRTUAL_ENV PIP_USER PIP_TARGET PIP
 
 JOBS ?= 2
 BIN := .venv/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
+    --no-build-isolation --editable
 STAMP := .venv/installed-for
 
 all: venv
 	$(BIN)/freebeam generate
 	$(BIN)/freebeam generate --check
-	$(BIN)/freebeam validate
+	$(BIN)/freebeam validate --loads
 
 venv: $(STAMP)
 
@@ -30,8 +32,7 @@ $(STAMP): pyproject.toml constraints.txt
 	@rm -f $@
 	@[ -x $(BIN)/python ] || { $(find_python) && { "$$python" -m venv .venv || { rm -rf .venv; false; }; }; }
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt setuptools
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check --constraint constraints.txt \
-	    --no-build-isolation --editable '.[dev]'
+	$(PIP) '.[dev]'
 	@printf '%s\n' "$(CURDIR)" > $@
 
 # Sets the shell variable `python`: PYTHON where it is given, else the newest interpreter that will do.
@@ -54,12 +55,13 @@ fi
 endef
 
 test: venv
-	$(BIN)/python -m pytest -n $(JOBS)
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
 
 COLUMNS := free-free beck euler-pinned
 MADE := docs/made
 
 docs: venv
+	$(PIP) '.[docs]'
 	$(BIN)/freebeam figures --output $(MADE)/figures --force
 	@mkdir -p $(MADE)/lessons $(MADE)/explorer
 	for column in $(COLUMNS); do \
@@ -70,6 +72,7 @@ docs: venv
 	@echo "open build/docs/index.html"
 
 bench: venv
+	$(PIP) '.[bench]'
 	$(BIN)/python benchmarks/table.py
 
 lint: venv

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 @app.command(epilog="Example: freebeam validate --output ledger.md")
 def validate(
     as_json: JsonOption = False,
+    loads: Annotated[bool, typer.Option("--loads", help="The critical loads alone, at once.")] = False,
     output: Annotated[
         Path | None, typer.Option(metavar="FILE", help="Write the whole ledger there, as Markdown.")
     ] = None,
@@ -34,10 +35,24 @@ def validate(
     Exit 1 if an equation or a claim has another verdict than it should have, or a critical load is not explained to its
     last digit.
     """
+    from freebeam_sym.checks import InputError
     from freebeam_sym.ledger.book import ledger
     from freebeam_sym.ledger.page import page
     from freebeam_sym.validate import validate as validated
 
+    if loads:
+        if output is not None:
+            raise InputError(f"{output}: holds the whole ledger; leave --loads out")
+        with working("validate") as report:
+            rows = validated(report)
+        passed = all(row.passed for row in rows)
+        if as_json:
+            print_json({"loads": [asdict(row) for row in rows], "passed": passed})
+        else:
+            _print_loads(rows)
+        if not passed:
+            raise typer.Exit(1)
+        return
     if output is not None:
         with written(output, force) as stream, working("validate") as report:
             stream.write(page(ledger(report)).encode())
