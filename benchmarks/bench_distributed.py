@@ -31,7 +31,7 @@ def bench_two_workers(contender: Any, benchmark: Any) -> None:
     found = {}
     with (
         dask.config.set(LOCAL),
-        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster,
+        LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=":0", silence_logs=50) as cluster,
         Client(cluster, set_as_default=False) as client,
     ):
         mapped("synchronous"), mapped(client)

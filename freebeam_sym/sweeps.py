@@ -279,7 +279,7 @@ def _client(scheduler: str | Client | None, workers: int | None, blocks: int) ->
             n_workers=number if processes else 1,
             threads_per_worker=1 if processes else number,
             processes=processes,
-            dashboard_address=None,
+            dashboard_address=":0",
         ) as cluster,
         distributed.Client(cluster, set_as_default=False) as client,
     ):
