@@ -120,7 +120,7 @@ def test_first_crossing_agrees_with_a_scan(name: str, modes: int, eta: float, al
         assert found is not None and found.load == pytest.approx(expected, rel=1e-6)
 
 
-@settings(max_examples=250, deadline=None, derandomize=True)
+@settings(max_examples=150, deadline=None, derandomize=True)
 @given(data=st.data(), modes=st.integers(2, 6), seed=st.integers(0, 10**6))
 def test_first_crossing_of_any_matrices(data: st.DataObject, modes: int, seed: int) -> None:
     """H without symmetry, of rank one or full: flutter of weakly coupled modes over a short interval of loads too."""
@@ -142,7 +142,7 @@ def test_first_crossing_of_any_matrices(data: st.DataObject, modes: int, seed: i
         assert unstable_count(any_pencil, alpha, beta, found.load * (1 + 1e-6)) > 0
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=60, deadline=None, derandomize=True)
 @given(
     name=st.sampled_from(NAMES[:2]),
     modes=st.integers(2, 12),
