@@ -48,3 +48,9 @@ def test_commands_are_understood(line: str) -> None:
     _, name, *arguments = shlex.split(line.split("#")[0])
     command = group.commands[name]  # type: ignore[attr-defined]
     command.make_context(name, arguments)
+
+
+def test_every_public_name_is_in_the_reference() -> None:
+    page = (ROOT / "docs" / "reference" / "runtime.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"freebeam_sym\.(\w+)", page))
+    assert {name for name in fb.__all__ if not name.startswith("__")} <= named
