@@ -59,7 +59,7 @@ class Opened:
         return found
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Any]:
     if CHROMIUM is None:
         pytest.skip("no Chromium on the path: install chromium to drive the explorer's page")
@@ -102,7 +102,7 @@ def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     return write
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def kept(browser: Any, written: Callable[..., Path]) -> Iterator[Callable[..., Opened]]:
     """One open page of each column and basis, with a desk's screen and the beam at rest."""
     pages: dict[Any, Opened] = {}
