@@ -218,7 +218,7 @@ def test_outputs_agree_and_are_whole(freebeam, tmp_path):
 @pytest.mark.parametrize("suffix", ["csv", "npz"])
 def test_a_long_response_is_written_part_by_part(freebeam, tmp_path, monkeypatch, suffix):
     """As the whole of it, and only what is asked for."""
-    monkeypatch.setattr("freebeam_sym.propagation.STRETCH", 8)
+    monkeypatch.setattr("freebeam_sym.response.propagation.STRETCH", 8)
     file = tmp_path / f"r.{suffix}"
     options = ["respond", "--load", "9", "--duration", "3", "--step", "0.001", "--sensor", "0.1", "--quantity", "ddy"]
     freebeam(*options, "--output", file)

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import freebeam_sym as fb
-from freebeam_sym import double, modal, powers, stepping
 from freebeam_sym.checks import InputError
+from freebeam_sym.response import double, modal, powers, stepping
 
 COLUMN = fb.column("free-free")
 STEPS = 1_000_000
@@ -75,7 +75,7 @@ def route(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> It
     if request.param == "matrix":
         monkeypatch.setattr(stepping, "modes_of", lambda *_: None)
     else:
-        monkeypatch.setattr("freebeam_sym.response.exact_step", None)
+        monkeypatch.setattr("freebeam_sym.response.newmark.exact_step", None)
     yield str(request.param)
     stepping._judged.cache_clear()
 

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import InputError
+from freebeam_sym.checks import InputError
 
 Array = NDArray[np.float64]
 Fill = Callable[[str, Array], None]

@@ -15,12 +15,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .checks import InputError
-from .double import Double, add, scaled, solve
-from .modal import Modes, modes_of
+from freebeam_sym.checks import InputError
+from freebeam_sym.response.double import Double, add, scaled, solve
+from freebeam_sym.response.modal import Modes, modes_of, trapezoidal
+from freebeam_sym.response.powers import ModalPowers
 
 if TYPE_CHECKING:
-    from .columns import System
+    from freebeam_sym.columns import System
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -44,6 +45,7 @@ class Spectrum:
 
     matrices: tuple[Array, Array, Array]
     """M, C, K of that part."""
+    step: float
     values: Complex
     vectors: Complex
     frequencies: Array
@@ -54,6 +56,11 @@ class Spectrum:
         """Eigenvalues and vectors to more digits, where they are well conditioned."""
         M, C, K = self.matrices
         return modes_of(M, C, K, self.values, self.vectors, scale_of(M, K))
+
+    @cached_property
+    def powers(self) -> ModalPowers | None:
+        """Powers of what average acceleration makes of them in a step."""
+        return None if self.modes is None else ModalPowers(trapezoidal(self.modes, self.step))
 
 
 def step_matrix(
@@ -202,7 +209,7 @@ def _judged(
     frequencies = oscillating.imag.copy()
     for array in (frequencies, errors):  # they are shared by responses
         array.flags.writeable = False
-    return Spectrum((M, C, K), exact, vectors, frequencies, errors)
+    return Spectrum((M, C, K), h, exact, vectors, frequencies, errors)
 
 
 def _cure(largest: float | None, growing: bool) -> str:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .double import BITS, ONE, Double, Fixed, add, fixed, matmul, multiply, two_product
+from freebeam_sym.response.double import BITS, ONE, Double, Fixed, add, fixed, matmul, multiply, two_product
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]

@@ -7,13 +7,14 @@ well conditioned.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from threading import Lock
 from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .double import ONE, Double, Fixed, fixed, matmul, rounded, square
+from freebeam_sym.response.double import ONE, Double, Fixed, fixed, matmul, rounded, square
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -27,6 +28,9 @@ class Powers(Protocol):
     def forward(self, states: Any, k: int) -> Any:
         """States (…, d) after 2^k steps."""
 
+    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
+        """As `forward`, of states (…, rows, d) again and again: called with these and an array for the result."""
+
     def backward(self, rows: Any, k: int) -> Any:
         """Outputs (…, d) that give after no step what `rows` give after 2^k."""
 
@@ -34,10 +38,13 @@ class Powers(Protocol):
         """Whether 2^k steps keep below `LARGEST`."""
 
     def outputs(self, rows: Any, length: int) -> Array:
-        """What rows (s, d) of `real` states give after 0, 1, … steps: (length s, d real)."""
+        """What rows (s, d) give after 0, 1, … steps, (length s, floats), to be multiplied by states as `floats`."""
 
-    def real(self, states: Any) -> Array:
-        """States (…, d) as floats that `outputs` multiplies."""
+    def floats(self, states: Any) -> Array:
+        """States (…, d) as floats."""
+
+    def states(self, floats: Array) -> Any:
+        """And back."""
 
 
 def orbit(start: Any, length: int, move: Any, first: int = 0) -> Any:
@@ -70,11 +77,18 @@ class MatrixPowers:
                     self._turned.append(np.ascontiguousarray(self._exact.high.T))
         return self._rounded[k]
 
-    def forward(self, states: Array, k: int) -> Array:
+    def _turn(self, k: int) -> Array:
         if len(self._turned) <= k:
             self[k]
-        moved: Array = states @ self._turned[k]
+        return self._turned[k]
+
+    def forward(self, states: Array, k: int) -> Array:
+        moved: Array = states @ self._turn(k)
         return moved
+
+    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
+        step = self._turn(k)
+        return lambda states, out: np.matmul(states, step, out=out)
 
     def backward(self, rows: Array, k: int) -> Array:
         moved: Array = rows @ self[k]
@@ -91,22 +105,32 @@ class MatrixPowers:
         table: Array = orbit(rows, length, self.backward)
         return table.reshape(-1, rows.shape[-1])
 
-    def real(self, states: Array) -> Array:
+    def floats(self, states: Array) -> Array:
         return states
+
+    def states(self, floats: Array) -> Array:
+        return floats
 
 
 class ModalPowers:
-    """Powers of the step's eigenvalues; a state is its complex coordinates, of which the real part counts."""
+    """Powers of the step's eigenvalues; a state is its complex coordinates, of which the real part counts. `base`:
+    powers of others, which come first."""
 
-    def __init__(self, roots: list[Fixed]) -> None:
-        self._exact = roots
-        self._rounded = [np.array([rounded(z) for z in roots])]
-        self._within = 0
+    def __init__(self, roots: list[Fixed], base: ModalPowers | None = None) -> None:
+        self._exact, self._base = roots, base
+        self._rounded: list[Complex] = []
+        self._wide: dict[int, Complex] = {}
+        self._lock = Lock()
 
     def __getitem__(self, k: int) -> Complex:
-        while len(self._rounded) <= k:
-            self._exact = [square(z) for z in self._exact]
-            self._rounded.append(np.array([rounded(z) for z in self._exact]))
+        if len(self._rounded) <= k:
+            with self._lock:
+                while len(self._rounded) <= k:
+                    if self._rounded:
+                        self._exact = [square(z) for z in self._exact]
+                    own = np.array([rounded(z) for z in self._exact])
+                    before = self._base
+                    self._rounded.append(own if before is None else np.concatenate([before[len(self._rounded)], own]))
         return self._rounded[k]
 
     def forward(self, states: Complex, k: int) -> Complex:
@@ -114,18 +138,26 @@ class ModalPowers:
 
     backward = forward
 
+    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
+        wide = self._wide.get(k)
+        if wide is None or len(wide) < rows:  # as wide as what it multiplies: no loop over rows
+            wide = self._wide[k] = np.tile(self[k], (rows, 1))
+        step = wide[:rows]
+        return lambda states, out: np.multiply(states, step, out=out)
+
     def reach(self, k: int) -> bool:
-        while self._within <= k and np.abs(self[self._within]).max() < LARGEST:
-            self._within += 1
-        return self._within > k
+        return bool(np.abs(self[k]).max() < LARGEST)  # a modulus that grows is largest at the end
 
     def outputs(self, rows: Complex, length: int) -> Array:
         table = orbit(rows, length, self.backward).reshape(-1, rows.shape[-1])
         found: Array = np.conj(table).view(np.float64)
         return found
 
-    def real(self, states: Complex) -> Array:
+    def floats(self, states: Complex) -> Array:
         return np.ascontiguousarray(states).view(np.float64)
+
+    def states(self, floats: Array) -> Complex:
+        return floats.view(np.complex128)
 
 
 def augmented(step: Double, before: Array, after: Array, rotation: Fixed) -> Double:
