@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -125,6 +126,7 @@ def stability_map(
     modes = count("modes", modes, hint="elastic functions in the series")
     load_max = positive("load_max", load_max, "largest load to look at")
     axes, fixed = split(column, parameters)
+    _xarray()  # said now, not when all is computed
     if chunks is not None:
         from freebeam_sym.sweeps import Sweep, chunk_sizes, run
 
@@ -157,9 +159,14 @@ def split(column: Column, parameters: Mapping[str, Any]) -> tuple[dict[str, Any]
             raise InputError(f"{name}: the values of an axis must be distinct")
     if not axes:
         raise InputError("a map needs an axis: give alpha, beta or a parameter of the column as an array")
-    points = math.prod(len(array) for array in axes.values())
-    count("points of the map", points, 1, int(4e9 / _BYTES), "cut the grid and compute the parts one by one")
+    counted([len(array) for array in axes.values()])
     return axes, fixed
+
+
+def counted(lengths: Sequence[int]) -> int:
+    """The points of a map whose axes have these lengths. Raises InputError where memory has no room for them."""
+    most = int(4e9 / _BYTES)
+    return count("points of the map", math.prod(lengths), 1, most, "cut the grid and compute the parts one by one")
 
 
 def dataset(
@@ -172,10 +179,6 @@ def dataset(
     converged: NDArray[np.bool_] | None,
 ) -> xarray.Dataset:
     """The labelled dataset of a map's arrays, each of the shape of the axes. Raises InputError without xarray."""
-    try:
-        import xarray
-    except ImportError:
-        raise InputError('a map needs the package xarray: pip install "freebeam[maps]"') from None
     meanings = _MEANINGS | {p.name: p.meaning for p in column.parameters}
     names = list(axes)
     variables = {
@@ -212,7 +215,16 @@ def dataset(
         "units": "nondimensional, Eq. (5)",
         "source": f"freebeam {_version()}",
     }
-    return xarray.Dataset(variables, coordinates, settings)
+    labelled: xarray.Dataset = _xarray().Dataset(variables, coordinates, settings)
+    return labelled
+
+
+def _xarray() -> Any:
+    """The package that holds a map. Raises InputError without it."""
+    try:
+        return import_module("xarray")
+    except ImportError:
+        raise InputError("a map needs xarray, which is not installed: pip install 'freebeam[maps]'") from None
 
 
 def _version() -> str:

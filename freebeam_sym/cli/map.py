@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import math
+from contextlib import ExitStack
 from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -27,7 +29,8 @@ if TYPE_CHECKING:
 
 MOST_PRINTED = 10_000
 """Points of a map up to which it is printed as JSON."""
-FORMATS = (".nc", ".png")
+FORMATS = {".nc": ("NetCDF file", ("h5netcdf", "h5py"), "maps"), ".png": ("picture", ("matplotlib",), "pictures")}
+"""What each kind of output is, the packages that write it, and the extra that brings them."""
 
 _RANGE = "LO HI COUNT"
 
@@ -65,6 +68,7 @@ def stability_map(
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
     as_json: JsonOption = False,
+    extra: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
 ) -> None:
     """Map the critical load over internal and external damping.
 
@@ -75,17 +79,12 @@ def stability_map(
     import freebeam_sym as fb
     from freebeam_sym.checks import InputError
 
-    axes = {name: _axis(name, given, linear) for name, given in (("alpha", alpha), ("beta", beta)) if given is not None}
-    if len(axes) < 2:
-        missing = " and ".join(f"--{name} {_RANGE}" for name in ("alpha", "beta") if name not in axes)
-        raise InputError(f"a map has two axes: give {missing}, such as --alpha 1e-6 1e-1 100 --beta 1e-2 1 100")
-    points = len(axes["alpha"]) * len(axes["beta"])
-    if output is not None and output.suffix not in FORMATS:
-        raise InputError(f"{output}: must end in {' or '.join(FORMATS)}")
-    if output is not None and output.suffix == ".png" and min(map(len, axes.values())) < 2:
-        raise InputError("a picture needs two values or more along each axis; give a larger COUNT")
-    if output is not None and output.exists() and not force:
-        raise InputError(f"{output}: exists and is kept; give another name, or --force to replace it")
+    axes = _axes({"alpha": alpha, "beta": beta}, linear)
+    if extra:
+        raise InputError(f"{extra[0]}: belongs to no option; --alpha and --beta take {_RANGE} each")
+    points = math.prod(map(len, axes.values()))
+    if output is not None:
+        _refuse_output(output, [*map(len, axes.values())])
     if as_json and output is None and points > MOST_PRINTED:
         raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.nc")
     chosen = fb.column(column, basis)
@@ -96,13 +95,14 @@ def stability_map(
         settings |= {"chunks": chunks, "workers": workers, "store": store}
     elif workers is not None or store is not None:
         raise InputError(f"--{'store' if workers is None else 'workers'} needs --chunks K, such as --chunks 100")
-    with working("map") as report:
+    with ExitStack() as stack:
+        # The file is begun before the work, so that what is in its way is said then.
+        stream = None if output is None else stack.enter_context(written(output, force))
+        report = stack.enter_context(working("map"))
         found = fb.stability_map(chosen, modes, step=lambda part: report(f"{part:.0%}"), **settings)
-        if output is not None:
+        if stream is not None and output is not None:
             report("writing")
-            content = _picture(found) if output.suffix == ".png" else _netcdf(found)
-            with written(output, force) as stream:
-                stream.write(content)
+            stream.write(_picture(found) if output.suffix == ".png" else _netcdf(found))
     kinds = np.array(found.kind.attrs["flag_meanings"].split())[found.kind.values]
     head: dict[str, Any] = {
         "column": chosen.name,
@@ -136,10 +136,23 @@ def stability_map(
     print_table(rows, title=title)
 
 
-def _axis(name: str, given: tuple[str, str, str], linear: bool) -> Any:
-    """The values of an axis, (COUNT,). Raises InputError."""
+def _axes(ranges: dict[str, tuple[str, str, str] | None], linear: bool) -> dict[str, Any]:
+    """The axes of a map, each (COUNT,). Raises InputError."""
     import numpy as np
 
+    from freebeam_sym.checks import InputError
+    from freebeam_sym.maps import counted
+
+    read = {name: _range(name, given, linear) for name, given in ranges.items() if given is not None}
+    missing = " and ".join(f"--{name} {_RANGE}" for name, given in ranges.items() if given is None)
+    if missing:
+        raise InputError(f"a map has two axes: give {missing}, such as --alpha 1e-6 1e-1 100 --beta 1e-2 1 100")
+    counted([number_of for _, _, number_of in read.values()])
+    return {name: (np.linspace if linear else np.geomspace)(*given) for name, given in read.items()}
+
+
+def _range(name: str, given: tuple[str, str, str], linear: bool) -> tuple[float, float, int]:
+    """From, to, how many values, as typed. Raises InputError."""
     from freebeam_sym.checks import InputError, count
 
     try:
@@ -156,15 +169,27 @@ def _axis(name: str, given: tuple[str, str, str], linear: bool) -> Any:
         raise InputError(f"--{name}: LO = {given[0]}: {cure}")
     if high < low or (high == low and number_of > 1):
         raise InputError(f"--{name}: HI = {given[1]} must be above LO = {given[0]}")
-    return (np.linspace if linear else np.geomspace)(low, high, number_of)
+    return low, high, number_of
+
+
+def _refuse_output(output: Path, counts: list[int]) -> None:
+    """What can be known of a file that will not come about, before the work is done. Raises InputError."""
+    from freebeam_sym.checks import InputError
+
+    if output.suffix not in FORMATS:
+        raise InputError(f"{output}: must end in {' or '.join(FORMATS)}")
+    kind, packages, extra = FORMATS[output.suffix]
+    missing = [name for name in packages if find_spec(name) is None]
+    if missing:
+        be = "is" if len(missing) == 1 else "are"
+        raise InputError(
+            f"a {kind} needs {' and '.join(missing)}, which {be} not installed: pip install 'freebeam[{extra}]'"
+        )
+    if output.suffix == ".png" and min(counts) < 2:
+        raise InputError("a picture needs two values or more along each axis; give a larger COUNT")
 
 
 def _netcdf(found: xarray.Dataset) -> bytes:
-    from freebeam_sym.checks import InputError
-
-    missing = [name for name in ("h5netcdf", "h5py") if find_spec(name) is None]  # the one writes with the other
-    if missing:
-        raise InputError(f"a NetCDF file needs {' and '.join(missing)}: pip install h5netcdf h5py")
     stream = io.BytesIO()
     found.to_netcdf(stream, engine="h5netcdf")
     return stream.getvalue()

@@ -80,6 +80,8 @@ def written(path: Path, replace: bool) -> Iterator[IO[bytes]]:
         raise InputError(f"{path}: is a folder; give the name of a file")
     if path.exists() and not replace:
         raise InputError(f"{path}: exists and is kept; give another name, or --force to replace it")
+    if not path.parent.is_dir():
+        raise InputError(f"{path}: cannot be written (its folder does not exist); make it, or give another name")
     try:
         handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
     except OSError as error:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import json
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -352,7 +353,17 @@ def test_the_command_draws_the_map_and_keeps_what_exists(tmp_path: Path, capsys:
         (["--alpha", "1", "2", "2"], "give --beta"),
         ([*GRID, "--output", "map.txt"], ".nc or .png"),
         ([*GRID, "--set", "zeta=1"], "zeta"),
-        ([*GRID, "--output", "no/such/folder/map.png"], "cannot be written"),
+        (["--alpha", "1", "2", "--beta", "1", "2", "2"], "COUNT = --beta"),
+        ([*GRID, "3"], "3: belongs to no option"),
+        (["--alpha", "1", "2", "9" * 30, "--beta", "1", "2", "2"], "points of the map = 1999"),
+        (["--alpha", "1", "2", "100000", "--beta", "1", "2", "100000"], "points of the map = 10000000000"),
+        (["--alpha", "1", "1e101", "2", "--beta", "1", "2", "2"], "below 1e100"),
+        ([*GRID, "--set", "alpha=1"], "no such parameter"),
+        ([*GRID, "--load-max", "0"], "load_max = 0"),
+        ([*GRID, "--chunks", "5"], "chunks = 5: must be a whole number, 1 to 4"),
+        ([*GRID, "--chunks", "2", "--store", "no/such.zarr"], "no/such.zarr: cannot be written"),
+        ([*GRID, "--output", "map"], ".nc or .png"),
+        (["--alpha", "1", "2", "1", "--beta", "1", "2", "2", "--output", "map.png"], "two values or more"),
         (["--alpha", "1", "2", "200", "--beta", "1", "2", "51", "--json"], "10200 points"),
     ],
 )
@@ -361,4 +372,37 @@ def test_the_command_refuses_in_one_line(
 ) -> None:
     assert cli.main(["map", *arguments]) == 2
     out, err = capsys.readouterr()
-    assert out == "" and message in err and err.count("\n") == 1
+    assert out == "" and message in err and err.count("\n") == 1 and err.startswith("freebeam: ")
+
+
+@pytest.mark.parametrize("suffix", [".nc", ".png"])
+def test_an_output_that_cannot_be_is_refused_before_the_map_is_computed(
+    suffix: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Exists, is a folder, lies in no folder, or the package that writes it is missing; nothing is left behind."""
+
+    def computed(*_: object, **__: object) -> None:
+        raise AssertionError("the map was computed")
+
+    monkeypatch.setattr("freebeam_sym.maps.solve_grid", computed)
+    monkeypatch.chdir(tmp_path)
+    Path(f"kept{suffix}").write_text("precious")
+    Path(f"folder{suffix}").mkdir()
+
+    def refused(*more: str) -> str:
+        assert cli.main(["map", *GRID, *more]) == 2
+        out, err = capsys.readouterr()
+        assert out == "" and err.count("\n") == 1 and err.startswith("freebeam: ")
+        return err
+
+    assert "--force" in refused("--output", f"kept{suffix}")
+    assert "is a folder" in refused("--output", f"folder{suffix}", "--force")
+    assert "its folder does not exist" in refused("--output", f"no/such/map{suffix}")
+    assert "its folder does not exist" in refused("--output", f"kept{suffix}/map{suffix}")
+    for package in ("h5netcdf", "h5py", "xarray") if suffix == ".nc" else ("matplotlib", "xarray"):
+        with monkeypatch.context() as patch:
+            patch.setitem(sys.modules, package, None)
+            says = refused("--output", f"map{suffix}")
+            assert f"needs {package}, which is not installed: pip install 'freebeam[" in says
+    assert sorted(x.name for x in tmp_path.iterdir()) == [f"folder{suffix}", f"kept{suffix}"]
+    assert Path(f"kept{suffix}").read_text() == "precious"
