@@ -16,11 +16,17 @@ from freebeam_sym.cli.options import (
     BasisOption,
     ColumnOption,
     JsonOption,
+    LengthOption,
+    MassOption,
     ModesOption,
     Number,
     SetOption,
+    StiffnessOption,
+    Units,
     assignments,
+    nondimensional,
     number,
+    units_of,
 )
 from freebeam_sym.cli.output import print_json, print_table, working, written
 
@@ -67,6 +73,9 @@ def stability_map(
         Path | None, typer.Option(metavar="FILE.nc|.png", help="Write a NetCDF file, or a picture.")
     ] = None,
     force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
+    bending_stiffness: StiffnessOption = None,
+    mass_per_length: MassOption = None,
+    length: LengthOption = None,
     as_json: JsonOption = False,
     extra: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
 ) -> None:
@@ -77,7 +86,7 @@ def stability_map(
     import numpy as np
 
     import freebeam_sym as fb
-    from freebeam_sym.checks import InputError
+    from freebeam_sym.checks import InputError, positive
 
     axes = _axes({"alpha": alpha, "beta": beta}, linear)
     if extra:
@@ -89,8 +98,13 @@ def stability_map(
         raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.nc")
     chosen = fb.column(column, basis)
     fixed = chosen.own_parameters(assignments(own))
-    limit = {} if load_max is None else {"load_max": float(load_max)}
-    settings: dict[str, Any] = {"convergence": not no_convergence, **limit, **axes, **fixed}
+    beam = {"bending_stiffness": bending_stiffness, "mass_per_length": mass_per_length, "length": length}
+    units = units_of(chosen, *beam.values())
+    settings: dict[str, Any] = {"convergence": not no_convergence, **fixed}
+    settings |= {name: units.into(name, axis) for name, axis in axes.items()}
+    if load_max is not None:
+        positive("load_max", load_max, "largest load to look at")
+        settings["load_max"] = units.into("load", load_max)
     if chunks is not None:
         settings |= {"chunks": chunks, "workers": workers, "store": store}
     elif workers is not None or store is not None:
@@ -99,7 +113,10 @@ def stability_map(
         # The file is begun before the work, so that what is in its way is said then.
         stream = None if output is None else stack.enter_context(written(output, force))
         report = stack.enter_context(working("map"))
-        found = fb.stability_map(chosen, modes, step=lambda part: report(f"{part:.0%}"), **settings)
+        with nondimensional(units):
+            found = fb.stability_map(chosen, modes, step=lambda part: report(f"{part:.0%}"), **settings)
+        if units.sizes:
+            found = _in_si(found, units, axes, {name: float(size) for name, size in beam.items() if size is not None})
         if stream is not None and output is not None:
             report("writing")
             stream.write(_picture(found) if output.suffix == ".png" else _netcdf(found))
@@ -110,7 +127,7 @@ def stability_map(
         "modes": modes,
         "parameters": fixed,
         "load_max": found.attrs["load_max"],
-        "units": "nondimensional",
+        "units": units.name,
     }
     if as_json:
         if points <= MOST_PRINTED:
@@ -126,7 +143,7 @@ def stability_map(
         share = kinds == name
         if share.any():
             loads = found["load"].values[share]
-            between = "" if name == "none" else f", load {loads.min():.10g} to {loads.max():.10g}"
+            between = "" if name == "none" else f", load {loads.min():.10g} to {loads.max():.10g}{units.of('load')}"
             rows.append([name, f"{share.sum()} points{between}"])
     if "converged" in found:
         rows.append(["not converged in N", f"{int((~found.converged).sum())} points"])
@@ -189,6 +206,18 @@ def _refuse_output(output: Path, counts: list[int]) -> None:
         raise InputError("a picture needs two values or more along each axis; give a larger COUNT")
 
 
+def _in_si(found: xarray.Dataset, units: Units, axes: dict[str, Any], beam: dict[str, float]) -> xarray.Dataset:
+    """A map in the units in which it was asked; the column's own parameters stay nondimensional."""
+    for name, values in axes.items():
+        found = found.assign_coords({name: found[name].copy(data=values)})
+    for name in ("load", "frequency"):
+        found[name] = found[name].copy(data=units.out(name, found[name].values))
+    for name in (*axes, "load", "frequency"):
+        found[name].attrs["units"] = units.SYMBOLS[name]
+    found.attrs |= {"load_max": units.out("load", found.attrs["load_max"]), "units": units.name, **beam}
+    return found
+
+
 def _netcdf(found: xarray.Dataset) -> bytes:
     stream = io.BytesIO()
     found.to_netcdf(stream, engine="h5netcdf")
@@ -206,6 +235,11 @@ def _picture(found: xarray.Dataset) -> bytes:
     drawn = axes.figure
     assert isinstance(drawn, Figure)
     fixed = [f", {x} = {found.attrs[x]:g}" for x in found.attrs["fixed"].split()]
+    title = f"{found.attrs['column']}, N = {found.attrs['modes']}" + "".join(fixed)
+    if "length" in found.attrs:
+        of_beam = {"EI": ("bending_stiffness", "N m²"), "m": ("mass_per_length", "kg/m"), "L": ("length", "m")}
+        sizes = [f"{letter} = {found.attrs[name]:g} {unit}" for letter, (name, unit) in of_beam.items()]
+        title += "\n" + ", ".join(sizes)
     with style():
-        axes.set_title(f"{found.attrs['column']}, N = {found.attrs['modes']}" + "".join(fixed))
+        axes.set_title(title)
     return image_of(drawn, "png")

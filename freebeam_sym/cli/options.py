@@ -84,9 +84,10 @@ class Units:
         "frequency": "rad/s", "velocity": "m/s", "acceleration": "m/s^2",
     }  # fmt: skip
 
-    def into(self, quantity: str, value: Number) -> float:
-        """A typed value as a nondimensional one."""
-        return float(value) / self.sizes[quantity] if self.sizes else float(value)
+    def into(self, quantity: str, value: Any) -> Any:
+        """A typed value, or an array of them, as nondimensional ones."""
+        value = float(value) if isinstance(value, Number) else value
+        return value / self.sizes[quantity] if self.sizes else value
 
     def out(self, quantity: str, value: Any) -> Any:
         """A nondimensional value, array or None as one in the units of the output."""

@@ -334,10 +334,11 @@ def stability_map(
     """Critical loads over two parameters, as shades with lines of equal load.
 
     loads: an xarray Dataset with a variable `load` (and `kind`, so that divergence is hatched), a DataArray, both with
-    two dimensions, of which the first is drawn along x; or an array of shape (len(x), len(y)) with the values x, y.
+    two dimensions, of which the first is drawn along x, and their attributes `units` ("1" where nondimensional) after
+    the names; or an array of shape (len(x), len(y)) with the values x, y.
     NaN, no critical load, stays grey. Raises InputError where that does not fit together.
     """
-    kinds = None
+    kinds, units = None, [""] * 3
     if hasattr(loads, "data_vars"):
         if "load" not in loads:
             raise InputError(f"map: the Dataset has no variable 'load', only {', '.join(map(str, loads.data_vars))}")
@@ -351,6 +352,8 @@ def stability_map(
             raise InputError(f"map: has the dimensions {', '.join(names) or '()'}; select two of them to draw")
         x = loads[names[0]].values if x is None else x
         y = loads[names[1]].values if y is None else y
+        given = [array.attrs.get("units", "1") for array in (loads[names[0]], loads[names[1]], loads)]
+        units = [f", {unit}" if unit != "1" else "" for unit in given]
     values = np.asarray(loads, dtype=float)
     if x is None or y is None:
         raise InputError("x, y: are needed with a plain array, the values of its two parameters")
@@ -387,10 +390,10 @@ def stability_map(
         ax.grid(False)
         texts = [xlabel, ylabel]
         for k, name in enumerate(names):
-            texts[k] = texts[k] or GREEK.get(name, name)
+            texts[k] = texts[k] or GREEK.get(name, name) + units[k]
         ax.set_xlabel(texts[0] or "")
         ax.set_ylabel(texts[1] or "")
         bar = ax.figure.colorbar(filled, ax=ax, pad=0.02)
-        bar.set_label(r"critical load $P_{\mathrm{cr}}$")
+        bar.set_label(r"critical load $P_{\mathrm{cr}}$" + units[2])
         bar.outline.set_visible(False)
     return ax

@@ -267,6 +267,40 @@ def test_si_units_in_and_out(freebeam):
     assert " N" in freebeam("critical", *beam_options(BEAM)).out
 
 
+def test_si_map(freebeam, tmp_path):
+    """The nondimensional map times Eq. (5): on standard output, in NetCDF and on the axes of a picture."""
+    xarray = pytest.importorskip("xarray")
+    load, time = scales(BEAM)
+    alpha, beta = np.geomspace(1e-4, 1, 3), np.array([20.0, 2000.0])
+    bare = fb.critical_loads(
+        fb.column("beck"),
+        4,
+        alpha[:, None] / time,
+        beta * time / BEAM["mass-per-length"],
+        load_max=1.5e6 / load,
+        eta=0.9,
+    )
+    assert (bare.kind == "flutter").any() and (bare.kind == "none").any()
+    file, axes = tmp_path / "map.nc", ["--alpha", "1e-4", "1", "3", "--beta", "20", "2000", "2"]
+    command = ["map", "--column", "beck", "--modes", "4", "--set", "eta=0.9", "--load-max", "1.5e6", *axes]
+    found = freebeam(*command, *beam_options(BEAM), "--output", file, "--json").json
+    assert (found["units"], found["load_max"]) == ("SI", pytest.approx(1.5e6))
+    assert found["kind"] == bare.kind.tolist() and found["alpha"] == pytest.approx(alpha)
+    np.testing.assert_allclose(np.array(found["load"], dtype=float), bare.load * load, rtol=1e-9)
+    np.testing.assert_allclose(np.array(found["frequency"], dtype=float), bare.frequency / time, rtol=1e-9)
+    with xarray.open_dataset(file, engine="h5netcdf") as stored:
+        np.testing.assert_array_equal(stored["load"].values, np.array(found["load"], dtype=float))
+        assert stored["beta"].values.tolist() == found["beta"] == beta.tolist()
+        units = {name: stored[name].attrs["units"] for name in ("alpha", "beta", "load", "frequency")}
+        assert units == {"alpha": "s", "beta": "kg/(m s)", "load": "N", "frequency": "rad/s"}
+        assert stored.attrs["units"] == "SI" and stored.attrs["length"] == BEAM["length"]
+        drawn = fb.figures.stability_map(stored)
+        assert drawn.get_xlabel().endswith(", s") and drawn.get_ylabel().endswith(", kg/(m s)")
+        assert any(ax.get_ylabel().endswith(", N") for ax in drawn.figure.axes)
+    assert " N\n" in freebeam(*command, *beam_options(BEAM)).out
+    assert "--mass-per-length" in freebeam(*command, "--length", "12", "--bending-stiffness", "1").err
+
+
 def test_si_response(freebeam):
     """A force at mid-span accelerates it by F / (m L) as a rigid body, and φ² / M₁₁ times that in mode 1."""
     _, time = scales(BEAM)
