@@ -365,10 +365,23 @@ class Ladder:
     def start(self, damping: Damping) -> Start | None:
         """Starting point (ω², P, a, b) of `newton`: where light damping of this shape first gives energy to a branch
         instead of taking it. None where no branch of the ladder comes to that."""
+        found = self._gaining(damping)
+        if found is None:
+            return self.fold
+        w, P, k, j = found
+        return w, P, *self._vectors(damping.shape, w, P, self.rungs.V[k, :, j])
+
+    def first(self, damping: Damping) -> tuple[float, float] | None:
+        """ω² and P of `start`."""
+        found = self._gaining(damping) or self.fold
+        return None if found is None else (found[0], found[1])
+
+    def _gaining(self, damping: Damping) -> tuple[float, float, int, int] | None:
+        """ω² and P of `start`, with the nearest rung and the branch; None where that is the fold."""
         r, kappa = self.rungs, damping.kappa
         gaining = np.argwhere(self._K[1:] > kappa)
         if not len(gaining):
-            return self.fold
+            return None
         k, j = map(int, gaining[0])
         K, s = (self._points(f, slope, k, j) for f, slope in self._series)
         t = bezier_root(K, kappa)
@@ -379,7 +392,7 @@ class Ladder:
         if 0 < bend < (K[3] - kappa) / 2 or 0 > bend > (K[0] - kappa) / 2:
             t = bezier_root(K, kappa + bend)
             P, w = float(r.load[k] + t * (r.load[k + 1] - r.load[k])), float(bezier(s, t)) - square * P**2 * second
-        return w, P, *self._vectors(damping.shape, w, P, r.V[k + (t > 0.5), :, j])
+        return w, P, k + (t > 0.5), j
 
     def start_beyond(self, damping: Damping) -> Start | None:
         """As `start`, for external damping so heavy that flutter comes far beyond the fold: (Im s)² = β² Re s there."""

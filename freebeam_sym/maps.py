@@ -6,6 +6,7 @@ import math
 import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -227,6 +228,7 @@ def _xarray() -> Any:
         raise InputError("a map needs xarray, which is not installed: pip install 'freebeam[maps]'") from None
 
 
+@cache
 def _version() -> str:
     from importlib.metadata import PackageNotFoundError, version
 

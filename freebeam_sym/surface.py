@@ -48,7 +48,7 @@ def _to_series(n: int) -> Real:
     return np.asarray(np.cos(k * np.arccos(2 * _gauss(n) - 1)) * np.where(k == 0, 1, 2) / n)
 
 
-_COARSE = 7
+_COARSE = 6
 _COUNTED = _gauss(4)
 _CORNERS = [(x, y) for x in _COUNTED[[0, -1]].tolist() for y in _COUNTED[[0, -1]].tolist()]
 _PROBED = (0.02, 0.35, 0.7, 0.98)
@@ -213,13 +213,13 @@ class Surface:
         p, t = self.pencil, _gauss(_COARSE)
         found = np.full((2, _COARSE), np.nan)
         for k, chi in enumerate(t):
-            start = p.ladder.start(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
+            start = p.ladder.first(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
             if start is not None and start[0] > 0 and start[1] > 0:
                 found[:, k] = start[1], start[0]
         values, before = np.empty((2, _COARSE, _COARSE)), found
         for k, xi in enumerate(t):
             first = 2 * found - before if k > 1 else found
-            before, found = found, self._solve(np.full(_COARSE, xi), t, first, steps=3, rough=True)
+            before, found = found, self._solve(np.full(_COARSE, xi), t, first, steps=2, rough=True)
             values[:, k] = found
         filled = _filled(values)
         root = _Patch((0.0, 0.0), (1.0, 1.0), None, state="cut", axis=1)
@@ -335,40 +335,50 @@ class Surface:
     def _solve(self, xi: Real, chi: Real, guess: Real, steps: int = 7, rough: bool = False) -> Real:
         """Load and ω²/(1 − ξ) of the crossings near a guess (2, n); nan where the iteration does not settle.
 
-        Newton's method for det A = 0 in (P, ω), A = diag(e − ω² + iωD) + P H scaled to E = I, with d ln det A =
-        tr(A⁻¹ dA).
+        For det A = 0 in (P, ω), A = diag(e − ω² + iωD) + P H scaled to E = I: Newton's step from d ln det A =
+        tr(A⁻¹ dA), corrected by the second differential, so that the third power of an error is left.
         """
         p, out = self.pencil, np.full(guess.shape, np.nan)
         live = np.flatnonzero(np.isfinite(guess).all(axis=0) & (guess > 0).all(axis=0))
         if not len(live):
             return out
         P, omega = guess[0, live], np.sqrt(guess[1, live] * (1 - xi[live]))
-        n, i, step = p.size, np.arange(p.size), np.full(len(live), np.inf)
-        D, RT = 1j * self._damping(xi[live], chi[live]) / p.e, p._relative.T.astype(complex).ravel()
-        for _ in range(steps):
+        i, D = np.arange(p.size), 1j * self._damping(xi[live], chi[live]) / p.e
+        for number in range(steps):
             slope = omega[:, None] * (-1 / p.e)
-            A = np.multiply(P[:, None, None], p._relative, dtype=complex)
-            A[:, i, i] += 1 + omega[:, None] * (slope + D)
+            own, speed = 1 + omega[:, None] * (slope + D), D + 2 * slope
+            A = np.zeros((len(live), p.size, p.size), dtype=complex)
+            np.multiply(P[:, None, None], p._relative, out=A.real)
+            A[:, i, i] += own
             try:
                 B = np.linalg.inv(A)
             except np.linalg.LinAlgError:  # a root to the last digit
                 A[:, i, i] *= 1 + 1e-14
                 B = np.linalg.inv(A)
-            a = B.reshape(-1, n * n) @ RT
-            b = (B[:, i, i] * (D + 2 * slope)).sum(axis=1)
-            with np.errstate(divide="ignore", invalid="ignore"):
+            diagonal = B[:, i, i]
+            # P H is A without its diagonal part
+            a, b = (p.size - (diagonal * own).sum(axis=1)) / P, (diagonal * speed).sum(axis=1)
+            with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
                 share = 1 / (a * b.conj()).imag
                 change_P, change = b.imag * share, -a.imag * share
+                # T = A⁻¹ dA of this step, whose trace is −1: dP/P less A⁻¹ times a diagonal, and tr T²
+                part = change_P / P
+                g = part[:, None] * own - change[:, None] * speed
+                square = ((B * B.swapaxes(1, 2)) @ g[:, :, None])[:, :, 0]
+                square = part * (p.size * part - 2 * (diagonal * g).sum(axis=1)) + (square * g).sum(axis=1)
+                rest = square - 1 + 2 * change**2 * (diagonal @ (1 / p.e))
+                rest = np.where(np.abs(rest) < 0.5, rest / 2, 0)
+                change_P, change = change_P + (rest * b.conj()).imag * share, change - (rest * a.conj()).imag * share
                 step = np.abs(change_P / P) + np.abs(change / omega)
                 P, omega = P + change_P, omega + change
                 good = (P > 0) & (omega > 0) & (step < 1e3)
-            if not good.all():
-                live, P, omega, D, step = (x[good] for x in (live, P, omega, D, step))
-            if not len(live) or step.max() < 1e-7:
+            done = good & (step < (0.03 if rough and number == steps - 1 else 1e-5))
+            out[:, live[done]] = P[done], omega[done] ** 2 / (1 - xi[live[done]])
+            good &= ~done
+            if not good.any():
                 break
-        good = step < (0.03 if rough else 1e-6)
-        live = live[good]
-        out[:, live] = P[good], omega[good] ** 2 / (1 - xi[live])
+            if not good.all():
+                live, P, omega, D = (x[good] for x in (live, P, omega, D))
         return out
 
     def _search(self, patch: _Patch, x: float, y: float) -> tuple[float, float] | None:
@@ -458,7 +468,7 @@ class Surface:
         for t in _PROBED:
             chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
             damping = Damping.of(self.pencil.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi))
-            start = self.pencil.ladder.start(damping)
+            start = self.pencil.ladder.first(damping)
             first = start[1] if start is not None and start[0] > 0 else math.inf
             here = math.inf
             if series is not None:
