@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from freebeam_sym.cli.application import app
-from freebeam_sym.cli.options import JsonOption
+from freebeam_sym.cli.options import ColumnOption, JsonOption
 from freebeam_sym.cli.output import print_json, working, written
 
 
@@ -16,9 +16,7 @@ from freebeam_sym.cli.output import print_json, working, written
 def lesson(
     format: Annotated[str, typer.Option("--format", metavar="html|md|tex|ipynb|pdf", help="What to write.")],
     output: Annotated[Path, typer.Option("--output", metavar="FILE", help="The file to write.")],
-    column: Annotated[
-        str, typer.Option("--column", metavar="NAME|FILE", help="Name of a column, or a column's file.")
-    ] = "free-free",
+    column: ColumnOption = "free-free",
     force: Annotated[bool, typer.Option("--force", help="Replace what exists.")] = False,
     as_json: JsonOption = False,
 ) -> None:
