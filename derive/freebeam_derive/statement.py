@@ -44,6 +44,19 @@ from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, variation
 GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": (1,), "clamped": (0, 1)}
 
 RESERVED = ("np", "basis", "rigid")  # what every emitted function of a matrix knows by these names
+# What public calls that take a column's own parameters as keywords call so themselves; a test compares these with the
+# calls' signatures.
+KEYWORDS = frozenset(
+    """
+    self column modes load loads load_max kappa digits progress series vectors
+    parameter low high log tolerance values name
+    step chunks scheduler workers store convergence
+    ax color count label moments normalised part points width
+""".split()
+)
+# What a map's dataset holds besides: an axis or a setting of the same name would take its place.
+MAPS = frozenset("frequency kind converged title column_title fixed units source".split())
+MAPS |= {"bending_stiffness", "mass_per_length", "length"}
 
 ALONG = Symbol("along")  # the place of a jet that is a function of x
 jet = Function("jet")
@@ -318,12 +331,7 @@ def _refuse_unknown(column: Column) -> None:
                 cure = f"declare it: parameters=(Parameter({symbol}, ...),)"
             raise StatementError(f"{name}: the symbol {symbol} is not known; {cure}")
     for parameter in column.parameters:
-        taken = parameter.name in NOTATION or parameter.name in RESERVED or keyword.iskeyword(parameter.name)
-        # f_i and f_j are the values of f in the two modes of a pair
-        if taken or not parameter.name.isidentifier() or parameter.name.endswith(("_i", "_j")):
-            raise StatementError(
-                f"parameter {parameter.name!r}: the name is taken or not usable in code; choose another, such as kappa"
-            )
+        _refuse_name(parameter.name)
         if [p.name for p in column.parameters].count(parameter.name) > 1:
             raise StatementError(f"parameter {parameter.name}: declared twice; declare it once")
         if not all(isinstance(v, int | float) and math.isfinite(v) for v in _range(parameter)):
@@ -335,6 +343,21 @@ def _refuse_unknown(column: Column) -> None:
                 f"parameter {parameter.name}: default {parameter.default} lies outside "
                 f"{parameter.low} to {parameter.high}"
             )
+
+
+def _refuse_name(name: str) -> None:
+    """A parameter's name that something else has, or that is no name in code."""
+    if name in KEYWORDS:
+        why = "the name is taken: it is a keyword of the calls that a column's parameters are given to"
+    elif name in NOTATION or name in RESERVED or name in MAPS:
+        why = "the name is taken"
+    # f_i and f_j are the values of f in the two modes of a pair
+    elif keyword.iskeyword(name) or not name.isidentifier() or name.endswith(("_i", "_j")):
+        why = "the name is not usable in code"
+    else:
+        return
+    other = f"{name}_0" if name.isidentifier() and f"{name}_0" not in NOTATION else "k_0"
+    raise StatementError(f"parameter {name!r}: {why}; choose another, such as {other}")
 
 
 def _refuse_degrees(works: dict[str, Functional]) -> None:

@@ -235,9 +235,9 @@ def test_own_parameters_are_keywords_with_their_defaults(module_of: Module) -> N
         module.stiffness_load(basis, kappa=0.3)
     bedded = module_of("foundation")
     basis = bedded.basis(3)
-    stiff = bedded.stiffness_elastic(basis, kappa=7.0) - bedded.stiffness_elastic(basis, kappa=0.0)
+    stiff = bedded.stiffness_elastic(basis, k_w=7.0) - bedded.stiffness_elastic(basis, k_w=0.0)
     assert np.allclose(stiff, 7 * bedded.mass(basis), rtol=1e-13)
-    assert bedded.damping_factors(0.1, 0.5, kappa=3.0) == pytest.approx((0.5 - 0.3, 0.1))
+    assert bedded.damping_factors(0.1, 0.5, k_w=3.0) == pytest.approx((0.5 - 0.3, 0.1))
 
 
 def test_elastic_modes_are_eigenvectors(name: str, module_of: Module) -> None:
@@ -406,7 +406,7 @@ def test_functions_of_a_parameter(stiffness: str, numpys: str, derived: Derived)
     text, module = with_stiffness(sp.sympify(stiffness, {"k": K}), derived)
     assert numpys in text
     basis = module.basis(3)
-    foundation = module.stiffness_elastic(basis, kappa=1.0, k=0.7).diagonal() / module.mass(basis).diagonal()
+    foundation = module.stiffness_elastic(basis, k_w=1.0, k=0.7).diagonal() / module.mass(basis).diagonal()
     expected = float(sp.sympify(stiffness).subs("k", 0.7))
     assert np.allclose(foundation - basis.gamma**4, expected, atol=1e-10)
 
@@ -422,12 +422,12 @@ K = sp.Symbol("k", real=True)
 
 
 def with_stiffness(stiffness: Any, derived: Derived) -> tuple[str, ModuleType]:
-    """The foundation's column with kappa times a function of a parameter k for its stiffness, emitted and verified."""
+    """The foundation's column with k_w times a function of a parameter k for its stiffness, emitted and verified."""
     derivation = derived("foundation")
     parameter = Parameter(K, "a stiffness", 1.0, 0.5, 2.0)
     column = dataclasses.replace(derivation.column, parameters=(*derivation.column.parameters, parameter))
-    kappa = derivation.column.parameters[0].symbol
-    form = derivation.system.E.map(lambda f: f.subs(kappa, kappa * stiffness))
+    k_w = derivation.column.parameters[0].symbol
+    form = derivation.system.E.map(lambda f: f.subs(k_w, k_w * stiffness))
     system = dataclasses.replace(derivation.system, E=form, C=form.map(lambda f: f * 0))
     built = dataclasses.replace(
         kernel.build(column, derivation.motion, system, None, pipeline.newmark_method()), damped=None
@@ -440,17 +440,17 @@ def test_long_lines_are_broken_and_mean_the_same(derived: Derived) -> None:
     """A factor of many terms, in a matrix, in the forms and in the equation of motion."""
     many = [sp.Symbol(f"coefficient_{n}", real=True) for n in range(12)]
     derivation = derived("foundation")
-    kappa = derivation.column.parameters[0].symbol
-    total = sum(s * sp.sin(s + kappa) for s in many)
-    motion = dataclasses.replace(derivation.motion, strong=derivation.motion.strong.subs(kappa, total))
+    k_w = derivation.column.parameters[0].symbol
+    total = sum(s * sp.sin(s + k_w) for s in many)
+    motion = dataclasses.replace(derivation.motion, strong=derivation.motion.strong.subs(k_w, total))
     own = tuple(Parameter(s, "a number", n / 7, 0.0, 2.0) for n, s in enumerate(many))
     column = dataclasses.replace(derivation.column, parameters=(*derivation.column.parameters, *own))
-    form = derivation.system.E.map(lambda f: f.subs(kappa, total))
+    form = derivation.system.E.map(lambda f: f.subs(k_w, total))
     system = dataclasses.replace(derivation.system, E=form)
     text = emit.emit(kernel.build(column, motion, system, derivation.damped, pipeline.newmark_method()))
     assert max(map(len, text.splitlines())) <= 120
     module = verify.load(text, "long")
-    expected = float(total.subs({kappa: 100.0, **{p.symbol: p.default for p in own}}))
+    expected = float(total.subs({k_w: 100.0, **{p.symbol: p.default for p in own}}))
     basis = module.basis(3)
     assert np.allclose(
         module.stiffness_elastic(basis).diagonal(), (basis.gamma**4 + expected) * module.mass(basis).diagonal()

@@ -239,12 +239,12 @@ def test_damped_eigenvalues_solve_equation_19(derived: Callable[[str], Derivatio
 
 
 def test_damped_eigenvalues_on_a_foundation(derived: Callable[[str], Derivation]) -> None:
-    """λ² + βλ + γ⁴ (1 + αλ) + kappa = 0: the foundation is elastic and does not damp."""
+    """λ² + βλ + γ⁴ (1 + αλ) + k_w = 0: the foundation is elastic and does not damp."""
     derivation = derived("foundation")
-    (kappa,) = (p.symbol for p in derivation.column.parameters)
+    (k_w,) = (p.symbol for p in derivation.column.parameters)
     assert derivation.damped is not None
     for eigenvalue in derivation.damped.eigenvalues:
-        assert sp.expand(eigenvalue**2 + beta * eigenvalue + gamma**4 * (1 + alpha * eigenvalue) + kappa) == 0
+        assert sp.expand(eigenvalue**2 + beta * eigenvalue + gamma**4 * (1 + alpha * eigenvalue) + k_w) == 0
 
 
 @pytest.mark.parametrize("ends", PAIRS, ids="-".join)

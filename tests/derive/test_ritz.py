@@ -125,10 +125,10 @@ def test_damping_factors_are_the_paper_s(name: str, derived: Derived) -> None:
 
 
 def test_a_foundation_shifts_the_external_damping(derived: Derived) -> None:
-    """E holds the foundation, which internal damping does not reach: c_M = beta − alpha kappa."""
+    """E holds the foundation, which internal damping does not reach: c_M = beta − alpha k_w."""
     derivation = derived("foundation")
-    (kappa,) = (p.symbol for p in derivation.column.parameters)
-    assert sp.expand(derivation.system.c_M - beta + alpha * kappa) == 0
+    (k_w,) = (p.symbol for p in derivation.column.parameters)
+    assert sp.expand(derivation.system.c_M - beta + alpha * k_w) == 0
     assert derivation.system.c_E == alpha
 
 

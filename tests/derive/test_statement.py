@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from pathlib import Path
 
 import pytest
@@ -222,6 +223,11 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "parameter named as the load": ({"parameters": "(Parameter(P, 'p', 1, 0, 2),)"}, ("'P'", "taken")),
     "parameter named as an argument": ({"parameters": "(Parameter(Symbol('rigid'), 'p', 1, 0, 2),)"}, ("'rigid'",)),
     "parameter named by a keyword": ({"parameters": "(Parameter(Symbol('in'), 'p', 1, 0, 2),)"}, ("'in'",)),
+    "parameter named as a call's keyword": (
+        {"parameters": "(Parameter(Symbol('kappa'), 'p', 1, 0, 2),)"},
+        ("'kappa'", "keyword", "such as kappa_0"),
+    ),
+    "parameter of no name": ({"parameters": "(Parameter(Symbol('k 1'), 'p', 1, 0, 2),)"}, ("'k 1'", "such as k_0")),
     "parameter of one mode": ({"parameters": "(Parameter(Symbol('k_i'), 'p', 1, 0, 2),)"}, ("'k_i'",)),
     "parameter twice": ({"parameters": "(Parameter(k, 'k', 1, 0, 2), Parameter(k, 'k', 1, 0, 2))"}, ("k", "twice")),
     "default out of range": ({"parameters": "(Parameter(k, 'k', 3, 0, 2),)"}, ("k", "3", "0 to 2")),
@@ -317,6 +323,30 @@ def test_unknown_name_lists_the_known(tmp_path: Path) -> None:
     assert pipeline.find("beck").name == "beck"
     assert pipeline.find(written(tmp_path)).name == "sample"
     assert pipeline.find(str(written(tmp_path))).name == "sample"
+
+
+def test_no_keyword_of_a_public_call_can_be_a_parameter(tmp_path: Path) -> None:
+    """Every name that a call takes beside a column's own parameters, and what a map's dataset holds, are refused."""
+    import freebeam_sym as fb
+
+    calls = [getattr(fb, name) for name in fb.__all__ if name != "__version__"]
+    calls += [method for kind in (fb.Column, fb.System) for _, method in inspect.getmembers(kind, inspect.isfunction)]
+    calls += [getattr(fb.figures, name) for name in fb.figures.__all__]
+    calls += [call for _, call in inspect.getmembers(fb.figures.curves, inspect.isfunction)]
+    taken = set()
+    for call in calls:
+        try:
+            given = inspect.signature(call).parameters.values()
+        except ValueError:  # an error's class has none
+            continue
+        if any(p.kind is p.VAR_KEYWORD for p in given):
+            taken |= {p.name for p in given if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
+    assert {"kappa", "load_max", "chunks", "tolerance", "vectors", "rigid", "progress"} <= taken
+    assert taken >= statement.KEYWORDS
+    found = fb.stability_map(fb.column("euler-pinned"), 2, alpha=[0.1, 0.2])
+    for name in sorted(taken | {*found.data_vars, *found.attrs}):
+        message = refusal(written(tmp_path, parameters=f"(Parameter(Symbol({name!r}), 'p', 1, 0, 2),)"))
+        assert f"parameter {name!r}: the name is taken" in message and message.count(";") == 1, message
 
 
 def test_a_statement_is_checked_when_it_is_made() -> None:

@@ -167,7 +167,7 @@ def test_equation_15(derived: Derived) -> None:
         ("euler-pinned", P * y.diff(x, 2)),
         ("leipholz", P * (1 - x) * y.diff(x, 2)),
         ("hauger", P * (1 - x) ** 2 / 2 * y.diff(x, 2)),
-        ("foundation", P * y.diff(x, 2) + sp.Symbol("kappa", real=True) * y),
+        ("foundation", P * y.diff(x, 2) + sp.Symbol("k_w", real=True) * y),
         ("sliding-free", P * ((1 + x**2) / 2 * y.diff(x)).diff(x) + P * x * y.diff(x)),
     ],
 )
