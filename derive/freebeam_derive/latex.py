@@ -1,4 +1,4 @@
-"""Mathematics of the record as LaTeX: derivatives as primes and dots, long sums over several lines.
+"""Mathematics as LaTeX: derivatives as primes and dots, terms in a reader's order, long sums over several lines.
 
 `y'` is d/dx, a dot d/dt; arguments are left out, places stay: `y'(1)`. Only commands that every LaTeX and every
 converter to MathML knows are used.
@@ -40,46 +40,40 @@ WIDTH = 76
 
 _NAMES = {
     "Sigma_j": r"\sum_{j}", "delta_W_nc": r"\delta W_{\mathrm{nc}}", "K^G_ij": r"K^{\mathrm{G}}_{ij}",
-    "lambda_bar": r"\bar{\lambda}", "q_hat": r"\hat{q}", "sigma": r"\sigma", "epsilon": r"\varepsilon",
-    "P_star": r"P_{*}", "s_star": r"s_{*}", "D_P": r"D_{P}", "D_ss": r"D_{ss}", "degree": "d", "order": "k",
+    "q_hat": r"\hat{q}", "epsilon": r"\varepsilon", "P_star": r"P_{*}", "s_star": r"s_{*}", "degree": "d", "order": "k",
     "u^T": r"u^{\mathsf{T}}", "a^T": r"a^{\mathsf{T}}", "b^T": r"b^{\mathsf{T}}",
     "q_next": r"q_{+}", "dq_next": r"\dot{q}_{+}", "ddq_next": r"\ddot{q}_{+}", "dq": r"\dot{q}", "ddq": r"\ddot{q}",
     "q_predicted": r"q_{\mathrm{p}}", "dq_predicted": r"\dot{q}_{\mathrm{p}}", "effective": "S", "right_side": "r",
-    "Psi": r"\Psi", "Phi": r"\Phi", "rho": r"\rho", "Omega": r"\Omega", "xi": r"\xi",
     "dq^T": r"\dot{q}^{\mathsf{T}}", "q^T": r"q^{\mathsf{T}}", "ddq^T": r"\ddot{q}^{\mathsf{T}}",
-    "ddq_next^T": r"\ddot{q}_{+}^{\mathsf{T}}", "kappa": r"\kappa", "c2": "c_{2}", "c3": "c_{3}",
+    "ddq_next^T": r"\ddot{q}_{+}^{\mathsf{T}}",
 }  # fmt: skip
-_FUNCTIONS = {
-    "phi_i": r"\varphi_{i}",
-    "phi_j": r"\varphi_{j}",
-    "phi": r"\varphi",
-    "q_j": "q_{j}",
-    "q": "q",
-    "u": "u",
-    "v": "v",
-}
+_FIELDS = {
+    "phi_i": r"\varphi_{i}", "phi_j": r"\varphi_{j}", "phi": r"\varphi", "q_i": "q_{i}", "q_j": "q_{j}", "q": "q",
+    "u": "u", "v": "v", "tau": r"\tau", "F": "F", "M": "M",
+}  # fmt: skip
+"""Functions of place and time that NOTATION has not; their arguments are left out."""
 _ORDERS = ("deflection", "slope", "moment", "shear")
 _ENTRY = re.compile(r"[A-Z](\^G)?_[a-z]{1,2}|d?d?q|q_hat")
+PRIME = r"\prime"
 _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}", r"\dddot{{{}}}")
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]
-    """LaTeX of the objects of a record. own: LaTeX of a column's own parameters."""
+    """LaTeX of forms and of the objects of a record. own: LaTeX of names beside the usual, a column's parameters."""
 
     def __init__(self, own: dict[str, str] | None = None) -> None:
-        super().__init__({"mul_symbol": None, "ln_notation": True, "fold_short_frac": False})
+        super().__init__({"ln_notation": True, "fold_short_frac": False, "mat_str": "pmatrix", "mat_delim": ""})
         self.own = own or {}
 
     def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
         name = str(expr)
-        if name in self.own:
-            return self.own[name]
-        if name in _NAMES:
-            return _NAMES[name]
+        if name in self.own or name in _NAMES:
+            return self.own.get(name) or _NAMES[name]
         if name in NOTATION:
             return NOTATION[name].latex
-        if re.fullmatch(r"[A-Z]_[a-z]{2}", name):  # entries and blocks of matrices
-            return f"{name[0]}_{{{name[2:]}}}"
+        if barred := re.fullmatch(r"([a-zA-Z]+)_(?:(\w+)_)?bar(?:_(\w+))?", name):
+            below = barred[2] or barred[3]
+            return rf"\bar{{{super()._print_Symbol(Symbol(barred[1]))}}}" + (f"_{{{below}}}" if below else "")
         return str(super()._print_Symbol(expr))
 
     # --- fields: y, δy, φ_i, χ, q_j, F_0
@@ -89,9 +83,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
         name = expr.func.__name__
         if name in NOTATION and NOTATION[name].symbol.is_Function:
             return NOTATION[name].latex, True
-        if name in _FUNCTIONS:
-            return _FUNCTIONS[name], True
-        return name, False
+        return _FIELDS.get(name, name), name in _FIELDS
 
     def _derivative(self, letter: str, orders: dict[Any, int]) -> str:
         prefix, core = ("\\delta ", letter.removeprefix(r"\delta ")) if letter.startswith(r"\delta ") else ("", letter)
@@ -101,9 +93,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             subscript = "_{" + rest
         dotted = _DOTS[orders.get(t, 0)].format(core)
         primes = sum(n for variable, n in orders.items() if variable != t)
-        return f"{prefix}{dotted}{subscript}" + (
-            f"^{{{chr(92) + 'prime'}{(chr(92) + 'prime') * (primes - 1)}}}" if primes else ""
-        )
+        return f"{prefix}{dotted}{subscript}" + (f"^{{{PRIME * primes}}}" if primes else "")
 
     def _print_Derivative(self, expr: Any) -> str:
         inner = expr.expr
@@ -208,20 +198,9 @@ class Printer(LatexPrinter):  # type: ignore[misc]
     def _print_Pow(self, expr: Any) -> str:
         if expr.exp.is_Integer and expr.exp > 1 and (isinstance(expr.base, Derivative | Subs)):
             base = self._print(expr.base)
-            return rf"\left({base}\right)^{{{expr.exp}}}" if "prime" in base else f"{base}^{{{expr.exp}}}"
+            tall = "prime" in base or "frac" in base
+            return rf"\left({base}\right)^{{{expr.exp}}}" if tall else f"{base}^{{{expr.exp}}}"
         return str(super()._print_Pow(expr))
-
-    def _print_Relational(self, expr: Any) -> str:
-        sign = {"Eq": "=", "Ge": r"\ge", "Gt": ">", "Le": r"\le", "Lt": "<"}.get(expr.func.__name__, "=")
-        names = {"Equality": "=", "GreaterThan": r"\ge", "StrictGreaterThan": ">", "LessThan": r"\le"}
-        return f"{self._print(expr.lhs)} {names.get(expr.func.__name__, sign)} {self._print(expr.rhs)}"
-
-    def _print_MatrixBase(self, expr: Any) -> str:
-        rows = r" \\ ".join(" & ".join(self._print(e) for e in expr.row(k)) for k in range(expr.rows))
-        return rf"\begin{{pmatrix}} {rows} \end{{pmatrix}}"
-
-    _print_ImmutableDenseMatrix = _print_MatrixBase
-    _print_MutableDenseMatrix = _print_MatrixBase
 
     def _print_Piecewise(self, expr: Any) -> str:
         rows = [
@@ -378,7 +357,7 @@ def _rank(term: Any) -> tuple[Any, ...]:
     names = {a.func.__name__ for a in term.atoms(AppliedUndef)}
     highest = max(orders, default=0)
     return (
-        "F_0" in names,
+        not names.isdisjoint({"F", "F_0"}),
         not term.has(Integral) and bool(term.atoms(Subs)),
         term.has(P),
         -2 if highest == 2 else 0,

@@ -164,6 +164,14 @@ class Chapter:
         text = f"**{what}.** {_sentence(step.why)}" if said else f"**{what}.**"
         return (Prose(text), cell, *self.errata(step.equation))
 
+    def section(self, stage: str, title: str, opening: str, key: str = "", said: bool = True) -> list[Block]:
+        """A heading, what it is about, and the steps of a stage without those that are numbered."""
+        found: list[Block] = [Heading(title, 2, key or stage), Prose(opening)]
+        for step in self.of(stage):
+            if not _numbered(step):
+                found += self.step(step, said)
+        return found
+
     def residual(self, step: Step) -> float:
         """What the step's proof leaves; it is run once."""
         key = (step.stage, step.what, step.why)
@@ -187,6 +195,11 @@ class Chapter:
                 kept = tuple(p for p in entry.paragraphs if not p.startswith("Checked by"))
                 found.append(Erratum(entry.title, kept))
         return tuple(found)
+
+
+def _numbered(step: Step) -> bool:
+    """Whether a step is one of the four conditions on trial functions, "1)" to "4)"."""
+    return step.why[1:2] == ")"
 
 
 def _formula(part: Any) -> bool:
@@ -253,86 +266,66 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
     )
     blocks += chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)")
     if chapter.derived.scaling:
-        blocks += [
-            Heading("Away with the units", 2, "scaling"),
-            Prose(
-                "A beam has three dimensional quantities, $EI$, $m$ and $L$; they serve as units. Lengths are "
-                "measured in $L$, time in $(m L^{4} / EI)^{1/2}$, forces in $EI / L^{2}$ and energies in $EI / L$. "
-                "What is left has no units, and one solution serves every beam."
-            ),
-        ]
-        for step in chapter.of("scaling"):
-            blocks += chapter.step(step, said=False)
-    blocks += [
-        Heading("Hamilton's principle", 2, "variation"),
-        Prose(
-            "Imagine the true motion displaced a little, by $\\delta y$, at every place and instant between two "
-            "instants at which it is given. Hamilton's principle says that energies and work balance to first order, "
-            "whatever $\\delta y$ is. One equation for all $\\delta y$ is an equation of motion and its end "
-            "conditions at once: integration by parts pulls them apart."
-        ),
-    ]
-    for step in chapter.of("variation"):
-        blocks += chapter.step(step)
-    blocks += [
-        Heading("Ritz's series", 2, "ritz"),
-        Prose(
-            (
-                "The load's part of the equation of motion varies along the beam, and no solution in elementary "
-                "functions is known. "
-                if chapter.derived.motion.strong.coeff(P).has(x)
-                else "This equation could be solved as it stands, for each load anew; a series needs the load's part "
-                "once. "
-            )
-            + "Ritz's way is to let the beam move only in shapes $\\varphi_{j}$ chosen beforehand, and to ask the "
-            "weak form to hold for $\\delta y = \\varphi_{i}$ alone. Row $i$ of every matrix then belongs to the test "
-            "function and column $j$ to the motion: with a follower force the two must not be confused."
-        ),
-    ]
-    for step in chapter.of("Ritz series"):
-        blocks += chapter.step(step)
-    blocks += [
-        Heading("Shapes to build with: the comparison beam", 2, "modes"),
-        Prose(
-            "Which shapes? Those of the same beam without its load: they meet the end conditions, are orthogonal, and "
-            "there is one for every frequency. Damping changes their frequencies and leaves the shapes alone."
-        ),
-    ]
-    for step in chapter.of("modes"):
-        if not step.why[1:2] == ")":
-            blocks += chapter.step(step)
+        blocks += chapter.section(
+            "scaling",
+            "Away with the units",
+            "A beam has three dimensional quantities, $EI$, $m$ and $L$; they serve as units. Lengths are "
+            "measured in $L$, time in $(m L^{4} / EI)^{1/2}$, forces in $EI / L^{2}$ and energies in $EI / L$. "
+            "What is left has no units, and one solution serves every beam.",
+            said=False,
+        )
+    blocks += chapter.section(
+        "variation",
+        "Hamilton's principle",
+        "Imagine the true motion displaced a little, by $\\delta y$, at every place and instant between two "
+        "instants at which it is given. Hamilton's principle says that energies and work balance to first order, "
+        "whatever $\\delta y$ is. One equation for all $\\delta y$ is an equation of motion and its end "
+        "conditions at once: integration by parts pulls them apart.",
+    )
+    blocks += chapter.section(
+        "Ritz series",
+        "Ritz's series",
+        (
+            "The load's part of the equation of motion varies along the beam, and no solution in elementary "
+            "functions is known. "
+            if chapter.derived.motion.strong.coeff(P).has(x)
+            else "This equation could be solved as it stands, for each load anew; a series needs the load's part once. "
+        )
+        + "Ritz's way is to let the beam move only in shapes $\\varphi_{j}$ chosen beforehand, and to ask the "
+        "weak form to hold for $\\delta y = \\varphi_{i}$ alone. Row $i$ of every matrix then belongs to the test "
+        "function and column $j$ to the motion: with a follower force the two must not be confused.",
+        "ritz",
+    )
+    blocks += chapter.section(
+        "modes",
+        "Shapes to build with: the comparison beam",
+        "Which shapes? Those of the same beam without its load: they meet the end conditions, are orthogonal, and "
+        "there is one for every frequency. Damping changes their frequencies and leaves the shapes alone.",
+    )
     blocks += _admissible(chapter, "modes", "section 3.1 asks four things of a trial function; the modes meet each:")
-    blocks += [
-        *chapter.errata("Section 3.1"),
-        Heading("Integrals without integrating", 2, "integrals"),
-        Prose(
-            "The matrices hold integrals of $x^{k} \\varphi_{i}^{(p)} \\varphi_{j}^{(q)}$. The sixteen products of "
-            "the first four derivatives of two modes go over into one another when differentiated, because the fourth "
-            "derivative is $\\gamma^{4}$ times the mode. Differentiation is thus a matrix of sixteen rows, and an "
-            "antiderivative is the solution of linear equations, exact. The end conditions strike out most of what is "
-            "left."
-        ),
-    ]
-    for step in chapter.of("integrals"):
-        blocks += chapter.step(step)
-    blocks += [
-        Heading("A second set of shapes: polynomials", 2, "polynomials"),
-        Prose(
-            "Natural end conditions are the energies' own, and trial functions need not meet them. So polynomials "
-            "will do, as long as they meet the geometric ones. Every integral is then a rational number, and the "
-            "series converges far faster, as the last chapter of the physics shows."
-        ),
-    ]
-    for step in chapter.of("polynomials"):
-        if not step.why[1:2] == ")":
-            blocks += chapter.step(step)
+    blocks += chapter.errata("Section 3.1")
+    blocks += chapter.section(
+        "integrals",
+        "Integrals without integrating",
+        "The matrices hold integrals of $x^{k} \\varphi_{i}^{(p)} \\varphi_{j}^{(q)}$. The sixteen products of "
+        "the first four derivatives of two modes go over into one another when differentiated, because the fourth "
+        "derivative is $\\gamma^{4}$ times the mode. Differentiation is thus a matrix of sixteen rows, and an "
+        "antiderivative is the solution of linear equations, exact. The end conditions strike out most of what is "
+        "left.",
+    )
+    blocks += chapter.section(
+        "polynomials",
+        "A second set of shapes: polynomials",
+        "Natural end conditions are the energies' own, and trial functions need not meet them. So polynomials "
+        "will do, as long as they meet the geometric ones. Every integral is then a rational number, and the "
+        "series converges far faster, as the last chapter of the physics shows.",
+    )
     blocks += _admissible(chapter, "polynomials", "The same four conditions, for the polynomials:")
     return tuple(blocks)
 
 
 def _statement(chapter: Chapter) -> tuple[Block, ...]:
-    """The statement as formulas, the sources that it was checked for: it is what the proof of the variation "
-    "evaluates."""
+    """The statement as formulas: it is what the proof of the variation evaluates."""
     step = chapter.find("Take the first variation of the energies and add the virtual work")
     assert step is not None
     lines = tuple(chapter.printer.lines(step.before))
@@ -343,7 +336,7 @@ def _statement(chapter: Chapter) -> tuple[Block, ...]:
 def _admissible(chapter: Chapter, stage: str, opening: str) -> tuple[Block, ...]:
     blocks: list[Block] = [Prose(opening[0].upper() + opening[1:])]
     for step in chapter.of(stage):
-        if step.why[1:2] != ")":
+        if not _numbered(step):
             continue
         shown: list[Block] = []
         if _formula(step.after) and stage == "modes" and step.why[0] in "23":
@@ -358,14 +351,13 @@ def _admissible(chapter: Chapter, stage: str, opening: str) -> tuple[Block, ...]
 
 def newmark_chapter(chapter: Chapter) -> tuple[Block, ...]:
     """Newmark's method, which the paper uses and does not print."""
-    blocks: list[Block] = [
-        Heading("Marching in time", 2, "newmark"),
-        Prose(
+    return (
+        *chapter.section(
+            "newmark",
+            "Marching in time",
             "To see what a sensor sees, Eq. (10) is marched in time by Newmark's method. The paper names the method "
             "and prints none of it; here it is, from two assumptions. $h$ is the step, $\\Omega = \\omega h$, $\\xi$ "
-            "a damping ratio, $\\rho$ the growth in one step, and a plus marks the end of the step."
+            "a damping ratio, $\\rho$ the growth in one step, and a plus marks the end of the step.",
         ),
-    ]
-    for step in chapter.of("newmark"):
-        blocks += chapter.step(step)
-    return (*blocks, *chapter.errata("Section 4.5", "Abstract"))
+        *chapter.errata("Section 4.5", "Abstract"),
+    )

@@ -4,79 +4,53 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from freebeam_sym.lesson.blocks import (
-    Block,
-    Cell,
-    Check,
-    Equation,
-    Erratum,
-    Exercise,
-    Figure,
-    Folded,
-    Heading,
-    Lesson,
-    Listing,
-    Prose,
-    Table,
-)
-from freebeam_sym.lesson.pictures import image
+from freebeam_sym.lesson import blocks
+from freebeam_sym.lesson.writer import Writer, left
 
 __all__ = ["Markdown", "files"]
 
 
-def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
+def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The text, and its drawings in a folder named after it."""
-    folder = output.with_name(f"{output.stem}_files")
-    page = Markdown(folder)
-    body = "\n\n".join(page.blocks(lesson.blocks))
-    text = f"# {lesson.title}\n\n*{lesson.subtitle}*\n\n{body}\n"
+    page = Markdown(output.with_name(f"{output.stem}_files"))
+    text = f"# {lesson.title}\n\n*{lesson.subtitle}*\n\n{page.joined(lesson.blocks)}\n"
     return {output: text.encode(), **page.pictures}
 
 
-class Markdown:
-    """Prints blocks; `pictures` are the files that they need."""
+class Markdown(Writer):
+    """Prints blocks; texts have Markdown's marks as they are."""
 
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.pictures: dict[Path, bytes] = {}
-        self.exercises = self.figures = 0
+    def inline(self, text: str) -> str:
+        return text
 
-    def blocks(self, blocks: tuple[Block, ...]) -> list[str]:
-        return [text for block in blocks if (text := self.block(block))]
+    def heading(self, block: blocks.Heading) -> str:
+        return f"{'#' * block.level} {block.text}"
 
-    def block(self, block: Block) -> str:
-        match block:
-            case Heading():
-                return f"{'#' * block.level} {block.text}"
-            case Prose():
-                return block.text
-            case Equation():
-                tag = rf" \tag{{{block.number}}}" if block.number else ""
-                return f"$$\n{block.latex}{tag}\n$$"
-            case Check():
-                return (
-                    f"> ✓ *checked:* {block.text} · leaves {f'{block.residual:.0e}' if block.residual else 'nothing'}"
-                )
-            case Folded():
-                inner = "\n\n".join(self.blocks(block.blocks))
-                return f"<details><summary>{block.summary}</summary>\n\n{inner}\n\n</details>"
-            case Erratum():
-                lines = [f"**Erratum of the paper. {block.title}**", *block.paragraphs]
-                return "\n>\n".join(f"> {line}" for line in lines)
-            case Figure():
-                self.figures += 1
-                path = self.folder / f"{block.key}.svg"
-                self.pictures[path] = image(block, "svg")
-                caption = f"*Figure {self.figures}. {block.title}.* {block.caption}"
-                return f"![{block.title}]({self.folder.name}/{path.name})\n\n{caption}"
-            case Table():
-                rows = [block.header, tuple("---" for _ in block.header), *block.rows]
-                return "\n".join("| " + " | ".join(row) + " |" for row in rows)
-            case Exercise():
-                self.exercises += 1
-                answer = f"<details><summary>Answer</summary>\n\n{block.answer}\n\n</details>"
-                return f"**Exercise {self.exercises}.** {block.question}\n\n{answer}"
-            case Listing():
-                return f"```python\n{block.code}\n```"
-            case Cell():
-                return "\n\n".join(self.blocks(block.blocks))
+    def equation(self, block: blocks.Equation) -> str:
+        tag = rf" \tag{{{block.number}}}" if block.number else ""
+        return f"$$\n{block.latex}{tag}\n$$"
+
+    def check(self, block: blocks.Check) -> str:
+        return f"> ✓ *checked:* {block.text} · {left(block)}"
+
+    def folded(self, block: blocks.Folded) -> str:
+        return f"<details><summary>{block.summary}</summary>\n\n{self.joined(block.blocks)}\n\n</details>"
+
+    def erratum(self, block: blocks.Erratum) -> str:
+        lines = [f"**Erratum of the paper. {block.title}**", *block.paragraphs]
+        return "\n>\n".join(f"> {line}" for line in lines)
+
+    def figure(self, block: blocks.Figure) -> str:
+        path = f"{self.folder.name}/{self.picture(block, 'svg').name}"
+        return f"![{block.title}]({path})\n\n*Figure {self.count['figure']}. {block.title}.* {block.caption}"
+
+    def table(self, block: blocks.Table) -> str:
+        rows = [block.header, tuple("---" for _ in block.header), *block.rows]
+        return "\n".join("| " + " | ".join(row) + " |" for row in rows)
+
+    def exercise(self, block: blocks.Exercise) -> str:
+        answer = f"<details><summary>Answer</summary>\n\n{block.answer}\n\n</details>"
+        return f"**Exercise {self.count['exercise']}.** {block.question}\n\n{answer}"
+
+    def listing(self, block: blocks.Listing) -> str:
+        return f"```python\n{block.code}\n```"

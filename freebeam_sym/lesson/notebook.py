@@ -30,7 +30,7 @@ HINT = (
 
 def unexecuted(lesson: Lesson) -> list[tuple[str, str]]:
     """The notebook's cells, ("markdown" | "code", source), before they are run."""
-    page, cells, text = Markdown(Path("unused")), [], [f"# {lesson.title}\n\n*{lesson.subtitle}*", HINT]
+    page, cells, text = Markdown(), [], [f"# {lesson.title}\n\n*{lesson.subtitle}*", HINT]
     cells.append(("code", IMPORTS))
     for block in lesson.blocks:
         if isinstance(block, Cell):
@@ -39,7 +39,7 @@ def unexecuted(lesson: Lesson) -> list[tuple[str, str]]:
             if text:
                 cells.append(("markdown", "\n\n".join(text)))
             cells.append(("code", block.code))
-            text = page.blocks(tuple(b for b in block.blocks if not isinstance(b, _DONE) and not _folds_formula(b)))
+            text = [page.block(b) for b in block.blocks if not isinstance(b, _DONE) and not _folds_formula(b)]
         else:
             text.append(page.block(block))
     if text:

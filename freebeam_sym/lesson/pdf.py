@@ -5,26 +5,12 @@ from __future__ import annotations
 import re
 import tempfile
 from pathlib import Path
+from typing import ClassVar
 
 from freebeam_sym.checks import InputError
-from freebeam_sym.lesson.blocks import (
-    Block,
-    Cell,
-    Check,
-    Equation,
-    Erratum,
-    Exercise,
-    Figure,
-    Folded,
-    Heading,
-    Lesson,
-    Listing,
-    Prose,
-    Table,
-    spans,
-)
+from freebeam_sym.lesson import blocks
 from freebeam_sym.lesson.mathematics import typst
-from freebeam_sym.lesson.pictures import image
+from freebeam_sym.lesson.writer import Writer, left
 
 __all__ = ["files", "source"]
 
@@ -56,7 +42,7 @@ HEAD = r"""
 """
 
 
-def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
+def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The PDF. Raises InputError without typst."""
     try:
         import typst as compiler
@@ -73,13 +59,12 @@ def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
         return {output: bytes(compiler.compile(main, format="pdf"))}
 
 
-def source(lesson: Lesson) -> tuple[str, dict[str, bytes]]:
+def source(lesson: blocks.Lesson) -> tuple[str, dict[Path, bytes]]:
     """Typst's source, and the drawings that it needs by name."""
     page = _Page()
-    body = "\n\n".join(page.blocks(lesson.blocks))
-    title = f'#text(size: 9pt, fill: grey)[A LESSON THAT DERIVES ITSELF]\n\n#text(size: 22pt, weight: "bold")[{inline(lesson.title)}]\n\n#text(fill: grey)[{inline(lesson.subtitle)}]\n\n#v(0.5em)\n#outline(depth: 1, title: none)\n#pagebreak()\n'  # noqa: E501
+    title = f'#text(size: 9pt, fill: grey)[A LESSON THAT DERIVES ITSELF]\n\n#text(size: 22pt, weight: "bold")[{page.inline(lesson.title)}]\n\n#text(fill: grey)[{page.inline(lesson.subtitle)}]\n\n#v(0.5em)\n#outline(depth: 1, title: none)\n#pagebreak()\n'  # noqa: E501
     document = f"#set document(title: {_quoted(lesson.title)}, date: none)\n"
-    return document + HEAD + title + body + "\n", page.pictures
+    return document + HEAD + title + page.joined(lesson.blocks) + "\n", page.pictures
 
 
 def _quoted(text: str) -> str:
@@ -90,75 +75,54 @@ def _escape(text: str) -> str:
     return re.sub(r"([\\#$*_`@<>~\[\]/=+-])", r"\\\1", text)
 
 
-def inline(text: str) -> str:
-    """Text with its marks as Typst."""
-    parts = []
-    for kind, piece in spans(text):
-        if kind == "math":
-            parts.append(f"${typst(piece)}$")
-        elif kind == "display":
-            parts.append(f"#formula(none, $ {typst(piece.strip())} $)")
-        elif kind == "code":
-            parts.append(f"#raw({_quoted(piece)})")
-        elif kind == "text":
-            parts.append(_escape(piece))
-        else:
-            parts.append(f"#{'strong' if kind == 'strong' else 'emph'}[{inline(piece)}]")
-    return "".join(parts)
+class _Page(Writer):
+    spans: ClassVar = {
+        "text": _escape,
+        "math": lambda piece: f"${typst(piece)}$",
+        "display": lambda piece: f"#formula(none, $ {typst(piece.strip())} $)",
+        "code": lambda piece: f"#raw({_quoted(piece)})",
+        "strong": "#strong[{}]".format,
+        "emphasis": "#emph[{}]".format,
+    }
 
+    def heading(self, block: blocks.Heading) -> str:
+        return f"{'=' * (block.level - 1)} {self.inline(block.text)}"
 
-class _Page:
-    def __init__(self) -> None:
-        self.pictures: dict[str, bytes] = {}
-        self.exercises = self.figures = 0
+    def equation(self, block: blocks.Equation) -> str:
+        number = _quoted(block.number) if block.number else "none"
+        return f"#formula({number}, $ {typst(block.latex)} $)"
 
-    def blocks(self, blocks: tuple[Block, ...]) -> list[str]:
-        return [text for block in blocks if (text := self.block(block))]
+    def check(self, block: blocks.Check) -> str:
+        return f"#checked[{self.inline(block.text)} · {_escape(left(block))}]"
 
-    def block(self, block: Block) -> str:
-        match block:
-            case Heading():
-                return f"{'=' * (block.level - 1)} {inline(block.text)}"
-            case Prose():
-                return inline(block.text)
-            case Equation():
-                number = _quoted(block.number) if block.number else "none"
-                return f"#formula({number}, $ {typst(block.latex)} $)"
-            case Check():
-                left = f"{block.residual:.0e}" if block.residual else "nothing"
-                return f"#checked[{inline(block.text)} · leaves {_escape(left)}]"
-            case Folded():
-                inner = "\n\n".join(self.blocks(block.blocks))
-                return f"#folded({_quoted(block.summary)})[{inner}]"
-            case Erratum():
-                inner = "\n\n".join(inline(p) for p in block.paragraphs)
-                return f"#aside([{inline(block.title)}])[{inner}]"
-            case Figure():
-                self.figures += 1
-                name = f"{block.key}.svg"
-                self.pictures[name] = image(block, "svg")
-                caption = f"*Figure {self.figures}. {inline(block.title)}.* {inline(block.caption)}"
-                return (
-                    f"#block(breakable: false, width: 100%)[#align(center, image({_quoted(name)}, width: 68%))\n"
-                    f"#text(size: 9pt, fill: grey)[{caption}]]"
-                )
-            case Table():
-                cells = [f"[*{inline(c)}*]" for c in block.header] + [f"[{inline(c)}]" for r in block.rows for c in r]
-                return (
-                    f"#align(center, text(size: 9pt, table(columns: {len(block.header)}, stroke: none, align: left, "
-                    "table.hline(stroke: 0.6pt), "
-                    + ", ".join(cells[: len(block.header)])
-                    + ", table.hline(stroke: 0.4pt), "
-                    + ", ".join(cells[len(block.header) :])
-                    + ", table.hline(stroke: 0.6pt))))"
-                )
-            case Exercise():
-                self.exercises += 1
-                return (
-                    f"*Exercise {self.exercises}.* {inline(block.question)}\n\n"
-                    f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {inline(block.answer)}])"
-                )
-            case Listing():
-                return f'#raw({_quoted(block.code)}, lang: "python", block: true)'
-            case Cell():
-                return "\n\n".join(self.blocks(block.blocks))
+    def folded(self, block: blocks.Folded) -> str:
+        return f"#folded({_quoted(block.summary)})[{self.joined(block.blocks)}]"
+
+    def erratum(self, block: blocks.Erratum) -> str:
+        inner = "\n\n".join(map(self.inline, block.paragraphs))
+        return f"#aside([{self.inline(block.title)}])[{inner}]"
+
+    def figure(self, block: blocks.Figure) -> str:
+        name = _quoted(self.picture(block, "svg").name)
+        caption = f"*Figure {self.count['figure']}. {self.inline(block.title)}.* {self.inline(block.caption)}"
+        return (
+            f"#block(breakable: false, width: 100%)[#align(center, image({name}, width: 68%))\n"
+            f"#text(size: 9pt, fill: grey)[{caption}]]"
+        )
+
+    def table(self, block: blocks.Table) -> str:
+        head = ", ".join(f"[*{self.inline(cell)}*]" for cell in block.header)
+        body = ", ".join(f"[{self.inline(cell)}]" for row in block.rows for cell in row)
+        return (
+            f"#align(center, text(size: 9pt, table(columns: {len(block.header)}, stroke: none, align: left, "
+            f"table.hline(stroke: 0.6pt), {head}, table.hline(stroke: 0.4pt), {body}, table.hline(stroke: 0.6pt))))"
+        )
+
+    def exercise(self, block: blocks.Exercise) -> str:
+        return (
+            f"*Exercise {self.count['exercise']}.* {self.inline(block.question)}\n\n"
+            f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {self.inline(block.answer)}])"
+        )
+
+    def listing(self, block: blocks.Listing) -> str:
+        return f'#raw({_quoted(block.code)}, lang: "python", block: true)'

@@ -1,28 +1,13 @@
-"""The lesson as LaTeX for any installation: amsmath, amssymb, graphicx and hyperref; its drawings are PDFs beside "
-"it."""
+"""The lesson as LaTeX for any installation: amsmath, amssymb, graphicx, hyperref; its drawings are PDFs beside it."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
+from typing import ClassVar
 
-from freebeam_sym.lesson.blocks import (
-    Block,
-    Cell,
-    Check,
-    Equation,
-    Erratum,
-    Exercise,
-    Figure,
-    Folded,
-    Heading,
-    Lesson,
-    Listing,
-    Prose,
-    Table,
-    spans,
-)
-from freebeam_sym.lesson.pictures import image
+from freebeam_sym.lesson import blocks
+from freebeam_sym.lesson.writer import Writer, left
 
 __all__ = ["files"]
 
@@ -57,29 +42,9 @@ def text_of(text: str) -> str:
     return "".join(parts).replace("$$", "")
 
 
-def inline(text: str) -> str:
-    """Text with its marks as LaTeX."""
-    commands = {"strong": "textbf", "emphasis": "emph"}
-    parts = []
-    for kind, piece in spans(text):
-        if kind == "math":
-            parts.append(f"${piece}$")
-        elif kind == "display":
-            parts.append(rf"\[\fitted{{{piece.strip()}}}\]")
-        elif kind == "code":
-            parts.append(rf"\texttt{{{text_of(piece)}}}")
-        elif kind == "text":
-            parts.append(text_of(piece))
-        else:
-            parts.append(rf"\{commands[kind]}{{{inline(piece)}}}")
-    return "".join(parts)
-
-
-def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
+def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The source, and its drawings in a folder named after it."""
-    folder = output.with_name(f"{output.stem}_files")
-    page = _Page(folder)
-    body = "\n\n".join(page.blocks(lesson.blocks))
+    page = _Page(output.with_name(f"{output.stem}_files"))
     text = rf"""\documentclass[11pt,a4paper]{{article}}
 \usepackage[utf8]{{inputenc}}
 \usepackage[T1]{{fontenc}}
@@ -93,79 +58,72 @@ def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
 \newsavebox{{\formula}}
 \newcommand{{\fitted}}[1]{{\sbox{{\formula}}{{$\displaystyle #1$}}%
   \ifdim\wd\formula>0.9\linewidth\resizebox{{0.9\linewidth}}{{!}}{{\usebox{{\formula}}}}\else\usebox{{\formula}}\fi}}
-\title{{{inline(lesson.title)}}}
+\title{{{page.inline(lesson.title)}}}
 \author{{}}
-\date{{{inline(lesson.subtitle)}}}
+\date{{{page.inline(lesson.subtitle)}}}
 \begin{{document}}
 \maketitle
 \tableofcontents
 
-{body}
+{page.joined(lesson.blocks)}
 \end{{document}}
 """
     return {output: text.encode(), **page.pictures}
 
 
-class _Page:
-    def __init__(self, folder: Path) -> None:
-        self.folder = folder
-        self.pictures: dict[Path, bytes] = {}
-        self.exercises = self.figures = 0
+class _Page(Writer):
+    spans: ClassVar = {
+        "text": text_of,
+        "math": "${}$".format,
+        "display": lambda piece: rf"\[\fitted{{{piece.strip()}}}\]",
+        "code": lambda piece: rf"\texttt{{{text_of(piece)}}}",
+        "strong": r"\textbf{{{}}}".format,
+        "emphasis": r"\emph{{{}}}".format,
+    }
 
-    def blocks(self, blocks: tuple[Block, ...]) -> list[str]:
-        return [text for block in blocks if (text := self.block(block))]
+    def heading(self, block: blocks.Heading) -> str:
+        return rf"\{'section' if block.level == 2 else 'subsection'}{{{self.inline(block.text)}}}"
 
-    def block(self, block: Block) -> str:
-        match block:
-            case Heading():
-                return rf"\{'section' if block.level == 2 else 'subsection'}{{{inline(block.text)}}}"
-            case Prose():
-                return inline(block.text)
-            case Equation():
-                tag = rf"\tag{{{block.number}}}" if block.number else ""
-                latex = block.latex.replace("{split}", "{aligned}")  # split may not stand in a box
-                return rf"\begin{{equation*}}\fitted{{{latex}}}{tag}\end{{equation*}}"
-            case Check():
-                left = f"{block.residual:.0e}" if block.residual else "nothing"
-                return rf"{{\small $\checkmark$ \emph{{checked:}} {inline(block.text)}; leaves {left}\par}}"
-            case Folded():
-                inner = "\n\n".join(self.blocks(block.blocks))
-                return rf"{{\small \emph{{{inline(block.summary)}}}" + f"\n\n{inner}\\par}}"
-            case Erratum():
-                inner = "\n\n".join(inline(p) for p in block.paragraphs)
-                return (
-                    r"\begin{quote}\textbf{Erratum of the paper.} " + rf"\textbf{{{inline(block.title)}}}"
-                    f"\n\n{inner}\n\\end{{quote}}"
-                )
-            case Figure():
-                self.figures += 1
-                path = self.folder / f"{block.key}.pdf"
-                self.pictures[path] = image(block, "pdf")
-                caption = (
-                    rf"{{\small \textbf{{Figure {self.figures}. {inline(block.title)}.}} {inline(block.caption)}}}"
-                )
-                return (
-                    rf"\begin{{center}}\includegraphics[width=0.85\linewidth]{{{self.folder.name}/{path.name}}}\\"
-                    f"\n{caption}\\end{{center}}"
-                )
-            case Table():
-                columns = "l" * len(block.header)
-                head = " & ".join(inline(cell) for cell in block.header)
-                rows = "\\\\\n".join(" & ".join(inline(cell) for cell in row) for row in block.rows)
-                return (
-                    rf"\begin{{center}}\small\begin{{tabular}}{{{columns}}}\hline {head}\\\hline"
-                    f"\n{rows}\\\\\\hline\\end{{tabular}}\\end{{center}}"
-                )
-            case Exercise():
-                self.exercises += 1
-                return (
-                    rf"\textbf{{Exercise {self.exercises}.}} {inline(block.question)}"
-                    f"\n\n{{\\small \\emph{{Answer.}} {inline(block.answer)}\\par}}"
-                )
-            case Listing():
-                return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
-            case Cell():
-                return "\n\n".join(self.blocks(block.blocks))
+    def equation(self, block: blocks.Equation) -> str:
+        tag = rf"\tag{{{block.number}}}" if block.number else ""
+        latex = block.latex.replace("{split}", "{aligned}")  # split may not stand in a box
+        return rf"\begin{{equation*}}\fitted{{{latex}}}{tag}\end{{equation*}}"
+
+    def check(self, block: blocks.Check) -> str:
+        return rf"{{\small $\checkmark$ \emph{{checked:}} {self.inline(block.text)}; {left(block)}\par}}"
+
+    def folded(self, block: blocks.Folded) -> str:
+        return rf"{{\small \emph{{{self.inline(block.summary)}}}" + f"\n\n{self.joined(block.blocks)}\\par}}"
+
+    def erratum(self, block: blocks.Erratum) -> str:
+        title = rf"\textbf{{Erratum of the paper.}} \textbf{{{self.inline(block.title)}}}"
+        inner = "\n\n".join([title, *map(self.inline, block.paragraphs)])
+        return rf"\begin{{quote}}{inner}" + "\n\\end{quote}"
+
+    def figure(self, block: blocks.Figure) -> str:
+        path = f"{self.folder.name}/{self.picture(block, 'pdf').name}"
+        title = rf"\textbf{{Figure {self.count['figure']}. {self.inline(block.title)}.}}"
+        return (
+            rf"\begin{{center}}\includegraphics[width=0.85\linewidth]{{{path}}}\\"
+            f"\n{{\\small {title} {self.inline(block.caption)}}}\\end{{center}}"
+        )
+
+    def table(self, block: blocks.Table) -> str:
+        head, *rows = (" & ".join(map(self.inline, row)) for row in (block.header, *block.rows))
+        body = "\\\\\n".join(rows)
+        return (
+            rf"\begin{{center}}\small\begin{{tabular}}{{{'l' * len(block.header)}}}\hline {head}\\\hline"
+            f"\n{body}\\\\\\hline\\end{{tabular}}\\end{{center}}"
+        )
+
+    def exercise(self, block: blocks.Exercise) -> str:
+        return (
+            rf"\textbf{{Exercise {self.count['exercise']}.}} {self.inline(block.question)}"
+            f"\n\n{{\\small \\emph{{Answer.}} {self.inline(block.answer)}\\par}}"
+        )
+
+    def listing(self, block: blocks.Listing) -> str:
+        return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
 
 
 def _ascii(code: str) -> str:

@@ -7,7 +7,7 @@ import json
 import re
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import html5lib
 import pytest
@@ -19,12 +19,25 @@ from freebeam_derive.record import Step
 from freebeam_sym.cli import main
 from freebeam_sym.columns import Column
 from freebeam_sym.lesson import FORMATS, lesson, printed
-from freebeam_sym.lesson.blocks import Cell, Check, Equation, Erratum, Exercise, Figure, Heading, Lesson, Prose, walk
+from freebeam_sym.lesson.blocks import (
+    Block,
+    Cell,
+    Check,
+    Equation,
+    Erratum,
+    Exercise,
+    Figure,
+    Heading,
+    Lesson,
+    Prose,
+    walk,
+)
 from freebeam_sym.lesson.errata import entries
 from freebeam_sym.lesson.facts import Facts
 from freebeam_sym.lesson.mathematics import mathml, typst
 from freebeam_sym.lesson.notebook import unexecuted
 from freebeam_sym.lesson.tex import text_of
+from freebeam_sym.lesson.writer import Writer
 
 ROOT = Path(__file__).parents[2]
 OWN = ROOT / "tests" / "derive" / "columns"
@@ -388,6 +401,10 @@ def test_a_kernel_has_no_lesson(tmp_path: Path) -> None:
     kernel.write_text(emit.emit(derived("hauger").kernel), encoding="utf-8")
     with pytest.raises(fb.InputError, match="needs the statement that it was derived from"):
         lesson(kernel)
+
+
+def test_every_kind_of_block_is_printed() -> None:
+    assert {kind.__name__.lower() for kind in get_args(Block)} == Writer.__abstractmethods__ | {"prose", "cell"}
 
 
 def test_formats_have_printers() -> None:

@@ -9,6 +9,7 @@ import pytest
 import sympy as sp
 from sympy import Derivative, Eq, Function, Integral, Symbol
 
+from freebeam_derive.latex import Printer
 from freebeam_derive.notation import alpha, t, x, y
 from freebeam_derive.paper import compare as comparison
 from freebeam_derive.paper.printed import EQUATIONS, FIELDS, WITH_DIMENSIONS, Printed
@@ -48,6 +49,17 @@ def test_derivatives_are_read_as_printed_not_as_meant() -> None:
     assert right == Eq(Derivative(u, t, (x, 4)), v)
     assert wrong == Eq(misprinted(3, Derivative(u, t, (x, 4))), v) and wrong != right
     assert latex(wrong.lhs) == latex(right.lhs).replace("^5", "^3", 1)
+
+
+@pytest.mark.parametrize("number", [11, 12, 13, 18, 20, 21, 25])
+def test_the_ledger_prints_as_the_lesson_does(number: int) -> None:
+    """But for its fractions of ∂, which these equations have not."""
+    for form in EQUATIONS[number - 1].typed:
+        assert latex(form) == Printer().doprint(form) and r"\partial" not in latex(form)
+
+
+def test_a_derivative_of_a_product_has_its_brackets() -> None:
+    assert latex(Derivative(x * Derivative(y, x), x)).endswith(r"\left(x \frac{\partial y}{\partial x}\right)")
 
 
 def test_what_the_reader_knows() -> None:
