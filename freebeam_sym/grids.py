@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.critical import FREQUENCY_TOLERANCE, LOAD_TOLERANCE
 from freebeam_sym.pencil import Pencil, Real, pencil_of
+from freebeam_sym.surface import FEW
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
@@ -29,8 +30,6 @@ __all__ = ["KINDS", "Answers", "agree", "alike", "checked_axes", "solve", "solve
 
 KINDS = ("none", "flutter", "divergence")
 """What the numbers of `Answers.kind` stand for."""
-_FEW = 16
-"""Points of a pencil below which they are searched one by one: a surface would cost more."""
 
 
 class Answers(NamedTuple):
@@ -169,7 +168,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
         same, which = np.flatnonzero(~damped), np.flatnonzero(damped)
         ask = same[:1]
         covered = (alpha[which] >= 0) & (beta[which] >= 0)  # a column's energies may shift them below zero
-        if covered.sum() >= _FEW:
+        if covered.sum() >= FEW:
             ask, which = np.append(ask, which[~covered]), which[covered]
             surface = pencil.surface(load_max)
             P, omega, settled = surface.at(alpha[which], beta[which])

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -29,19 +30,26 @@ from freebeam_sym.pencil import Complex, Damping, Pencil, Real
 __all__ = ["Surface"]
 
 NODES = 13
-"""Nodes of a patch in each direction."""
+MORE = 20
+"""Nodes of a patch in each direction; more where their series are nearly good enough."""
 TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
 SMALLEST = 1 / 8192
 """Least width of a patch."""
+FEW = 16
+"""Points that are left to a search each: it costs less than a patch. In the surface as a whole, and in a patch whose
+neighbourhood was not settled down to the width SMALL."""
+SMALL = 1 / 64
 _BLOCK = 8192  # points evaluated at a time: their arrays stay in the cache
 
 
+@cache
 def _gauss(n: int) -> Real:
     """Chebyshev's interior nodes on (0, 1), ascending: no node lies at vanishing or infinite damping."""
     return np.asarray((1 - np.cos(np.pi * (np.arange(n) + 0.5) / n)) / 2)
 
 
+@cache
 def _to_series(n: int) -> Real:
     """Values at n nodes to coefficients, (n, n)."""
     k = np.arange(n)[:, None]
@@ -50,26 +58,36 @@ def _to_series(n: int) -> Real:
 
 _COARSE = 6
 _COUNTED = _gauss(4)
+_COUNTED_MORE = 6
 _CORNERS = [(x, y) for x in _COUNTED[[0, -1]].tolist() for y in _COUNTED[[0, -1]].tolist()]
 _PROBED = (0.02, 0.35, 0.7, 0.98)
 _LEVELS = np.array([0.25, 0.5, 0.7, 0.85, 0.94, 0.98])
 
 
-def chebyshev(x: Real) -> Real:
-    """T_0 … T_(NODES−1) at 2x − 1, shape (NODES, *x.shape)."""
+def chebyshev(x: Real, n: int = NODES) -> Real:
+    """T_0 … T_(n−1) at 2x − 1, shape (n, *x.shape)."""
     t = 2 * x - 1
     if x.size < 100:
-        return np.asarray(np.cos(np.multiply.outer(np.arange(NODES), np.arccos(np.clip(t, -1.0, 1.0)))))
-    T = np.empty((NODES, *x.shape))
+        return np.asarray(np.cos(np.multiply.outer(np.arange(n), np.arccos(np.clip(t, -1.0, 1.0)))))
+    T = np.empty((n, *x.shape))
     T[0], T[1] = 1, t
     t2 = 2 * t
-    for k in range(2, NODES):
+    for k in range(2, n):
         np.multiply(t2, T[k - 1], out=T[k])
         T[k] -= T[k - 2]
     return T
 
 
-_T = chebyshev(_gauss(NODES))
+@cache
+def _between(nodes: int, n: int) -> Real:
+    """What takes a series of n terms to its values at the nodes, (n, nodes)."""
+    return chebyshev(_gauss(nodes), n)
+
+
+def _square(values: Real) -> Real:
+    """Values at the nodes, (2, n²), as a grid (2, n, n)."""
+    n = math.isqrt(values.shape[-1]) if values.ndim == 2 else values.shape[-1]
+    return values.reshape(2, n, n)
 
 
 def _filled(values: Real) -> Real | None:
@@ -88,8 +106,8 @@ def _filled(values: Real) -> Real | None:
 @dataclass
 class _Patch:
     """A rectangle of (ξ, χ). `state`: "new", "flutter" (with a series), "none" (no flutter below the bound), "cut"
-    (into equal `parts` along `axis`) or "unsettled". `series` (m, 2, NODES, NODES): of load and ω²/(1 − ξ) of m
-    crossings, of which the first is the one at the least load."""
+    (into equal `parts` along `axis`) or "unsettled". `series` (m, 2, n, n), n NODES or MORE: of load and ω²/(1 − ξ)
+    of m crossings, of which the first is the one at the least load."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -137,7 +155,7 @@ class Surface:
         self, alpha: Real, beta: Real, kappa: float | None = None, build: bool = True
     ) -> tuple[Real, Real, NDArray[np.bool_]]:
         """Load and frequency of the first flutter at damping (n,), nan where there is none below the bound, and which
-        of them are settled. build: make patches that are not there yet."""
+        of them are settled: that hangs on these points alone. build: make patches that are not there yet."""
         load, square = np.full(len(alpha), np.nan), np.full(len(alpha), np.nan)
         settled = np.zeros(len(alpha), dtype=bool)
         if self._root is None:
@@ -172,7 +190,7 @@ class Surface:
         if patch.series is None:
             return None
         low, high = np.array(patch.low), np.array(patch.high)
-        T = chebyshev((place - low) / (high - low))
+        T = chebyshev((place - low) / (high - low), patch.series.shape[-1])
         found = min(((x @ T[:, 1]) @ T[:, 0]).tolist() for x in patch.series)
         return found[0], math.sqrt(found[1] * rest)
 
@@ -187,6 +205,9 @@ class Surface:
         settled: NDArray[np.bool_],
         build: bool,
     ) -> None:
+        widths = [b - a for a, b in zip(patch.low, patch.high, strict=True)]
+        if build and len(which) < FEW and min(widths) < SMALL:
+            return
         if patch.state == "new" and build:
             self._make(patch)
         if patch.state == "cut":
@@ -199,8 +220,9 @@ class Surface:
             settled[which] = True
             if patch.series is not None:
                 (x, y), (X, Y) = patch.low, patch.high
-                Tx, Ty = chebyshev((xi[which] - x) / (X - x)), chebyshev((chi[which] - y) / (Y - y))
-                rows = (patch.series.reshape(-1, NODES) @ Ty).reshape(-1, NODES, len(which))
+                n = patch.series.shape[-1]
+                Tx, Ty = chebyshev((xi[which] - x) / (X - x), n), chebyshev((chi[which] - y) / (Y - y), n)
+                rows = (patch.series.reshape(-1, n) @ Ty).reshape(-1, n, len(which))
                 P, w = np.einsum("skn,kn->sn", rows, Tx).reshape(-1, 2, len(which)).transpose(1, 0, 2)
                 first = P.argmin(axis=0) if len(P) > 1 else np.zeros(1, dtype=int)
                 load[which], square[which] = (np.take_along_axis(x, first[None, :], 0)[0] for x in (P, w))
@@ -231,7 +253,7 @@ class Surface:
         values, tails = np.full((2, NODES * NODES), np.nan), (1e-7, 1e-7)
         if patch.guess is not None:
             values = self._solve_all(patch, patch.guess)
-            tails = self._tails(values)
+            values, tails = self._more(patch, values)
             if max(tails) < TOLERANCE and (patch.low[0] == 0 or len(self._others(patch, values)) == 1):
                 if self._take(patch, [values]):
                     return
@@ -248,8 +270,7 @@ class Surface:
                     patch.state = "none"
                     return
             else:
-                values = self._follow(patch, 0.5, 0.5, found)
-                tails = self._tails(values)
+                values, tails = self._more(patch, self._follow(patch, 0.5, 0.5, found))
                 if max(tails) < TOLERANCE:
                     sheets = self._others(patch, values)
                     ends = [self._tails(x) for x in sheets]
@@ -258,6 +279,15 @@ class Surface:
                         return
         self._cut(patch, values, tails if max(tails) < math.inf else (1e-7, 1e-7))
 
+    def _more(self, patch: _Patch, values: Real) -> tuple[Real, tuple[float, float]]:
+        """Values at more nodes, where those at few are nearly enough, and the tails of their series."""
+        tails = self._tails(values)
+        if TOLERANCE <= max(tails) < TOLERANCE ** (NODES / MORE):
+            T = _between(MORE, NODES)
+            values = self._solve_all(patch, T.T @ self._series(values) @ T)
+            tails = self._tails(values)
+        return values, tails
+
     def _others(self, patch: _Patch, values: Real) -> list[Real]:
         """These crossings and those that come first in the corners of the patch, if they are others."""
         sheets = [values]
@@ -265,15 +295,18 @@ class Surface:
             found = self._search(patch, x, y)
             if found is None:
                 continue
-            Tx, Ty = chebyshev(np.array([[x], [y]]))[:, :, 0].T
-            here = (Tx @ self._series(sheet)[0] @ Ty for sheet in sheets)
+            Tx, Ty = chebyshev(np.array([[x], [y]]), MORE)[:, :, 0].T
+            series = (self._series(sheet)[0] for sheet in sheets)
+            here = (Tx[: len(s)] @ s @ Ty[: len(s)] for s in series)
             if not any(abs(load / found[0] - 1) < 1e-8 for load in here):
-                sheets.append(self._follow(patch, x, y, found))
+                sheets.append(self._more(patch, self._follow(patch, x, y, found))[0])
         return sheets
 
     def _take(self, patch: _Patch, sheets: list[Real]) -> bool:
         """Settle a patch with the values of one crossing or more, where the least is the first."""
-        series = np.stack([self._series(values) for values in sheets])
+        each = [self._series(values) for values in sheets]
+        n = max(x.shape[-1] for x in each)
+        series = np.stack([np.pad(x, ((0, 0), (0, n - x.shape[-1]), (0, n - x.shape[-1]))) for x in each])
         if self._begins(patch, series) and self._first_there(patch, series):
             patch.state, patch.series = "flutter", series
         return patch.state == "flutter"
@@ -288,7 +321,7 @@ class Surface:
             return
         # a series twice as good in each half would not do yet
         count = 4 if tails[axis] > math.sqrt(TOLERANCE) and widths[axis] > 4 * SMALLEST else 2
-        filled = _filled(values.reshape(2, NODES, NODES))
+        filled = _filled(_square(values))
         patch.parts = self._parts(patch, axis, count, None if filled is None else self._series(filled), max(tails))
         patch.state, patch.axis = "cut", axis
 
@@ -301,18 +334,18 @@ class Surface:
             low[axis], high[axis] = edges[k], edges[k + 1]
             guess = None
             if series is not None:
-                Tx = Ty = _T
-                part = chebyshev((_gauss(NODES) + k) / count)
-                Tx, Ty = (part, _T) if axis == 0 else (_T, part)
-                guess = np.einsum("fkl,km,ln->fmn", series, Tx[: series.shape[1]], Ty[: series.shape[2]])
+                n = series.shape[-1]
+                whole, half = _between(NODES, n), chebyshev((_gauss(NODES) + k) / count, n)
+                Tx, Ty = (half, whole) if axis == 0 else (whole, half)
+                guess = Tx.T @ series @ Ty
             parts.append(_Patch((low[0], low[1]), (high[0], high[1]), guess, tail))
         return parts
 
     @staticmethod
     def _series(values: Real) -> Real:
-        n = math.isqrt(values.size // 2)
-        to = _to_series(n)
-        return np.asarray(to @ values.reshape(2, n, n) @ to.T)
+        grid = _square(values)
+        to = _to_series(grid.shape[-1])
+        return np.asarray(to @ grid @ to.T)
 
     def _tails(self, values: Real) -> tuple[float, float]:
         """Last coefficients along ξ and χ of values at the nodes, relative; of the frequency with a tenth of the
@@ -343,7 +376,7 @@ class Surface:
         if not len(live):
             return out
         P, omega = guess[0, live], np.sqrt(guess[1, live] * (1 - xi[live]))
-        i, D = np.arange(p.size), 1j * self._damping(xi[live], chi[live]) / p.e
+        i, D, before = np.arange(p.size), 1j * self._damping(xi[live], chi[live]) / p.e, np.full(len(live), np.inf)
         for number in range(steps):
             slope = omega[:, None] * (-1 / p.e)
             own, speed = 1 + omega[:, None] * (slope + D), D + 2 * slope
@@ -375,10 +408,11 @@ class Surface:
             done = good & (step < (0.03 if rough and number == steps - 1 else 1e-5))
             out[:, live[done]] = P[done], omega[done] ** 2 / (1 - xi[live[done]])
             good &= ~done
+            if number >= 3:  # no root is near
+                good &= step < before / 2
             if not good.any():
                 break
-            if not good.all():
-                live, P, omega, D = (x[good] for x in (live, P, omega, D))
+            live, P, omega, D, before = (x[good] for x in (live, P, omega, D, step))
         return out
 
     def _search(self, patch: _Patch, x: float, y: float) -> tuple[float, float] | None:
@@ -401,19 +435,21 @@ class Surface:
         for t in (0.25, 0.5, 0.75, 1.0):
             now = self._solve(x + t * (xi - x), y + t * (chi - y), 2 * value - before, rough=True)
             before, value = value, np.where(np.isnan(now), value, now)
-        T = chebyshev(_gauss(NODES))[:_COARSE]
-        return self._solve_all(patch, np.einsum("fkl,km,ln->fmn", self._series(value), T, T))
+        T = _between(NODES, _COARSE)
+        return self._solve_all(patch, T.T @ self._series(value) @ T)
 
     def _solve_all(self, patch: _Patch, guess: Real) -> Real:
         """As `_solve`, for all nodes of a patch; those that do not settle try again from where their neighbours did."""
-        xi, chi = patch.nodes(_gauss(NODES))
+        xi, chi = patch.nodes(_gauss(guess.shape[-1]))
         values = self._solve(xi, chi, guess.reshape(2, -1))
         for _ in range(2):
-            near = _filled(values.reshape(2, NODES, NODES))
+            near = _filled(_square(values))
             lost = np.isnan(values[0])
             if near is None or not lost.any():
                 break
-            values[:, lost] = self._solve(xi[lost], chi[lost], near.reshape(2, -1)[:, lost], 10)
+            values[:, lost] = found = self._solve(xi[lost], chi[lost], near.reshape(2, -1)[:, lost], 10)
+            if np.isnan(found[0]).mean() > 0.5:  # they have none, it seems
+                break
         return values
 
     # --- whether they are the first --------------------------------------------------------------------------------
@@ -432,9 +468,10 @@ class Surface:
         return np.asarray(np.linalg.eigvals(A), dtype=complex)
 
     def _first_there(self, patch: _Patch, series: Real) -> bool:
-        xi, chi = patch.nodes(_COUNTED)
-        T, rows = chebyshev(_COUNTED), np.arange(len(xi))
-        load, square = np.einsum("sfkl,km,ln->fsmn", series, T, T).reshape(2, len(series), -1)
+        count = len(_COUNTED) if series.shape[-1] == NODES else _COUNTED_MORE
+        xi, chi = patch.nodes(_gauss(count))
+        T, rows = _between(count, series.shape[-1]), np.arange(len(xi))
+        load, square = (T.T @ series @ T).swapaxes(0, 1).reshape(2, len(series), -1)
         if not (load > 0).all() or not (square > 0).all():
             return False
         top = min(self.bound, self.divergence)
@@ -464,7 +501,7 @@ class Surface:
         that ends as the damping grows may end before the first place counted."""
         if patch.low[0] > 0:
             return True
-        top, zero = min(self.bound, self.divergence), chebyshev(np.zeros(1))[:, 0]
+        top = min(self.bound, self.divergence)
         for t in _PROBED:
             chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
             damping = Damping.of(self.pencil.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi))
@@ -472,7 +509,8 @@ class Surface:
             first = start[1] if start is not None and start[0] > 0 else math.inf
             here = math.inf
             if series is not None:
-                here = float((zero @ series[:, 0] @ chebyshev(np.array([t]))[:, 0]).min())
+                T = chebyshev(np.array([0.0, t]), series.shape[-1])
+                here = float((T[:, 0] @ series[:, 0] @ T[:, 1]).min())
             if first < 0.98 * min(here, top):
                 return False
         return True
@@ -492,7 +530,7 @@ class Surface:
         least = damped.min(axis=1) / np.sqrt(xi)
         if not (least > 0).all():
             return False
-        m = np.log(least.reshape(len(_COUNTED), len(_COUNTED)))
+        m = np.log(least.reshape(math.isqrt(len(least)), -1))
         return bool(max(np.abs(np.diff(m, axis=0)).max(), np.abs(np.diff(m, axis=1)).max()) < math.log(6))
 
     def _below(self, patch: _Patch, load: float) -> bool:
