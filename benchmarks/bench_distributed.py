@@ -35,7 +35,7 @@ def bench_two_workers(contender: Any, benchmark: Any) -> None:
         Client(cluster, set_as_default=False) as client,
     ):
         mapped("synchronous"), mapped(client)
-        for _ in range(3):
+        for _ in range(6):
             for name, scheduler in (("serial", "synchronous"), ("two workers", client)):
                 start = time.perf_counter()
                 found[name] = mapped(scheduler)

@@ -1,7 +1,8 @@
 """Maps in blocks: one after the other or on Dask, and kept in a store that a run that was stopped goes on from.
 
 The axes are cut into blocks, and each block is a call of `solve_grid` of its own, so that the bits do not depend on
-where or when it ran. Blocks come back to this process, which alone writes: first the block's arrays, then its mark.
+where or when it ran. Workers of this machine write blocks into memory that they share with this process; from others
+blocks come back. This process alone writes the store: first the block's arrays, then its mark.
 """
 
 from __future__ import annotations
@@ -44,6 +45,8 @@ LOCAL = {
 }
 """Dask's settings for workers of this machine: by default they give all memory back after each array, which costs a
 block a quarter of its time, and watch themselves a hundred times a second."""
+SHARED = Path("/dev/shm")
+"""Memory as a folder, on Linux."""
 SCHEDULERS = ("synchronous", "threads", "processes")
 TYPES = {"load": np.float64, "frequency": np.float64, "kind": np.int8, "converged": np.bool_}
 
@@ -161,6 +164,12 @@ def solved(
     return values
 
 
+def filled(files: Mapping[str, str], shape: tuple[int, ...], block: Block, *task: Any) -> None:
+    """Write the arrays of a block into the whole map's, which are files in memory."""
+    for name, array in solved(*task).items():
+        np.memmap(files[name], TYPES[name], "r+", shape=shape)[block] = array
+
+
 # --- where blocks run ---------------------------------------------------------------------------------------------
 
 
@@ -181,21 +190,45 @@ def run(
     """
     _checked(scheduler, workers)
     kept = None if store is None else Store(Path(store), sweep)
-    values: Values = {name: np.empty(sweep.shape, dtype=TYPES[name]) for name in sweep.variables}
-    blocks = sweep.blocks()
-    todo = [k for k, block in enumerate(blocks) if kept is None or not kept.read(k, block, values)]
-    done = len(blocks) - len(todo)
-    if step is not None:
-        step(done / len(blocks))
-    for k, found in _computed(sweep, {k: blocks[k] for k in todo}, scheduler, workers):
-        for name, array in found.items():
-            values[name][blocks[k]] = array
-        if kept is not None:
-            kept.write(k, blocks[k], found)
-        done += 1
+    with _arrays(sweep, scheduler) as (values, files):
+        blocks = sweep.blocks()
+        todo = [k for k, block in enumerate(blocks) if kept is None or not kept.read(k, block, values)]
+        done = len(blocks) - len(todo)
         if step is not None:
             step(done / len(blocks))
-    return values
+        for k, found in _computed(sweep, {k: blocks[k] for k in todo}, scheduler, workers, files):
+            for name, array in (found or {}).items():
+                values[name][blocks[k]] = array
+            if kept is not None:
+                kept.write(k, blocks[k], {name: array[blocks[k]] for name, array in values.items()})
+            done += 1
+            if step is not None:
+                step(done / len(blocks))
+        return values
+
+
+@contextmanager
+def _arrays(sweep: Sweep, scheduler: Any) -> Iterator[tuple[Values, dict[str, str]]]:
+    """The whole map's arrays; and the files that they are, where other processes of this machine may share them."""
+    sizes = {name: math.prod(sweep.shape) * np.dtype(TYPES[name]).itemsize for name in sweep.variables}
+    if scheduler not in ("synchronous", "threads") and _roomy(SHARED, sum(sizes.values())):
+        with tempfile.TemporaryDirectory(dir=SHARED, prefix="freebeam-map-") as place:
+            files = {name: str(Path(place, name)) for name in sizes}
+            for name, path in files.items():
+                with open(path, "wb") as file:
+                    os.posix_fallocate(file.fileno(), 0, sizes[name])
+            # the arrays outlive the files' names
+            mapped = {x: np.memmap(path, TYPES[x], "r+", shape=sweep.shape) for x, path in files.items()}
+            yield {name: np.asarray(array) for name, array in mapped.items()}, files
+    else:
+        yield {name: np.empty(sweep.shape, dtype=TYPES[name]) for name in sizes}, {}
+
+
+def _roomy(folder: Path, needed: int) -> bool:
+    """Whether files of so many bytes may be made in a folder of memory."""
+    if not hasattr(os, "posix_fallocate") or not os.access(folder, os.W_OK):
+        return False
+    return shutil.disk_usage(folder).free > 2 * needed
 
 
 def _checked(scheduler: Any, workers: Any) -> None:
@@ -208,9 +241,13 @@ def _checked(scheduler: Any, workers: Any) -> None:
 
 
 def _computed(
-    sweep: Sweep, todo: Mapping[int, Block], scheduler: str | Client | None, workers: int | None
-) -> Iterator[tuple[int, Values]]:
-    """Blocks by number, as they are finished."""
+    sweep: Sweep,
+    todo: Mapping[int, Block],
+    scheduler: str | Client | None,
+    workers: int | None,
+    files: Mapping[str, str],
+) -> Iterator[tuple[int, Values | None]]:
+    """Blocks by number, as they are finished; None where a worker has put its arrays in their place."""
     if not todo:
         return
     if scheduler == "synchronous":
@@ -226,9 +263,14 @@ def _computed(
         waiting = iter(todo.items())
         numbers: dict[str, int] = {}
 
+        shares = files and isinstance(client.cluster, distributed.LocalCluster)
+
         def submitted(k: int, block: Block) -> Any:
             numbers[f"{name}-{k}"] = k
-            return client.submit(solved, *sweep.task(block), key=f"{name}-{k}", pure=False)
+            task = sweep.task(block)
+            if shares:
+                return client.submit(filled, files, sweep.shape, block, *task, key=f"{name}-{k}", pure=False)
+            return client.submit(solved, *task, key=f"{name}-{k}", pure=False)
 
         # A few blocks wait at each worker; results do not pile up there.
         window = 2 + 2 * max(1, sum(client.nthreads().values()))

@@ -101,8 +101,27 @@ def test_a_cluster_gives_the_same_bits_though_a_worker_dies(
     assert told == sorted(told) and told[0] == 0 and told[-1] == 1 and len(told) == BLOCKS + 1
 
 
+@pytest.mark.parametrize("shared", [True, False])
+def test_memory_that_is_shared_changes_no_bit_and_is_given_back(
+    serial: xarray.Dataset, client: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path, shared: bool
+) -> None:
+    """Any folder will do here: of a block's run only what the worker returns and what it leaves there can be seen."""
+    monkeypatch.setattr(sweeps, "SHARED", tmp_path if shared else tmp_path / "none")
+    sweep = sweeps.Sweep(fb.column("beck"), 4, {"alpha": ALPHA, "beta": BETA}, {}, 1000.0, False, (4, 3))
+    with sweeps._arrays(sweep, client) as (values, files):
+        assert bool(files) == shared
+        blocks = dict(enumerate(sweep.blocks()))
+        for k, found in sweeps._computed(sweep, blocks, client, None, files):
+            assert (found is None) == shared
+            for name, array in (found or {}).items():
+                values[name][blocks[k]] = array
+    assert not list(tmp_path.iterdir())
+    assert values["load"].tobytes() == serial["load"].values.tobytes()
+    assert values["kind"].tobytes() == serial["kind"].values.tobytes()
+
+
 def test_the_current_client_is_taken(serial: xarray.Dataset, client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("distributed.LocalCluster", None)
+    monkeypatch.setattr("distributed.LocalCluster.__init__", None)
     with client.as_current():
         assert same_bits(mapped(scheduler=None), serial)
 
