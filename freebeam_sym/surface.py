@@ -30,7 +30,7 @@ from freebeam_sym.pencil import Complex, Damping, Pencil, Real
 __all__ = ["Surface"]
 
 NODES = 13
-MORE = 20
+MORE = 16
 """Nodes of a patch in each direction; more where their series are nearly good enough."""
 TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
@@ -58,7 +58,7 @@ def _to_series(n: int) -> Real:
 
 _COARSE = 6
 _COUNTED = _gauss(4)
-_COUNTED_MORE = 6
+_COUNTED_MORE = 5
 _CORNERS = [(x, y) for x in _COUNTED[[0, -1]].tolist() for y in _COUNTED[[0, -1]].tolist()]
 _PROBED = (0.02, 0.35, 0.7, 0.98)
 _LEVELS = np.array([0.25, 0.5, 0.7, 0.85, 0.94, 0.98])
