@@ -37,10 +37,6 @@ only, and Newton's method ends at the true damping. Far below it the sign of Im 
 LIGHTEST_STATE = 1e-7
 """Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
 
-ASKED = 4
-"""Questions after which a pencil's surface of first crossings is built where it is asked for: it costs as much as
-some ten searches."""
-
 
 @dataclass
 class _Nodes:
@@ -412,8 +408,7 @@ def first_crossing(
     damping = Damping.of(pencil.e, alpha, beta, kappa)
     table = table and not search and alpha >= 0 and beta >= 0 and damping.size > 0 and not pencil.conservative
     if table:
-        pencil.asked += 1
-        settled, found = _tabulated(pencil, damping, alpha, beta, load_max, build=pencil.asked > ASKED)
+        settled, found = _tabulated(pencil, damping, alpha, beta, load_max)
         if settled:
             return found
     known, bound = None, load_max
@@ -447,11 +442,11 @@ def first_crossing(
 
 
 def _tabulated(
-    pencil: Pencil, damping: Damping, alpha: float, beta: float, load_max: float, build: bool
+    pencil: Pencil, damping: Damping, alpha: float, beta: float, load_max: float
 ) -> tuple[bool, Crossing | None]:
-    """Whether the pencil's surface settles this damping, and what it says. build: where nothing was built yet too."""
+    """Whether the pencil's surface settles this damping, and what it says."""
     surface = pencil.surface(load_max)
-    point = surface.point(alpha, beta, build)
+    point = surface.point(alpha, beta)
     if point is None:
         return False, None
     P, omega = point

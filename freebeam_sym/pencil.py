@@ -96,7 +96,6 @@ class Pencil:
         self.diagonal: Real = np.diag(self.H)
         self.off: Real = np.abs(self.H)
         np.fill_diagonal(self.off, 0.0)
-        self.asked = 0
         self._surfaces: dict[float, Surface] = {}
 
     @cached_property

@@ -36,6 +36,8 @@ TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
 SMALLEST = 1 / 8192
 """Least width of a patch."""
+ASKED = 4
+"""Questions, one by one, that are left to a search each before a patch, or any, is made: it costs as much as some."""
 FEW = 16
 """Points that are left to a search each: it costs less than a patch. In the surface as a whole, and in a patch whose
 neighbourhood was not settled down to the width SMALL."""
@@ -119,6 +121,7 @@ class _Patch:
     series: Real | None = None
     axis: int = 0
     parts: list[_Patch] = field(default_factory=list)
+    asked: int = 0
 
     def nodes(self, t: Real) -> tuple[Real, Real]:
         """ξ and χ, each (m²,), at the places t × t of the patch."""
@@ -138,6 +141,7 @@ class Surface:
         self.bound = bound
         self.kappa0 = math.sqrt(pencil.e[0] * pencil.e[1])
         self._root: _Patch | None = None
+        self.asked = 0
 
     # --- asking ----------------------------------------------------------------------------------------------------
 
@@ -169,10 +173,13 @@ class Surface:
             square[part] *= rest
         return load, np.sqrt(square), settled
 
-    def point(self, alpha: float, beta: float, build: bool) -> tuple[float, float] | None:
-        """As `at` for one damping, quicker: load and frequency, nan where there is none; None where not settled."""
+    def point(self, alpha: float, beta: float) -> tuple[float, float] | None:
+        """As `at` for one damping, quicker: load and frequency, nan where there is none; None where not settled.
+
+        What is not there is made where it has been asked for ASKED times before."""
         if self._root is None:
-            if not build:
+            self.asked += 1
+            if self.asked <= ASKED:
                 return None
             self._root = self._first()
         size = alpha * self.kappa0 + beta
@@ -180,7 +187,10 @@ class Surface:
         place = (min(size * size / self.kappa0, 1e300) * rest, beta / size)
         patch = self._root
         while True:
-            if patch.state == "new" and build:
+            if patch.state == "new":
+                patch.asked += 1
+                if patch.asked <= ASKED:
+                    return None
                 self._make(patch)
             if patch.state != "cut":
                 break
@@ -246,6 +256,8 @@ class Surface:
         filled = _filled(values)
         root = _Patch((0.0, 0.0), (1.0, 1.0), None, state="cut", axis=1)
         root.parts = self._parts(root, 1, 4, None if filled is None else self._series(filled), math.inf)
+        for part in root.parts:  # as much as has been asked for the whole
+            part.asked = ASKED
         return root
 
     def _make(self, patch: _Patch) -> None:

@@ -89,12 +89,12 @@ def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, ba
 def test_where_one_branch_takes_over_the_lesser_of_two_crossings_is_the_first() -> None:
     """Beck's column between alpha 1.05 and 1.1: the load is continuous with a kink, the frequency jumps."""
     surface = pencil.Pencil(*fb.column("beck").matrices(8)).surface(1000.0)
-    alpha = np.linspace(1.04, 1.08, 41)
-    load, frequency, settled = surface.at(alpha, np.zeros(41))
+    alpha = np.linspace(1.04, 1.08, 401)
+    load, frequency, settled = surface.at(alpha, np.zeros(401))
     assert settled.all() and frequency[0] > 10 * frequency[-1]
     assert max(len(leaf.series) for leaf in leaves(surface._root) if leaf.series is not None) > 1
     jump = int(np.abs(np.diff(frequency)).argmax())
-    for k in (0, jump, jump + 1, 40):
+    for k in (0, jump, jump + 1, 400):
         found = first_crossing(surface.pencil, alpha[k], table=False)
         assert found is not None and load[k] == pytest.approx(found.load, rel=1e-10)
         assert frequency[k] == pytest.approx(found.frequency, rel=1e-9)
