@@ -21,6 +21,7 @@ Fill = Callable[[str, Array], None]
 Store = Callable[[int, int, Fill, bool], None]
 
 STRETCH = 20  # 2^20 numbers of a response at a time
+CACHE = 18  # 2^18 of a forced one, whose stretches are gone through more than once
 GROUP = 3  # 2^3 states are carried one after the other, all groups side by side
 SMALL = 300_000  # multiplications of a product that BLAS makes at once, without packing
 
@@ -75,7 +76,7 @@ def forced(
         inner -= 1
     length = 1 << inner
     width = sum(len(part) for part in rows.values()) * cases
-    levels = max(inner + GROUP, min(inner + 4 * GROUP, STRETCH + 2 - width.bit_length()))
+    levels = max(inner + GROUP, min(inner + 4 * GROUP, CACHE - width.bit_length()))
     while levels > inner and not powers.reach(levels):
         levels -= 1
     free_of, pushed = {}, {}
