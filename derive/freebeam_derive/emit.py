@@ -19,7 +19,10 @@ from freebeam_derive.newmark import Newmark
 from freebeam_derive.notation import gamma, x
 from freebeam_derive.scaling import SCALES, UNITS
 from freebeam_derive.source import (
+    BASIS,
     INDENT,
+    KIND,
+    KIND_DOC,
     NAMESPACE,
     body,
     code,
@@ -31,6 +34,7 @@ from freebeam_derive.source import (
     metadata,
     number,
     own,
+    own_functions,
     shared,
     signature,
 )
@@ -101,7 +105,7 @@ def _basis(kernel: ColumnKernel) -> str:
     lines += [f"{name} = {code(value, 'xp')}" for name, value in program.common]
     lines += shared([(name, value) for name, value, _ in program.fields])
     lines.append(f"return Basis({', '.join(name for name, _ in fields)})")
-    text += body(lines) + "\n\ndef basis(N: int, xp: Any = np) -> Basis:\n"
+    text += body(lines) + f"\n\n{BASIS}"
     how = (
         "asymptotes, corrected by Newton's method, so that there is no table to run out of.\n"
         if corrected
@@ -109,10 +113,10 @@ def _basis(kernel: ColumnKernel) -> str:
     )
     text += docstring(
         f"The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).\n\nRoots of {_equation(kernel)}: {how}\n"
-        "xp: the array API's functions in whose arrays of float64 the modes come, such as jax.numpy.\n"
+        f"{KIND_DOC}\n"
     )
     lines = [
-        "n = xp.arange(N, dtype=xp.float64)",
+        f"n = xp.arange(N, {KIND})",
         f"quarter = {program.roots.first} + 4 * n",
         "sigma = 1 - 2 * (n % 2)",
     ]
@@ -178,10 +182,11 @@ def _shapes(kernel: ColumnKernel) -> str:
     )
     lines = [
         "xp = _namespace(basis.gamma)",
-        "places: Array = xp.asarray(x, dtype=xp.float64)",
+        "places = _like(x, basis.gamma)",
         "place = xp.reshape(places, (1, -1))",
         "gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]",
-        "coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact",
+        "half = 2.0 ** (26 if place.dtype == xp.float64 else 12)  # of the digits: quarter * coarse is exact",
+        "coarse = xp.round(place * half) / half",
         "turns = quarter * coarse",
         "turns = turns - 8 * xp.round(turns / 8)",
         "phase = (turns + quarter * (place - coarse)) * basis.turn"
@@ -271,44 +276,52 @@ def _matrix(kernel: ColumnKernel, matrix: MatrixProgram) -> str:
     else:
         lines.append(f"{letter}: Array = _diagonal({diagonal}, quarter)")
     if R:
-        lines += ["if rigid:", "    one = 0 * basis.turn + 1  # in the numbers at hand"]
-        corner = [[_times(c) for c in row] for row in matrix.corner]
-        listed = ", ".join(f"[{', '.join(row)}]" for row in corner)
+        lines += ["if rigid:"]
+        if any(c != 0 for row in matrix.corner for c in row):
+            lines += ["    one = 0 * basis.turn + 1  # in the numbers at hand"]
+        corner = {(i, j): c for i, row in enumerate(matrix.corner) for j, c in enumerate(row) if c != 0}
+        listed = ", ".join(f"{place}: {code(Symbol('one') * c)}" for place, c in corner.items())
         if any(matrix.rows):
             rows = [code(row.xreplace(replace)) if row != 0 else "0 * quarter" for row in matrix.rows]
             lines.append(f"    rows = ({', '.join(rows)},)")
-        lines.append(f"    {letter} = _bordered({letter}, [{listed}]{', rows' if any(matrix.rows) else ''})")
+        parameters = {p.symbol for p in kernel.column.parameters}
+        varying = sorted(parameters & {s for e in (*corner.values(), *matrix.rows) for s in e.free_symbols}, key=str)
+        if varying:  # as many matrices as parameters in the border
+            lines.append(f"    {letter} = {letter} + {' + '.join(f'0 * {s}' for s in varying)}")
+        lines.append(f"    {letter} = _bordered({letter}, {{{listed}}}{', rows' if any(matrix.rows) else ''})")
     lines.append(f"return {letter}")
     return matrix_head(kernel, matrix) + body(lines)
-
-
-def _times(entry: Expr) -> str:
-    """An entry of the rigid corner: its number in terms of one."""
-    return "0 * one" if entry == 0 else code(Symbol("one") * entry)
 
 
 def _bordered(kernel: Kernel) -> str:
     """The function that puts the rigid functions first."""
     R = len(kernel.rigid)
-    text = signature("_bordered", "matrix: Array, corner: list[list[Any]], rows: tuple[Array, ...] = ()", "Array")
+    arguments = "matrix: Array, corner: dict[tuple[int, int], Any], rows: tuple[Array, ...] = ()"
+    text = signature("_bordered", arguments, "Array")
     text += docstring(
         f"An elastic matrix with the corner and the rows of the {R} rigid function{'s' if R > 1 else ''} before it; "
         "what stands under the corner is zero, for rigid motion does not act on the elastic one.\n"
     )
     return text + body(
         [
-            "N, xp = matrix.shape[0], _namespace(matrix)",
-            "if xp is np:  # in place, which is faster",
+            "N, xp = matrix.shape[-1], _namespace(matrix)",
+            "if xp is np and matrix.ndim == 2:  # in place, which is faster",
             f"    whole = np.zeros(({R} + N, {R} + N), dtype=matrix.dtype)",
-            f"    whole[:{R}, :{R}], whole[{R}:, {R}:] = corner, matrix",
+            f"    whole[{R}:, {R}:] = matrix",
+            "    for place, entry in corner.items():",
+            "        whole[place] = entry",
             "    for n, row in enumerate(rows):",
             f"        whole[n, {R}:] = row",
             "    return whole",
-            'kind = {"dtype": matrix.dtype, "device": matrix.device}',
-            f"beside = xp.stack(rows) if rows else xp.zeros(({R}, N), **kind)",
-            "above = xp.concat([xp.asarray(corner, **kind), beside], axis=1)",
-            f"below = xp.concat([xp.zeros((N, {R}), **kind), matrix], axis=1)",
-            "value: Array = xp.concat([above, below])",
+            "batch = matrix.shape[:-2]",
+            'kind = {"dtype": matrix.dtype, "device": getattr(matrix, "device", None)}',
+            "cell, wide = xp.zeros((*batch, 1, 1), **kind), xp.zeros((*batch, 1, N), **kind)",
+            "above = []",
+            f"for i in range({R}):",
+            f"    cells = [cell + corner.get((i, j), 0.0) for j in range({R})]",
+            "    above.append(xp.concat([*cells, wide + rows[i] if rows else wide], axis=-1))",
+            f"below = xp.concat([xp.zeros((*batch, N, {R}), **kind), matrix], axis=-1)",
+            "value: Array = xp.concat([*above, below], axis=-2)",
             "return value",
         ]
     )
@@ -387,7 +400,7 @@ def _frequencies(kernel: ColumnKernel) -> str:
     )
     lines = [
         "xp = _namespace(gamma)",
-        "gamma = xp.asarray(gamma, dtype=xp.complex128)",
+        "gamma = gamma.astype(np.complex128) if isinstance(gamma, np.ndarray) else gamma + 0j",
         *shared([("half", half), ("product", product)]),
     ]
     lines += ["second = -half - xp.sqrt(half * half - product)", "return product / second, second"]
@@ -448,7 +461,8 @@ def _newmark(newmark: Newmark) -> str:
     text = signature("newmark_step", f"{vectors}, h: float, {method}", "tuple[Array, Array, Array]")
     text += docstring(
         "One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.\n\n"
-        "M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.\n"
+        "M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q. Matrices "
+        "(..., n, n) want states (..., n, cases).\n"
         "newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.\n"
     )
     lines = [
@@ -464,7 +478,7 @@ def _newmark(newmark: Newmark) -> str:
     text += f"{INDENT}b, g = newmark\n"
     names = [f"bound_{n}" for n, bound in enumerate(bounds, start=1) if not bound.is_number]
     varying = [bound for bound in bounds if not bound.is_number]
-    text += body(f"{name} = {code(bound)}" for name, bound in zip(names, varying, strict=True))
+    text += body(f"{name} = {code(bound, 'np')}" for name, bound in zip(names, varying, strict=True))
     text += f"{INDENT}inverse = max({', '.join(['0.0', *names])})\n"
     return text + f"{INDENT}return float(1 / inverse) if inverse else np.inf\n"
 
@@ -479,7 +493,7 @@ def _scales() -> str:
     )
     text += f"{INDENT}EI, m, L = bending_stiffness, mass_per_length, length\n"
     text += f"{INDENT}return {{\n"
-    text += "".join(f'{INDENT}{INDENT}"{name}": float({code(e)}),\n' for name, e in SCALES.items())
+    text += "".join(f'{INDENT}{INDENT}"{name}": float({code(e, "np")}),\n' for name, e in SCALES.items())
     return text + f"{INDENT}}}\n"
 
 
@@ -495,6 +509,7 @@ def emit(kernel: Kernel) -> str:
     parts += [_damping(kernel), _force(kernel), _forms(kernel), _equation_of_motion(kernel)]
     parts += [_frequencies(kernel)] if isinstance(kernel, ColumnKernel) else []
     parts += [_newmark(kernel.newmark), _scales()]
+    parts.append(own_functions("".join(parts)))
     text = "\n\n".join(part if part.endswith("\n") else part + "\n" for part in parts if part)
     _refuse_names(kernel, text)
     return text

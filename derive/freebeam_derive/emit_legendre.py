@@ -17,7 +17,10 @@ from freebeam_derive.legendre import products, series
 from freebeam_derive.modes import integral_polynomials
 from freebeam_derive.notation import x
 from freebeam_derive.source import (
+    BASIS,
     INDENT,
+    KIND,
+    KIND_DOC,
     NAMESPACE,
     body,
     code,
@@ -127,13 +130,10 @@ def _polynomial_basis(kernel: PolynomialKernel) -> str:
         "return value",
     ]
     text += body(lines) + "\n\n"
-    text += "def basis(N: int, xp: Any = np) -> Basis:\n" + docstring(
-        f"The functions of degree up to N + {first - 1}, N of them elastic. Eq. (9), section 3.1.\n\n"
-        "xp: the array API's functions in whose arrays of float64 they come, such as jax.numpy.\n"
+    text += BASIS + docstring(
+        f"The functions of degree up to N + {first - 1}, N of them elastic. Eq. (9), section 3.1.\n\n{KIND_DOC}\n"
     )
-    return text + body(
-        [f"order = xp.arange({first} + N, dtype=xp.float64)", "return complete(order, 1 - 2 * (order % 2))"]
-    )
+    return text + body([f"order = xp.arange({first} + N, {KIND})", "return complete(order, 1 - 2 * (order % 2))"])
 
 
 def _series_lines(kernel: PolynomialKernel) -> list[str]:
@@ -177,8 +177,7 @@ def _polynomial_shapes(kernel: PolynomialKernel) -> str:
         )
     )
     lines = [
-        "xp = _namespace(basis.order)",
-        "places: Array = xp.asarray(x, dtype=xp.float64)",
+        "xp, places = _namespace(basis.order), _like(x, basis.order)",
         "series = basis.deflection",
         "for _ in range(derivative):",
         "    series = series @ _derivative(basis.order, basis.sigma)",
@@ -254,6 +253,6 @@ def _series_matrix(kernel: PolynomialKernel, matrix: SeriesProgram) -> str:
     if not terms:
         lines.append(f"{letter}: Array = {_NORMS.replace('basis', '0 * basis', 1)}")
     if matrix.symmetric and (matrix.along or matrix.points):
-        lines.append(f"{letter} = ({letter} + {letter}.T) / 2  # to the last bit")
-    cut = f"return {letter} if rigid else {letter}[{R}:, {R}:]" if R else f"return {letter}"
+        lines.append(f"{letter} = ({letter} + {letter}.mT) / 2  # to the last bit")
+    cut = f"return {letter} if rigid else {letter}[..., {R}:, {R}:]" if R else f"return {letter}"
     return matrix_head(kernel, matrix) + body([*lines, cut])

@@ -1,7 +1,7 @@
 """Expressions as source: the printer, lines, docstrings and literals of readable length, and what modules have alike.
 
-Emitted functions take arrays of any library that follows the Python array API: `xp` is its namespace. Functions of a
-column's own parameters, which are numbers, are NumPy's.
+Emitted functions take arrays of any library that follows the Python array API: `xp` is its namespace. A column's own
+parameters may be arrays too; what is a maximum, a minimum or piecewise in them takes numbers only.
 """
 
 from __future__ import annotations
@@ -22,20 +22,21 @@ from freebeam_derive.statement import StatementError
 INDENT = "    "
 WIDTH = 110
 _EXACT = (2, 4, 8, 16, 32, 64)  # denominators that a float holds exactly
-_FUNCTIONS = {  # SymPy's name and NumPy's
+_FUNCTIONS = {  # SymPy's name and the array API's
     **{name: name for name in ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sign", "floor")},
-    **{f"a{name}": f"arc{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
+    **{f"a{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
     "Abs": "abs",
     "ceiling": "ceil",
 }
+OWN = "own"  # namespace of functions of a column's own parameters: the module's, such as `_sqrt`
 
 
 class _Printer(PythonCodePrinter):  # type: ignore[misc]
-    """SymPy to NumPy on arrays of modes (f), of pairs of modes (f_i a column, f_j a row) and matrices."""
+    """SymPy to Python on arrays of modes (f), of pairs of modes (f_i a column, f_j a row) and matrices."""
 
     def __init__(self, namespace: str) -> None:
         super().__init__({"fully_qualified_modules": False, "allow_unknown_functions": True})
-        self.namespace = namespace
+        self.prefix = "_" if namespace == OWN else f"{namespace}."
 
     def _print_Function(self, e: Expr) -> str:
         if type(e).__name__ not in _FUNCTIONS:
@@ -43,7 +44,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
                 f"the function {e.func} in {e} is none that kernels have; write it in terms of "
                 f"{', '.join(sorted({*_FUNCTIONS, 'sqrt'}))}, Min, Max and Piecewise, or make {e} a parameter"
             )
-        return f"{self.namespace}.{_FUNCTIONS[type(e).__name__]}({self._print(e.args[0])})"
+        return f"{self.prefix}{_FUNCTIONS[type(e).__name__]}({self._print(e.args[0])})"
 
     def _print_Rational(self, e: Expr) -> str:
         return repr(float(e)) if e.q in _EXACT else f"{e.p} / {e.q}"
@@ -81,7 +82,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
     def _print_Pow(self, e: Expr, rational: bool = False) -> str:
         base, power = e.as_base_exp()
         if power == S.Half:
-            return f"{self.namespace}.sqrt({self._print(base)})"
+            return f"{self.prefix}sqrt({self._print(base)})"
         if power.is_Integer and power > 2:
             # products of squares: NumPy's general power is slow and less exact
             half = self.parenthesize(e.func(base, power // 2), 60) if power > 3 else None
@@ -99,7 +100,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
         if isinstance(matrices[0], Inverse):
             # one linear solve, never an inverse formed
             left, right = matrices[0].arg, MatMul(*matrices[1:]).doit()
-            product = f"{self.namespace}.linalg.solve({self._print(left)}, {self._print(right)})"
+            product = f"{self.prefix}linalg.solve({self._print(left)}, {self._print(right)})"
         else:
             product = " @ ".join(self.parenthesize(m, 50) for m in matrices)
         if scalar == 1:
@@ -121,7 +122,7 @@ for _name in {*PythonCodePrinter._kf, "sign"} - {"Min", "Max"}:  # none of Pytho
     setattr(_Printer, f"_print_{_name}", _Printer._print_Function)
 
 
-def code(expression: Expr, namespace: str = "np") -> str:
+def code(expression: Expr, namespace: str = OWN) -> str:
     """An expression as source. Raises StatementError for a function that kernels do not have."""
     text = str(_Printer(namespace).doprint(expression))
     return re.sub(r" *(?<!\*)([*/])(?!\*) *", r" \1 ", text)
@@ -256,6 +257,8 @@ def header(kernel: Kernel, functions: str, more: str) -> str:
         f"M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are {functions}, Eqs. (10), (11):\n\n"
         f"{letters}\n    C = {kernel.system.c_M} M + {kernel.system.c_E} E\n\n"
         f"{more} All quantities are nondimensional, Eq. (5).\n\n"
+        "The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then "
+        "(..., n, n).\n\n"
         f"{source}Derived from the energies and emitted by `freebeam generate {column.name}`; do not edit."
     )
     return docstring(text, "") + (
@@ -277,11 +280,43 @@ NAMESPACE = '''def _namespace(array: Any) -> Any:
 
 def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
-    if isinstance(values, np.ndarray):
+    if isinstance(values, np.ndarray) and values.ndim == 1:
         return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
+
+
+def _like(x: Any, array: Any) -> Array:
+    """x as an array of the library, the numbers and the device of another."""
+    if isinstance(array, np.ndarray):
+        return np.asarray(x, dtype=array.dtype)
+    xp = _namespace(array)
+    found: Array = (
+        xp.asarray(x, dtype=array.dtype, device=getattr(array, "device", None))
+        if _namespace(x) is not xp
+        else x.to(array)  # PyTorch
+        if hasattr(x, "to")
+        else xp.astype(x, array.dtype)
+    )
+    return found
 '''
+
+
+def own_functions(text: str) -> str:
+    """The functions of a column's own parameters that a module calls, each of a number or of any library's arrays."""
+    called = sorted(set(re.findall(rf"\b_({'|'.join(sorted({*_FUNCTIONS.values(), 'sqrt'}))})\(", text)))
+    heads = (signature(f"_{name}", "value: Any", "Any") for name in called)
+    lines = "found = _namespace(value).{}(value)", "return float(found) if isinstance(value, int | float) else found"
+    bodies = (body(line.format(name) for line in lines) for name in called)
+    return "\n\n".join(map("".join, zip(heads, bodies, strict=True)))
+
+
+BASIS = "def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:\n"
+KIND = "dtype=xp.float64 if dtype is None else dtype, device=device"
+KIND_DOC = (
+    "xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real "
+    "numbers, float64 unless told. device: where the arrays are kept, as xp names it."
+)
 
 
 def metadata(kernel: Kernel, names: tuple[str, ...], more: dict[str, str]) -> str:

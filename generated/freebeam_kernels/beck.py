@@ -10,6 +10,9 @@ M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of t
 
 Roots of cos(γ) cosh(γ) = -1. All quantities are nondimensional, Eq. (5).
 
+The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then
+(..., n, n).
+
 Source: Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228.
 
 Derived from the energies and emitted by `freebeam generate beck`; do not edit.
@@ -89,10 +92,25 @@ def _namespace(array: Any) -> Any:
 
 def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
-    if isinstance(values, np.ndarray):
+    if isinstance(values, np.ndarray) and values.ndim == 1:
         return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
+
+
+def _like(x: Any, array: Any) -> Array:
+    """x as an array of the library, the numbers and the device of another."""
+    if isinstance(array, np.ndarray):
+        return np.asarray(x, dtype=array.dtype)
+    xp = _namespace(array)
+    found: Array = (
+        xp.asarray(x, dtype=array.dtype, device=getattr(array, "device", None))
+        if _namespace(x) is not xp
+        else x.to(array)  # PyTorch
+        if hasattr(x, "to")
+        else xp.astype(x, array.dtype)
+    )
+    return found
 
 
 class Basis(NamedTuple):
@@ -152,15 +170,16 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
     return Basis(gamma, quarter, delta, sigma, cosine, left, right, moment_0, turn)
 
 
-def basis(N: int, xp: Any = np) -> Basis:
+def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
     Roots of cos(γ) cosh(γ) = -1: asymptotes, corrected by Newton's method, so that there is no table to run
     out of.
 
-    xp: the array API's functions in whose arrays of float64 the modes come, such as jax.numpy.
+    xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
+    numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    n = xp.arange(N, dtype=xp.float64)
+    n = xp.arange(N, dtype=xp.float64 if dtype is None else dtype, device=device)
     quarter = 2 + 4 * n
     sigma = 1 - 2 * (n % 2)
     asymptote = quarter * (np.pi / 4)
@@ -182,10 +201,11 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     digits cancel in high modes.
     """
     xp = _namespace(basis.gamma)
-    places: Array = xp.asarray(x, dtype=xp.float64)
+    places = _like(x, basis.gamma)
     place = xp.reshape(places, (1, -1))
     gamma, quarter = basis.gamma[:, None], basis.quarter[:, None]
-    coarse = xp.round(place * 2.0**26) * 2.0**-26  # quarter * coarse is exact
+    half = 2.0 ** (26 if place.dtype == xp.float64 else 12)  # of the digits: quarter * coarse is exact
+    coarse = xp.round(place * half) / half
     turns = quarter * coarse
     turns = turns - 8 * xp.round(turns / 8)
     phase = (turns + quarter * (place - coarse)) * basis.turn + basis.delta[:, None] * place
@@ -349,7 +369,7 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
     the product of both, so that no digits cancel in heavy damping.
     """
     xp = _namespace(gamma)
-    gamma = xp.asarray(gamma, dtype=xp.complex128)
+    gamma = gamma.astype(np.complex128) if isinstance(gamma, np.ndarray) else gamma + 0j
     shared_1 = (gamma**2)**2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
@@ -364,6 +384,7 @@ def newmark_step(
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
     M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    Matrices (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark

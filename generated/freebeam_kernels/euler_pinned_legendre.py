@@ -10,6 +10,9 @@ M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are polynomials, E
 Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower
 degree that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
 
+The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then
+(..., n, n).
+
 Source: Euler, Methodus inveniendi lineas curvas, Additamentum I (1744).
 
 Derived from the energies and emitted by `freebeam generate euler-pinned`; do not edit.
@@ -72,10 +75,25 @@ def _namespace(array: Any) -> Any:
 
 def _diagonal(values: Any, order: Any) -> Array:
     """The diagonal matrix of values, one for each of some numbers, all different."""
-    if isinstance(values, np.ndarray):
+    if isinstance(values, np.ndarray) and values.ndim == 1:
         return np.diag(values)  # faster
     matrix: Array = _namespace(values).where(order[:, None] == order, values, 0 * values)
     return matrix
+
+
+def _like(x: Any, array: Any) -> Array:
+    """x as an array of the library, the numbers and the device of another."""
+    if isinstance(array, np.ndarray):
+        return np.asarray(x, dtype=array.dtype)
+    xp = _namespace(array)
+    found: Array = (
+        xp.asarray(x, dtype=array.dtype, device=getattr(array, "device", None))
+        if _namespace(x) is not xp
+        else x.to(array)  # PyTorch
+        if hasattr(x, "to")
+        else xp.astype(x, array.dtype)
+    )
+    return found
 
 
 class Basis(NamedTuple):
@@ -126,12 +144,13 @@ def _derivative(order: Array, sigma: Array) -> Array:
     return value
 
 
-def basis(N: int, xp: Any = np) -> Basis:
+def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     """The functions of degree up to N + 1, N of them elastic. Eq. (9), section 3.1.
 
-    xp: the array API's functions in whose arrays of float64 they come, such as jax.numpy.
+    xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
+    numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    order = xp.arange(2 + N, dtype=xp.float64)
+    order = xp.arange(2 + N, dtype=xp.float64 if dtype is None else dtype, device=device)
     return complete(order, 1 - 2 * (order % 2))
 
 
@@ -141,8 +160,7 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
     x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
     rigid functions, so it changes nothing.
     """
-    xp = _namespace(basis.order)
-    places: Array = xp.asarray(x, dtype=xp.float64)
+    xp, places = _namespace(basis.order), _like(x, basis.order)
     series = basis.deflection
     for _ in range(derivative):
         series = series @ _derivative(basis.order, basis.sigma)
@@ -192,7 +210,7 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
     """
     E: Array = basis.moment @ _integrals_0(basis.order) @ basis.moment.T
-    E = (E + E.T) / 2  # to the last bit
+    E = (E + E.mT) / 2  # to the last bit
     return E
 
 
@@ -203,7 +221,7 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
     H[i, j] = −∫ φᵢ′ φⱼ′ dx
     """
     H: Array = -(basis.slope @ _integrals_0(basis.order) @ basis.slope.T)
-    H = (H + H.T) / 2  # to the last bit
+    H = (H + H.mT) / 2  # to the last bit
     return H
 
 
@@ -275,6 +293,7 @@ def newmark_step(
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
     M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
+    Matrices (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark

@@ -398,13 +398,13 @@ def test_a_spring_at_a_free_end_is_met_by_the_series(module_of: Module, derived:
 
 
 @pytest.mark.parametrize(
-    ("stiffness", "numpys"),
-    [("tan(k / 9)", "np.tan"), ("atan(k)", "np.arctan"), ("Abs(k) + sinh(k)", "np.sinh"), ("Max(k, 1)", "max(")],
+    ("stiffness", "called"),
+    [("tan(k / 9)", "_tan("), ("atan(k)", "_atan("), ("Abs(k) + sinh(k)", "_sinh("), ("Max(k, 1)", "max(")],
 )
-def test_functions_of_a_parameter(stiffness: str, numpys: str, derived: Derived) -> None:
+def test_functions_of_a_parameter(stiffness: str, called: str, derived: Derived) -> None:
     """Whatever NumPy has is emitted and verified, at the default and at both ends of the range."""
     text, module = with_stiffness(sp.sympify(stiffness, {"k": K}), derived)
-    assert numpys in text
+    assert called in text
     basis = module.basis(3)
     foundation = module.stiffness_elastic(basis, k_w=1.0, k=0.7).diagonal() / module.mass(basis).diagonal()
     expected = float(sp.sympify(stiffness).subs("k", 0.7))

@@ -83,8 +83,8 @@ TAMPERED: dict[str, tuple[str, str, str, str, tuple[str, ...]]] = {
     "the push of the translation": (
         "free-free",
         "stiffness_load",
-        r"\[\[0 \* one, one\]",
-        "[[0 * one, 0 * one]",
+        r"\(0, 1\): one",
+        "(0, 1): 0 * one",
         ("entries of H", "row 1, column 2"),
     ),
     "the rotation's mass": ("free-free", "mass", r"one / 12", "one / 13", ("entries of M", "row 2, column 2")),
