@@ -21,7 +21,7 @@ from typing import Any
 
 import mpmath
 import numpy as np
-from flint import arb, fmpq, fmpq_poly
+from flint import arb, arb_mat, fmpq, fmpq_poly
 from sympy import Expr, Poly, Rational, lambdify
 
 from freebeam_derive.certify.balls import precision
@@ -89,7 +89,8 @@ def independent_mode(index: int, near: float, orders: tuple[tuple[int, ...], tup
     with mpmath.workprec(bits):
 
         def determinant(g: mpmath.mpf) -> mpmath.mpf:
-            return mpmath.det(_conditions(g, orders))
+            with precision(bits):
+                return mpmath.mpf(arb_mat(_conditions(g, orders).tolist()).det().mid())
 
         width = mpmath.mpf(2) ** -20
         if determinant(near - width) * determinant(near + width) >= 0:
@@ -144,10 +145,17 @@ def _quadrature() -> tuple[tuple[mpmath.mpf, ...], tuple[int, ...]]:
     """
     panels = 3
     with mpmath.workdps(DIGITS + 20):
-        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp).calc_nodes(6, mpmath.mp.prec)
-        nodes = [(k + (1 + node) / 2) / panels for k in range(panels) for node, _ in rule]
-        weights = [_fixed(weight / 2 / panels) for _ in range(panels) for _, weight in rule]
+        rule = gauss(96, mpmath.mp.prec)
+        nodes = [(k + node) / panels for k in range(panels) for node, _ in rule]
+        weights = [_fixed(weight / panels) for _ in range(panels) for _, weight in rule]
     return tuple(nodes), tuple(weights)
+
+
+def gauss(count: int, bits: int) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
+    """Nodes and weights of the Gauss-Legendre rule on 0 ≤ x ≤ 1, (count,)."""
+    with precision(bits):
+        pairs = (arb.legendre_p_root(count, k, weight=True) for k in range(count))
+        return [(mpmath.mpf(((1 + node) / 2).mid()), mpmath.mpf((weight / 2).mid())) for node, weight in pairs]
 
 
 class Products:

@@ -198,10 +198,11 @@ def integral_polynomials(first: Expr, second: Expr) -> Rational:
     return Add(*(c / (n + 1) for (n,), c in product.terms()))
 
 
-def _rigid(orders: tuple[tuple[int, ...], tuple[int, ...]]) -> tuple[Expr, ...]:
+@cache
+def rigid_functions(ends: tuple[str, str]) -> tuple[Expr, ...]:
     """Functions of γ = 0: cubics that meet the end conditions, orthogonalised on 0 ≤ x ≤ 1."""
     conditions = Matrix(
-        [[(x**k).diff(x, d).subs(x, end) for k in range(4)] for end, ds in enumerate(orders) for d in ds]
+        [[(x**k).diff(x, d).subs(x, end) for k in range(4)] for end in range(2) for d in end_orders(ends[end])]
     )
     functions: list[Expr] = []
     for coefficients in conditions.nullspace():
@@ -267,7 +268,7 @@ def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
         tuple(map(_written, vector)),
         (at_end(S.Zero, S.One, S.One, epsilon), at_end(sine, cosine, epsilon, S.One)),
         square,
-        _rigid(orders),
+        rigid_functions(ends),
         (),
     )
     for end in range(2):

@@ -5,8 +5,10 @@ A stage's result is proven here by what it says of a motion: both sides are numb
 
 from __future__ import annotations
 
+from functools import cache
+
 from sympy import QQ, Add, Dummy, Expr, Integer, Rational, S, Symbol, expand
-from sympy.polys.rings import PolyRing
+from sympy.polys.rings import PolyElement, PolyRing
 
 from freebeam_derive.notation import F_0, t, x
 from freebeam_derive.statement import ALONG, GEOMETRIC, Functional, jets
@@ -50,9 +52,19 @@ def _ring(symbols: frozenset[Symbol]) -> PolyRing:
     return PolyRing(tuple(sorted(symbols, key=str)), QQ)
 
 
+@cache
+def _name(number: int) -> Dummy:
+    """What stands for a jet while an expression is evaluated."""
+    return Dummy(f"jet_{number}")
+
+
 def along(expression: Expr, y: Expr, virtual: Expr = S.Zero, pushed: Expr | None = None) -> Expr:
     """An expression in jets and F_0, at a motion, a virtual displacement and a force (by default `force`)."""
-    names = {j: Dummy(f"jet_{k}") for k, j in enumerate(jets(expression))} | {F_0: Dummy("F_0")}
+    return _along(expression, y, virtual, pushed).as_expr()
+
+
+def _along(expression: Expr, y: Expr, virtual: Expr, pushed: Expr | None) -> PolyElement:
+    names = {j: _name(k) for k, j in enumerate((F_0, *jets(expression)))}
     plain = expression.xreplace(names)
     symbols = (e.free_symbols for e in (plain, y, virtual, *(j.args[3] for j in jets(expression))))
     ring = _ring(frozenset({*names.values(), x, t}.union(*symbols)))
@@ -70,27 +82,27 @@ def along(expression: Expr, y: Expr, virtual: Expr = S.Zero, pushed: Expr | None
         if place != ALONG:
             found = found.compose(generator[x], ring.from_expr(place))
         values.append((generator[name], found))
-    return ring.from_expr(plain).compose(values).as_expr()
+    return ring.from_expr(plain).compose(values)
 
 
 def integral(density: Expr, variable: Expr, length: Expr) -> Expr:
     """∫ of a polynomial from 0 to a length, a number."""
-    if density == 0:
-        return S.Zero
-    ring = _ring(frozenset({*density.free_symbols, variable}))
-    place = ring.symbols.index(variable)
-    total = ring.zero
-    for powers, coefficient in ring.from_expr(density).terms():
+    return _integral(_ring(frozenset({*density.free_symbols, variable})).from_expr(density), variable, length)
+
+
+def _integral(density: PolyElement, variable: Expr, length: Expr) -> Expr:
+    place = density.ring.symbols.index(variable)
+    total = density.ring.zero
+    for powers, coefficient in density.terms():
         n = powers[place]
         reduced = tuple(0 if k == place else power for k, power in enumerate(powers))
-        total += ring.from_dict({reduced: coefficient * QQ(length.p, length.q) ** (n + 1) / (n + 1)})
+        total += density.ring.from_dict({reduced: coefficient * QQ(length.p, length.q) ** (n + 1) / (n + 1)})
     return total.as_expr()
 
 
 def value(work: Functional, y: Expr, virtual: Expr = S.Zero, length: Expr = S.One, pushed: Expr | None = None) -> Expr:
     """A functional at a motion and a virtual displacement, a function of t. length: a number."""
-    inside = integral(along(work.density, y, virtual, pushed), x, length)
-    return inside + along(work.points, y, virtual, pushed)
+    return _integral(_along(work.density, y, virtual, pushed), x, length) + along(work.points, y, virtual, pushed)
 
 
 def varied(work: Functional, y: Expr, virtual: Expr, length: Expr) -> Expr:

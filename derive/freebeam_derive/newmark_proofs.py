@@ -154,19 +154,15 @@ def _unconditional(step: Step) -> Any:
 
 def _largest_step(step: Step) -> Any:
     method = _method()
-    inverse, limit = step.after
+    names = (method.b, method.g, method.xi)
+    inverse, limit = (lambdify(names, e, "mpmath") for e in step.after)
+    flip = lambdify((method.Omega, *names), step.before[0], "mpmath")
     with mpmath.workdps(50):
         left = []
-        for b, g, xi in (
-            (0, HALF, 0),
-            (Rational(1, 12), HALF, Rational(1, 5)),
-            (QUARTER, Rational(3, 5), Rational(1, 3)),
-        ):
-            numbers = {method.b: b, method.g: g, method.xi: xi}
-            Omega = limit.subs(numbers)
-            flip = step.before[0].subs(numbers).subs(method.Omega, Omega)
-            left += [mpmath.mpf(str((inverse.subs(numbers).doit() * Omega - 1).evalf(45)))]
-            left += [mpmath.mpf(str(flip.evalf(45)))]
+        for fractions in (("0", "1/2", "0"), ("1/12", "1/2", "1/5"), ("1/4", "3/5", "1/3")):
+            numbers = [mpmath.mpf(fraction) for fraction in fractions]
+            Omega = limit(*numbers)
+            left += [inverse(*numbers) * Omega - 1, flip(Omega, *numbers)]
         return tuple(left)
 
 

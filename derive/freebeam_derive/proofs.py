@@ -13,14 +13,15 @@ from functools import cache, lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import mpmath
-from sympy import Add, Expr, Integer, Poly, S, Symbol, cancel, exp, expand, integrate, lambdify, legendre, nsimplify
+from sympy import Add, Expr, Integer, Poly, S, Symbol, cancel, exp, expand, lambdify, legendre, nsimplify
 
 from freebeam_derive import integrals, modes, motions, newmark_proofs, roots, variation
 from freebeam_derive import legendre as polynomials
+from freebeam_derive.independent import gauss
 from freebeam_derive.notation import F_0, P, alpha, beta, chi, gamma, lambda_, t, x, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
-from freebeam_derive.statement import GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
+from freebeam_derive.statement import ALONG, GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
 
 if TYPE_CHECKING:
     from freebeam_derive.pipeline import Derivation
@@ -126,23 +127,25 @@ def _weak_form(d: Derivation, step: Step) -> Any:
 def _by_parts_along(d: Derivation, step: Step) -> Any:
     density = d.motion.weak.density
     interior, bracket = variation.by_parts(density)
-    bare = interior * jet(Integer(1), Integer(0), Integer(0), Symbol("along"))
+    bare = interior * _virtual(0, ALONG)
     ends = variation.at_end(bracket, S.One) - variation.at_end(bracket, S.Zero)
     moving, virtual = motions.motion(), motions.polynomial(4, 5)
-    return motions.value(Functional(density, -ends), moving, virtual) - motions.value(
-        Functional(expand(bare), S.Zero), moving, virtual
-    )
+    return motions.value(Functional(density - bare, -ends), moving, virtual)
 
 
 def _strong(d: Derivation, virtual: Expr) -> Expr:
     """Weak form less equation of motion and natural conditions, each times the virtual displacement."""
-    moving, motion = motions.motion(), d.motion
-    rest = motions.value(motion.weak, moving, virtual)
-    rest -= motions.integral(expand(motions.along(motion.strong, moving) * virtual), x, S.One)
-    rest += sum((motions.along(f, moving) * virtual.subs(x, place) for place, f in motion.forces), S.Zero)
-    for (end, order), condition in motion.natural.items():
-        rest -= motions.along(condition, moving) * virtual.diff(x, order).subs(x, end)
-    return expand(rest)
+    motion = d.motion
+    forces = (-f * _virtual(0, place) for place, f in motion.forces)
+    conditions = (condition * _virtual(order, Integer(end)) for (end, order), condition in motion.natural.items())
+    weak, strong = motion.weak, motion.strong * _virtual(0, ALONG)
+    apart = Functional(weak.density - strong, weak.points - Add(*forces, *conditions))
+    return expand(motions.value(apart, motions.motion(), virtual))
+
+
+def _virtual(order: int, place: Expr) -> Expr:
+    """A derivative along the beam of the virtual displacement, at a place."""
+    return jet(Integer(1), Integer(order), Integer(0), place)
 
 
 @_says("times δy and integrated it is the weak form, on polynomials with δy = δy′ = 0 at the ends, exactly")
@@ -160,12 +163,13 @@ def _natural_conditions(d: Derivation, step: Step) -> Any:
 
 def form_value(form: Form, test: Expr, trial: Expr) -> Expr:
     """A bilinear form of two polynomials."""
-    inside = sum(
-        (f * motions.integral(expand(x**k * test.diff(x, p) * trial.diff(x, q)), x, S.One)
-         for (k, p, q), f in form.along.items()), S.Zero
-    )  # fmt: skip
-    points = (f * test.diff(x, p).subs(x, a) * trial.diff(x, q).subs(x, b) for (a, p, b, q), f in form.points.items())
-    return expand(inside + Add(*points))
+
+    def moved(order: int, place: Expr) -> Expr:
+        return jet(Integer(0), Integer(order), Integer(0), place)
+
+    along = (f * x**k * _virtual(p, ALONG) * moved(q, ALONG) for (k, p, q), f in form.along.items())
+    points = (f * _virtual(p, a) * moved(q, b) for (a, p, b, q), f in form.points.items())
+    return expand(motions.value(Functional(Add(*along), Add(*points)), trial, test))
 
 
 def _series(d: Derivation) -> tuple[Expr, tuple[tuple[Expr, Expr], ...]]:
@@ -189,14 +193,10 @@ def _coordinates(d: Derivation, step: Step) -> Any:
     system, left = d.system, S.Zero
     for phi, q in terms:
         for form, rate in ((system.M, 2), (system.C, 1), (system.K, 0)):
-            left += _value_of(form, system, test, phi) * q.diff(t, rate)
+            left += form_value(form, test, phi) * q.diff(t, rate)
     force = sum((size * test.subs(x, place) for place, size in system.forces), S.Zero) * motions.force()
     weak = motions.value(d.motion.weak, expand(Add(*(phi * q for phi, q in terms))), test)
     return expand(left - force - weak)
-
-
-def _value_of(form: Form, system: Any, test: Expr, trial: Expr) -> Expr:
-    return form_value(form, test, trial)
 
 
 @_says("K less K at zero load is P times the load's matrix, on polynomials, exactly")
@@ -337,8 +337,7 @@ class Sampled:
 def sampled(beam: modes.ComparisonBeam) -> Sampled:
     """The first MODES modes of a comparison beam, sampled with DIGITS digits. Eq. (22)."""
     with mpmath.workdps(DIGITS + 15):
-        rule = mpmath.calculus.quadrature.GaussLegendre(mpmath.mp)
-        pairs = rule.get_nodes(mpmath.mpf(0), mpmath.mpf(1), 5, mpmath.mp.prec)
+        pairs = gauss(48, mpmath.mp.prec)
         values, ends = [], []
         for k in range(MODES):
             g, row, at_ends = root_of(beam, k), [], []
@@ -376,7 +375,7 @@ def _rigid(d: Derivation, step: Step) -> Any:
     left = [f.diff(x, 4) for f in d.beam.rigid]
     for f in d.beam.rigid:
         left += [f.diff(x, k).subs(x, end) for end, orders in enumerate(d.beam.orders) for k in orders]
-    left += [integrate(f * g, (x, 0, 1)) for i, f in enumerate(d.beam.rigid) for g in d.beam.rigid[:i]]
+    left += [motions.integral(expand(f * g), x, S.One) for i, f in enumerate(d.beam.rigid) for g in d.beam.rigid[:i]]
     return tuple(left)
 
 
@@ -389,12 +388,13 @@ def _geometric_ends(d: Derivation, step: Step) -> Any:
 @_says("the bracket of two polynomials that meet the conditions vanishes at both ends, exactly")
 def _self_adjoint(d: Derivation, step: Step) -> Any:
     """The bracket of two functions that meet the end conditions vanishes at both ends."""
-    u, v = (Poly(motions.polynomial(seed, 9), x).as_expr() for seed in (1, 2))
+    u, v = (Poly(motions.polynomial(seed, 9), x) for seed in (1, 2))
     left = []
     for end, orders in enumerate(d.beam.orders):
         # a Taylor polynomial about the end, without the orders that vanish there
-        f, g = (sum((c * (x - end) ** k for (k,), c in Poly(w, x).terms() if k not in orders), S.Zero) for w in (u, v))
-        left.append(sum(((-1) ** r * f.diff(x, 3 - r) * g.diff(x, r) for r in range(4)), S.Zero).subs(x, end))
+        kept = ({k: c for (k,), c in w.terms() if k not in orders} for w in (u, v))
+        f, g = (Poly(terms, x).compose(Poly(x - end, x)) for terms in kept)
+        left.append(Add(*((-1) ** r * (f.diff((x, 3 - r)) * g.diff((x, r))).eval(end) for r in range(4))))
     return tuple(left)
 
 
@@ -472,21 +472,22 @@ def _load_matrix(d: Derivation, step: Step) -> Any:
         return tuple(left)
 
 
-def trial_polynomials(d: Derivation, count: int = 6) -> list[Expr]:
-    basis = polynomials.polynomials(d.column.ends)
-    return [
+@cache
+def trial_polynomials(ends: tuple[str, str], count: int = 6) -> tuple[Expr, ...]:
+    basis = polynomials.polynomials(ends)
+    return tuple(
         expand(sum(c * legendre(n, 2 * x - 1) for n, c in enumerate(polynomials.coefficients(basis, degree))))
         for degree in range(basis.first, basis.first + count)
-    ]
+    )
 
 
 @_says("the first six meet the conditions and are orthogonal to one another and to the rigid functions, exactly")
 def _polynomials_held(d: Derivation, step: Step) -> Any:
     """The first six meet the geometric conditions and are orthogonal to one another and to the rigid functions."""
-    functions, basis = trial_polynomials(d), polynomials.polynomials(d.column.ends)
+    functions, basis = trial_polynomials(d.column.ends), polynomials.polynomials(d.column.ends)
     left = [f.diff(x, c.order).subs(x, c.end) for f in functions for c in basis.conditions]
     everything = [*basis.rigid, *functions]
-    left += [motions.integral(expand(f * g), x, S.One) for i, f in enumerate(everything) for g in everything[:i]]
+    left += [modes.integral_polynomials(f, g) for i, f in enumerate(everything) for g in everything[:i]]
     return tuple(left)
 
 
@@ -494,8 +495,8 @@ def _polynomials_held(d: Derivation, step: Step) -> Any:
 def _norms(d: Derivation, step: Step) -> Any:
     basis = polynomials.polynomials(d.column.ends)
     return tuple(
-        motions.integral(expand(f**2), x, S.One) - basis.norm.subs(polynomials.d, basis.first + n)
-        for n, f in enumerate(trial_polynomials(d))
+        modes.integral_polynomials(f, f) - basis.norm.subs(polynomials.d, basis.first + n)
+        for n, f in enumerate(trial_polynomials(d.column.ends))
     )
 
 

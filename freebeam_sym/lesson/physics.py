@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +14,8 @@ from freebeam_sym.lesson.phrases import figure, n, percent, steps
 from freebeam_sym.lesson.stability import coalescence, divergence, eigenvalues, vanishing_damping
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from freebeam_sym.lesson.derivation import Chapter
 
 __all__ = ["physics_chapters"]
@@ -238,12 +241,12 @@ def _spectra_apart(M: object, K: object, m: object, k: object) -> float:
 
 
 def _rigid_pairs() -> str:
-    from freebeam_derive.modes import comparison_beam
+    from freebeam_derive.modes import rigid_functions
     from freebeam_derive.statement import GEOMETRIC
 
     kinds = tuple(GEOMETRIC)
     pairs = [(a, b) for i, a in enumerate(kinds) for b in kinds[i:]]
-    found = [f"{a}-{b} ({len(comparison_beam((a, b)).rigid)})" for a, b in pairs if comparison_beam((a, b)).rigid]
+    found = [f"{a}-{b} ({len(rigid)})" for a, b in pairs if (rigid := rigid_functions((a, b)))]
     return "With the number of rigid functions: " + ", ".join(found) + "; the others none."
 
 
@@ -253,8 +256,9 @@ def _rigid_pairs() -> str:
 def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     counts = (2, 4, 8, 16, 32)
     exact = facts.beam_load
-    modes_of = {k: facts.ritz(k) for k in counts}
-    polynomials = {k: facts.ritz(k, "legendre") for k in counts}
+    ritz = cache(facts.ritz)
+    modes_of = {k: ritz(k, "modes") for k in counts}
+    polynomials = {k: ritz(k, "legendre") for k in counts}
     reference = exact if exact is not None else polynomials[16] or facts.load
 
     def cell(load: float | None) -> tuple[str, str]:
@@ -303,7 +307,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
         ),
     ]
     needed = {
-        basis: next((k for k in range(1, 33) if _within(facts, k, basis, reference, 1e-3)), None)
+        basis: next((k for k in range(1, 33) if _within(ritz, k, basis, reference, 1e-3)), None)
         for basis in ("modes", "legendre")
     }
     blocks += [
@@ -351,7 +355,7 @@ def _order(loads: dict[int, float | None], reference: float) -> str:
     )
 
 
-def _within(facts: Facts, count: int, basis: str, reference: float, share: float) -> bool:
+def _within(ritz: Callable[[int, str], float | None], count: int, basis: str, reference: float, share: float) -> bool:
     """Whether the error stays below a share from this number of functions to the next three."""
-    loads = [facts.ritz(k, basis) for k in range(count, count + 4)]
+    loads = [ritz(k, basis) for k in range(count, count + 4)]
     return all(load is not None and abs(load / reference - 1) < share for load in loads)

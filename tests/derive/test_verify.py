@@ -8,6 +8,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+import mpmath
 import pytest
 import sympy as sp
 
@@ -237,3 +238,11 @@ def test_precision_is_left_alone(derived: Derived, text_of: Text) -> None:
     before: Any = mpmath.mp.dps
     verify.verify(derived("beck").kernel, text_of("beck"))
     assert mpmath.mp.dps == before
+
+
+def test_the_rule_of_gauss_integrates_its_degrees_exactly() -> None:
+    """n nodes are exact to degree 2n − 1 and no further."""
+    with mpmath.workprec(300):
+        rule = independent.gauss(6, 300)
+        left = [abs(mpmath.fsum(w * x**n for x, w in rule) * (n + 1) - 1) for n in range(13)]
+    assert max(left[:12]) < mpmath.mpf(2) ** -280 < left[12]
