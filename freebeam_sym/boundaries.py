@@ -6,13 +6,14 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam_sym.bialternate import MOST, direct_crossing
 from freebeam_sym.checks import InputError, count, finite, positive
-from freebeam_sym.critical import CriticalLoad, critical_load
+from freebeam_sym.critical import critical_load, posed
 from freebeam_sym.pencil import Kind
 
 if TYPE_CHECKING:
@@ -58,14 +59,22 @@ class Boundary:
     events: tuple[BoundaryEvent, ...]
 
 
+class _Point(NamedTuple):
+    """The first loss of stability at a value of the parameter."""
+
+    kind: Kind
+    load: float | None
+    frequency: float | None
+
+
 @dataclass
 class _Tracer:
-    at: Callable[[float], CriticalLoad]
+    at: Callable[[float], _Point]
     tolerance: float
-    found: dict[float, CriticalLoad] = field(default_factory=dict)
+    found: dict[float, _Point] = field(default_factory=dict)
     events: list[tuple[float, float]] = field(default_factory=list)
 
-    def ask(self, t: float) -> CriticalLoad:
+    def ask(self, t: float) -> _Point:
         if t not in self.found:
             self.found[t] = self.at(t)
         return self.found[t]
@@ -104,8 +113,9 @@ def trace_boundary(
 
     Points are added where load or frequency leave the straight line between their neighbours by `tolerance`, relative
     (over the logarithm of the parameter with `log`), and jumps and changes of kind are placed by bisection to 1e-10 of
-    the range. Each point is the first loss of stability, found by itself: a branch cannot be followed past the place
-    where another takes over. An event and its undoing both inside one of the first 32 intervals may be missed.
+    the range. Each point is the first loss of stability, found by itself among all: a branch cannot be followed past
+    the place where another takes over. An event and its undoing both inside one of the first 32 intervals may be
+    missed.
     `fixed`: the other parameters. Raises InputError for bad values.
 
     >>> import freebeam_sym as fb
@@ -132,9 +142,18 @@ def trace_boundary(
         x = low * (high / low) ** t if log else low + (high - low) * t
         return min(max(x, low), high)
 
-    def at(t: float) -> CriticalLoad:
+    def at(t: float) -> _Point:
         given: dict[str, Any] = {**fixed, parameter: value(t)}
-        return critical_load(column, modes, load_max=load_max, **given)
+        # Over damping all points share a pencil, and what it keeps; else each has one of its own, which is asked once.
+        if parameter not in ("alpha", "beta") and modes <= MOST and t > 0:  # the first point checks what is given
+            own = {name: x for name, x in given.items() if name not in ("alpha", "beta", "kappa")}
+            damping = column.dampings(given.get("alpha", 0.0), given.get("beta", 0.0))
+            pencil, c_E, c_M, kappa = posed(column, modes, *damping, given.get("kappa"), own)
+            settled, found = direct_crossing(pencil, c_E, c_M, load_max, kappa)
+            if settled:
+                return _Point("none", None, None) if found is None else _Point(found.kind, found.load, found.frequency)
+        one = critical_load(column, modes, load_max=load_max, **given)
+        return _Point(one.kind, one.load, one.frequency)
 
     tracer = _Tracer(at, tolerance)
     ends = np.linspace(0.0, 1.0, 33).tolist()
@@ -152,7 +171,7 @@ def trace_boundary(
     )
 
 
-def _change(one: CriticalLoad, two: CriticalLoad) -> float:
+def _change(one: _Point, two: _Point) -> float:
     """Relative change of load or frequency, the greater; inf where the kind changes."""
     if one.kind != two.kind:
         return math.inf
@@ -162,14 +181,14 @@ def _change(one: CriticalLoad, two: CriticalLoad) -> float:
     )
 
 
-def _bend(one: CriticalLoad, between: CriticalLoad, two: CriticalLoad) -> float:
+def _bend(one: _Point, between: _Point, two: _Point) -> float:
     """How far load or frequency in the middle are from the mean of the ends, relative."""
     triples = ((p.load, m.load, q.load) for p, m, q in ((one, between, two),))
     others = ((p.frequency, m.frequency, q.frequency) for p, m, q in ((one, between, two),))
     return max((abs(m - (p + q) / 2) / m for p, m, q in (*triples, *others) if p and m and q), default=0.0)
 
 
-def _event(value: float, one: CriticalLoad, two: CriticalLoad) -> BoundaryEvent:
+def _event(value: float, one: _Point, two: _Point) -> BoundaryEvent:
     names: dict[Kind, str] = {"none": "no loss of stability", "flutter": "flutter", "divergence": "divergence"}
     what = "another branch" if one.kind == two.kind else f"{names[one.kind]} to {names[two.kind]}"
     return BoundaryEvent(what, value, (one.load, two.load), (one.frequency, two.frequency))

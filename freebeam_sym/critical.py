@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from freebeam_sym.checks import InputError, count, nonnegative, positive
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Complex, Kind, pencil_of
+from freebeam_sym.pencil import Complex, Kind, Pencil, pencil_of
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
@@ -115,26 +115,8 @@ def critical_load(
     modes = count("modes", modes, hint="elastic functions in the series")
     alpha, beta = column.dampings(alpha, beta)
     load_max = positive("load_max", load_max, "largest load to look at")
-    if kappa is not None:
-        if not (isinstance(kappa, float) and math.isinf(kappa) and kappa > 0):
-            kappa = nonnegative("kappa", kappa, "ratio beta/alpha of vanishing damping; math.inf is allowed")
-        if alpha or beta:
-            raise InputError(
-                f"kappa = {kappa}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} and {beta}"
-            )
-    pencil = pencil_of(*column.matrices(modes, False, **parameters))
-    if kappa is None:
-        c_M, c_E = column.damping_factors(alpha, beta, **parameters)
-    else:
-        direction = (0.0, 1.0) if math.isinf(kappa) else (1.0, kappa)
-        c_M, c_E = column.damping_factors(*direction, **parameters)
-        kappa_of_C = c_M / c_E if c_E else math.inf
-    if not max(c_E, c_M) < 1e100:  # its square times e must stay a float
-        raise InputError(f"alpha = {alpha}, beta = {beta}: must be below 1e100 to be computed with")
-    if kappa is None:
-        found = first_crossing(pencil, c_E, c_M, load_max)
-    else:
-        found = first_crossing(pencil, 0.0, 0.0, load_max, kappa_of_C)
+    pencil, c_E, c_M, ratio = posed(column, modes, alpha, beta, kappa, parameters)
+    found = first_crossing(pencil, c_E, c_M, load_max, ratio)
     return CriticalLoad(
         None if found is None else found.load,
         "none" if found is None else found.kind,
@@ -144,7 +126,29 @@ def critical_load(
         alpha,
         beta,
         load_max,
-        kappa,
+        None if kappa is None else float(kappa),
         column=column,
         parameters=dict(parameters),
     )
+
+
+def posed(
+    column: Column, modes: int, alpha: float, beta: float, kappa: float | None, parameters: Mapping[str, float]
+) -> tuple[Pencil, float, float, float | None]:
+    """What `critical_load` asks, as `first_crossing` takes it: a pencil and its damping C = c_E E + c_M M, or the ratio
+    kappa = c_M / c_E of a limit. Raises InputError."""
+    if kappa is not None:
+        if not (isinstance(kappa, float) and math.isinf(kappa) and kappa > 0):
+            kappa = nonnegative("kappa", kappa, "ratio beta/alpha of vanishing damping; math.inf is allowed")
+        if alpha or beta:
+            raise InputError(
+                f"kappa = {kappa}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} and {beta}"
+            )
+    pencil = pencil_of(*column.matrices(modes, False, **parameters))
+    direction = (alpha, beta) if kappa is None else (0.0, 1.0) if math.isinf(kappa) else (1.0, kappa)
+    c_M, c_E = column.damping_factors(*direction, **parameters)
+    if not max(c_E, c_M) < 1e100:  # its square times e must stay a float
+        raise InputError(f"alpha = {alpha}, beta = {beta}: must be below 1e100 to be computed with")
+    if kappa is None:
+        return pencil, c_E, c_M, None
+    return pencil, 0.0, 0.0, c_M / c_E if c_E else math.inf

@@ -14,7 +14,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam_sym as fb
-from freebeam_sym import cli, grids, pencil
+from freebeam_sym import boundaries, cli, grids, pencil
+from freebeam_sym.bialternate import MOST
 from freebeam_sym.crossings import first_crossing
 from freebeam_sym.surface import leaves
 
@@ -253,6 +254,42 @@ def test_the_boundary_over_internal_damping_has_the_place_where_another_branch_t
     assert event.what == "another branch" and 1.05 < event.value < 1.1
     assert event.load[0] == pytest.approx(event.load[1], rel=1e-7)
     assert event.frequency[0] > 10 * event.frequency[1]  # type: ignore[operator]
+
+
+@pytest.mark.parametrize("damping", [{}, {"kappa": 2.0}, {"alpha": 1e-3, "beta": 0.1}, {"alpha": 1.0}, {"beta": 100.0}])
+def test_points_of_a_boundary_are_first_critical_loads(
+    damping: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Random points and those next to the events against the search, which few of them needed."""
+    searched: list[float] = []
+
+    def counted(*args: object, **given: float) -> fb.CriticalLoad:
+        searched.append(given["eta"])
+        return fb.critical_load(*args, **given)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(boundaries, "critical_load", counted)
+    column = fb.column("beck")
+    curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
+    assert len(curve.values) > 50 and len(searched) < 5
+    assert curve.events[0].what == "divergence to flutter"
+    near = [int(np.searchsorted(curve.values, event.value)) for event in curve.events]
+    chosen = {*np.random.default_rng(3).integers(0, len(curve.values), 9), *near, *(k - 1 for k in near)}
+    for k in chosen:
+        one = fb.critical_load(column, 6, eta=float(curve.values[k]), **damping)  # type: ignore[arg-type]
+        assert curve.kind[k] == one.kind
+        assert curve.load[k] == pytest.approx(one.load, rel=1e-9)
+        if any(event.what == "another branch" and abs(event.value - curve.values[k]) < 1e-9 for event in curve.events):
+            # two loads differ by less than what the search tells apart
+            assert curve.load[k] <= one.load * (1 + 1e-12)  # type: ignore[operator]
+        else:  # next to ω = 0 it is ω² that is known, to the rounding of the least of the squared frequencies
+            assert curve.frequency[k] ** 2 == pytest.approx(one.frequency**2, rel=1e-8, abs=1e-8)  # type: ignore[operator]
+
+
+def test_a_boundary_of_many_modes_is_searched() -> None:
+    column, modes = fb.column("beck"), MOST + 1
+    curve = fb.trace_boundary(column, "eta", 0.9, 1.0, modes=modes, alpha=1e-3, tolerance=0.1)
+    assert not curve.events and (np.diff(curve.load) > 0).all()
+    assert curve.load[10] == fb.critical_load(column, modes, alpha=1e-3, eta=float(curve.values[10])).load
 
 
 def test_a_boundary_without_events() -> None:
