@@ -1,9 +1,9 @@
 """All flutter loads of a pencil at once, as the real eigenvalues of one matrix: no search, and none is missed.
 
 Where x = (v, iωv) is a state of Eq. (25) with A x = iωx, the antisymmetric X = Im(x xᴴ) solves A X + X Aᵀ = 0, and
-some X ≠ 0 does so exactly where two eigenvalues of A add up to zero, by the bialternate product 2 A ⊙ I (Fuller 1968;
-Guckenheimer, Myers and Sturmfels 1997). Below the first loss of stability none do. With K = E + P H and C = size · diag(D), the blocks of X are made of
-S = −ω Re(v vᴴ) = Sᵀ and Y = Im(v vᴴ)/size = −Yᵀ, for which
+some X ≠ 0 does so exactly where two eigenvalues of A add up to zero (the bialternate product of A with I is singular:
+Fuller 1968; Guckenheimer, Myers and Sturmfels 1997). Below the first loss of stability none do. With K = E + P H and
+C = size · diag(D), the blocks of X are made of S = −ω Re(v vᴴ) = Sᵀ and Y = Im(v vᴴ)/size = −Yᵀ, for which
 
     Y Kᵀ − K Y + S D + D S = 0
     S Kᵀ − K S = size² (D W + W D),    W = (Y Kᵀ + K Y + S D − D S)/2
