@@ -327,7 +327,7 @@ def exact_load(
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
     """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
     from freebeam_derive.certify import exact as beams
-    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import Beam, NoSeries
 
     exact, name = asked.exact, asked.column.name
@@ -345,8 +345,8 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {name}, the beam itself: {error}") from error
-    load = outward(*_ends(crossing.load), digits + 2)
-    frequency = ("0", "0") if crossing.kind == "divergence" else outward(*_ends(crossing.frequency), digits + 2)
+    load = outward(*ends(crossing.load), digits + 2)
+    frequency = ("0", "0") if crossing.kind == "divergence" else outward(*ends(crossing.frequency), digits + 2)
     return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
 
 
@@ -421,7 +421,7 @@ def exact_spectrum(
     Raises InputError for bad values and for a column whose equation the power series does not serve.
     """
     from freebeam_derive.certify import exact as beams
-    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import Beam, NoSeries
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
@@ -447,7 +447,7 @@ def exact_spectrum(
             unproven += pair
             continue
         balls.append(ball)
-        re, im = _ends(ball.real), _ends(ball.imag)
+        re, im = ends(ball.real), ends(ball.imag)
         for part in (im, (-im[1], -im[0])) if len(pair) == 2 else (im,):
             low, high = zip(_decimals(re, digits), _decimals(part, digits), strict=True)
             found.append((start, low, high))
@@ -472,12 +472,6 @@ def _lowest(asked: _Asked) -> list[complex]:
 def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, str]:
     """A part of an eigenvalue as decimals; exactly zero is zero."""
     return ("0", "0") if not any(interval) else outward(*interval, digits + 2)
-
-
-def _ends(ball: Any) -> tuple[Fraction, Fraction]:
-    """Lower and upper end of a ball, as fractions."""
-    middle, radius = (Fraction(*map(int, (v.fmpq().p, v.fmpq().q))) for v in (ball.mid(), ball.rad()))
-    return middle - radius, middle + radius
 
 
 def verify_certificate(path: str) -> str:

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from freebeam_sym.columns import Column, column
 from freebeam_sym.critical import critical_load
@@ -81,16 +81,12 @@ def none_before(name: str, which: str, held: str, low: str, high: str, pieces: i
 @lru_cache(maxsize=32)
 def eigenvalues(load: str, alpha: str = "0", beta: str = "0") -> tuple[tuple[Interval, Interval], ...]:
     """Real and imaginary part of each of the 16 eigenvalues of A, Eq. (25), enclosed; ascending in |Im λ|."""
+    from freebeam_derive.certify.balls import ends
     from freebeam_derive.certify.motion import eigenvalues as found
 
     values = found(beam().kernel, MODES, Fraction(load), Fraction(alpha), Fraction(beta))
-    pairs = [(_ends(value.real), _ends(value.imag)) for value in values]
+    pairs = [(ends(value.real), ends(value.imag)) for value in values]
     return tuple(sorted(pairs, key=lambda pair: (abs(float(pair[1][0])), float(pair[1][0]))))
-
-
-def _ends(ball: Any) -> Interval:
-    middle, radius = (Fraction(*map(int, (v.fmpq().p, v.fmpq().q))) for v in (ball.mid(), ball.rad()))
-    return middle - radius, middle + radius
 
 
 class Amplitude:
@@ -112,7 +108,9 @@ class Amplitude:
 
     def at(self, load: str) -> Interval:
         """The amplitude at a load."""
-        return _ends(self._found.at(Fraction(load)))
+        from freebeam_derive.certify.balls import ends
+
+        return ends(self._found.at(Fraction(load)))
 
     def ratio(self, high: str, low: str) -> Interval:
         """The quotient of the amplitudes at two loads."""

@@ -39,6 +39,12 @@ def exact(value: Fraction | int) -> arb:
     return arb(fmpq(value.numerator, value.denominator))
 
 
+def ends(ball: arb) -> tuple[Fraction, Fraction]:
+    """Lower and upper end of a ball, exactly."""
+    middle, radius = (Fraction(*map(int, (v.fmpq().p, v.fmpq().q))) for v in (ball.mid(), ball.rad()))
+    return middle - radius, middle + radius
+
+
 def array(balls: list[Any]) -> Any:
     """A NumPy array of balls."""
     result = np.empty(len(balls), dtype=object)

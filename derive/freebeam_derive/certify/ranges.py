@@ -21,17 +21,18 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import partial
 from itertools import pairwise
-from math import comb
+from math import comb, perm
 from types import ModuleType
 from typing import Literal
 
 from flint import arb, arb_poly
 
-from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.balls import Unproven, ends, exact, precision
 from freebeam_derive.certify.ritz import (
     Boundary,
     Question,
     boundary,
+    derivative,
     rational,
     separators_at,
     sign_on,
@@ -114,7 +115,7 @@ class Line:
             raise Unproven("the frequency is not known to be positive")
         rate = here.rates(*image)[0]
         sign = 1 if rate > 0 else -1 if rate < 0 else 0
-        return Cell(low, high, _ends(image[0]), _ends(image[1]), sign)
+        return Cell(low, high, ends(image[0]), ends(image[1]), sign)
 
     def stable(self, low: Fraction, high: Fraction, load: Fraction) -> int:
         """Stability for 0 ≤ P ≤ load and every damping from low to high; the number of cells. Raises Unproven."""
@@ -159,11 +160,6 @@ class Line:
         return done
 
 
-def _ends(ball: arb) -> tuple[Fraction, Fraction]:
-    middle, radius = (Fraction(*map(int, (v.fmpq().p, v.fmpq().q))) for v in (ball.mid(), ball.rad()))
-    return middle - radius, middle + radius
-
-
 def _powers(f: list[arb_poly], N: int, which: Which, held: arb) -> tuple[Curve, Curve]:
     """Even and odd part in λ of Σ_ab c_ab P^a (−λ² − βλ)^b (1 + αλ)^(N−a−b), over the powers of one damping."""
     one = arb_poly([1])
@@ -195,10 +191,7 @@ def _at(curve: Curve, tau: arb, order: int = 0) -> list[arb_poly]:
     """A derivative in τ of h or g, over the powers of P."""
     total = [arb_poly([0]) for _ in curve[0]]
     for n in range(len(curve) - 1, order - 1, -1):
-        falling = 1
-        for k in range(order):
-            falling *= n - k
-        total = [t * tau + falling * p for t, p in zip(total, curve[n], strict=True)]
+        total = [t * tau + perm(n, order) * p for t, p in zip(total, curve[n], strict=True)]
     return total
 
 
@@ -215,16 +208,7 @@ class _Local:
 
     def __call__(self, P: arb, x: arb, in_P: int = 0, in_x: int = 0) -> arb:
         """A derivative over a box."""
-        p, xi, total = P - self.P, x - self.x, arb(0)
-        for a in range(len(self.rows) - 1, in_P - 1, -1):
-            row = self.rows[a]
-            for _ in range(in_x):
-                row = row.derivative()
-            falling = 1
-            for k in range(in_P):
-                falling *= a - k
-            total = total * p + falling * row(xi)
-        return total
+        return derivative(self.rows, P - self.P, x - self.x, in_P, in_x)
 
 
 class _Crossing:

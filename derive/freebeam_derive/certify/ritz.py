@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from itertools import pairwise
-from math import comb
+from math import comb, perm
 from types import ModuleType
 from typing import Any
 
@@ -121,16 +121,18 @@ class Boundary:
 
     def value(self, which: list[arb_poly], P: arb, x: arb, in_P: int = 0, in_x: int = 0) -> arb:
         """A derivative of h or g at a point or over a box."""
-        total = arb(0)
-        for a in range(len(which) - 1, in_P - 1, -1):
-            p = which[a]
-            for _ in range(in_x):
-                p = p.derivative()
-            falling = 1
-            for k in range(in_P):
-                falling *= a - k
-            total = total * P + falling * p(x)
-        return total
+        return derivative(which, P, x, in_P, in_x)
+
+
+def derivative(which: list[arb_poly], P: arb, x: arb, in_P: int = 0, in_x: int = 0) -> arb:
+    """A derivative of a polynomial in P, its factors polynomials in x, at a point or over a box."""
+    total = arb(0)
+    for a in range(len(which) - 1, in_P - 1, -1):
+        p = which[a]
+        for _ in range(in_x):
+            p = p.derivative()
+        total = total * P + perm(a, in_P) * p(x)
+    return total
 
 
 def _damped(f: list[arb_poly], N: int, alpha: arb, beta: arb) -> tuple[list[arb_poly], list[arb_poly]]:
@@ -153,10 +155,10 @@ def _damped(f: list[arb_poly], N: int, alpha: arb, beta: arb) -> tuple[list[arb_
 
 
 @lru_cache(maxsize=16)
-def _characteristic(provider: Provider, modes: int, own: tuple[tuple[str, Fraction], ...], bits: int) -> list[arb_poly]:
+def _characteristic(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...], bits: int) -> list[arb_poly]:
     """f(P, s) = det(E + P H − s M) / det M: its factors of the powers of P, polynomials in s; by interpolation in P."""
     with precision(bits):
-        M, E, H = provider(modes, dict(own))
+        M, E, H = matrices(kernel, modes, dict(own))
         solve = M.inv()
         E, H = solve * E, solve * H
         size = float(E[0, 0].mid()) / max(float(abs(H[0, 0]).mid()), 1e-3)
@@ -169,23 +171,10 @@ def _characteristic(provider: Provider, modes: int, own: tuple[tuple[str, Fracti
         return [arb_poly([columns[b][a] for b in range(modes - a + 1)]) for a in range(modes + 1)]
 
 
-Provider = Callable[[int, Mapping[str, Fraction]], tuple[arb_mat, arb_mat, arb_mat]]
-
-
-@lru_cache(maxsize=64)
-def provider_of(kernel: ModuleType) -> Provider:
-    """Ball matrices of a kernel."""
-
-    def provider(modes: int, own: Mapping[str, Fraction]) -> tuple[arb_mat, arb_mat, arb_mat]:
-        return matrices(kernel, modes, own)
-
-    return provider
-
-
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits."""
     own = tuple(sorted((question.own or {}).items()))
-    f = _characteristic(provider_of(kernel), question.modes, own, bits)
+    f = _characteristic(kernel, question.modes, own, bits)
     alpha, beta = (Fraction(1), question.kappa) if question.kappa is not None else (question.alpha, question.beta)
     factors = kernel.damping_factors(alpha, beta, **dict(own))
     return Boundary(f, question, (Fraction(factors[0]), Fraction(factors[1])))
