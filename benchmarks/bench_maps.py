@@ -45,7 +45,7 @@ def off(found: Any, name: str, points: int = 60) -> str:
     one = pencil.Pencil(*fb.column(name).matrices(int(found.attrs["modes"])))
     for _ in range(points):
         i, j = (int(rng.integers(len(found[x]))) for x in ("alpha", "beta"))
-        reference = first_crossing(one, float(found["alpha"][i]), float(found["beta"][j]), table=False)
+        reference = first_crossing(one, float(found["alpha"][i]), float(found["beta"][j]))
         assert reference is not None
         worst = max(worst, abs(float(found["load"].values[i, j]) / reference.load - 1))
     return f"{worst:.0e} from the search, {points} points"

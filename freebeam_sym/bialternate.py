@@ -20,7 +20,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.crossings import unstable_count
+from freebeam_sym.counts import unstable
 from freebeam_sym.pencil import Crossing, Damping, Pencil, Real, newton
 
 __all__ = ["MOST", "direct_crossing"]
@@ -32,15 +32,12 @@ _NEAR = 1e-6
 close to the real axis, or a flutter so close to divergence, is left to the search."""
 
 
-def direct_crossing(
-    pencil: Pencil, alpha: float, beta: float, load_max: float, kappa: float | None = None
-) -> tuple[bool, Crossing | None]:
+def direct_crossing(pencil: Pencil, damping: Damping, load_max: float, limit: bool) -> tuple[bool, Crossing | None]:
     """Whether this route settles the question, and the first loss of stability up to `load_max`, None where there is
-    none. Damping as in `first_crossing`: C = alpha E + beta M, or the limit at the ratio kappa where both are 0.
+    none. limit: that damping vanishes.
 
     What is found is polished by Newton's method and confirmed by counts of the eigenvalues that grow below and above.
     """
-    damping = Damping.of(pencil.e, alpha, beta, kappa)
     known, bound = None, load_max
     if len(pencil.divergence_loads) and pencil.divergence_loads[0] <= load_max * (1 + _NEAR):
         known = pencil.divergence(float(pencil.divergence_loads[0]))
@@ -62,9 +59,9 @@ def direct_crossing(
             if known is None or not abs(known.load * first - 1) < min(_NEAR, apart / 4):
                 return False, None
             bound = known.load
-    if unstable_count(pencil, alpha, beta, bound * (1 - _NEAR), kappa):
+    if unstable(pencil, damping, bound * (1 - _NEAR), limit):
         return False, None
-    if known is not None and not unstable_count(pencil, alpha, beta, bound * (1 + _NEAR), kappa):
+    if known is not None and not unstable(pencil, damping, bound * (1 + _NEAR), limit):
         return False, None
     return True, known
 

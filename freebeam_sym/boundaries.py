@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.bialternate import MOST, direct_crossing
 from freebeam_sym.checks import InputError, count, finite, positive
 from freebeam_sym.critical import critical_load, posed
+from freebeam_sym.crossings import first_crossing
 from freebeam_sym.pencil import Kind
 
 if TYPE_CHECKING:
@@ -145,13 +145,12 @@ def trace_boundary(
     def at(t: float) -> _Point:
         given: dict[str, Any] = {**fixed, parameter: value(t)}
         # Over damping all points share a pencil, and what it keeps; else each has one of its own, which is asked once.
-        if parameter not in ("alpha", "beta") and modes <= MOST and t > 0:  # the first point checks what is given
+        if parameter not in ("alpha", "beta") and t > 0:  # the first point checks what is given
             own = {name: x for name, x in given.items() if name not in ("alpha", "beta", "kappa")}
             damping = column.dampings(given.get("alpha", 0.0), given.get("beta", 0.0))
             pencil, c_E, c_M, kappa = posed(column, modes, *damping, given.get("kappa"), own)
-            settled, found = direct_crossing(pencil, c_E, c_M, load_max, kappa)
-            if settled:
-                return _Point("none", None, None) if found is None else _Point(found.kind, found.load, found.frequency)
+            found = first_crossing(pencil, c_E, c_M, load_max, kappa, once=True)
+            return _Point("none", None, None) if found is None else _Point(found.kind, found.load, found.frequency)
         one = critical_load(column, modes, load_max=load_max, **given)
         return _Point(one.kind, one.load, one.frequency)
 

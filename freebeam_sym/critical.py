@@ -8,9 +8,12 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from freebeam_sym.checks import InputError, count, nonnegative, positive
-from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Complex, Kind, Pencil, pencil_of
+from freebeam_sym.crossings import LIGHTEST_SCAN, first_crossing, polished
+from freebeam_sym.pencil import Complex, Crossing, Damping, Kind, Pencil, pencil_of
+from freebeam_sym.surface import surface_of
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
@@ -116,7 +119,7 @@ def critical_load(
     alpha, beta = column.dampings(alpha, beta)
     load_max = positive("load_max", load_max, "largest load to look at")
     pencil, c_E, c_M, ratio = posed(column, modes, alpha, beta, kappa, parameters)
-    found = first_crossing(pencil, c_E, c_M, load_max, ratio)
+    found = first_loss(pencil, c_E, c_M, load_max, ratio)
     return CriticalLoad(
         None if found is None else found.load,
         "none" if found is None else found.kind,
@@ -152,3 +155,49 @@ def posed(
     if kappa is None:
         return pencil, c_E, c_M, None
     return pencil, 0.0, 0.0, c_M / c_E if c_E else math.inf
+
+
+def first_loss(
+    pencil: Pencil, alpha: float, beta: float, load_max: float, kappa: float | None = None
+) -> Crossing | None:
+    """As `first_crossing`, from the pencil's surface where it has been asked for often enough."""
+    once = not pencil.kept
+    pencil.kept["asked"] = True
+    if (alpha > 0 or beta > 0) and min(alpha, beta) >= 0 and not pencil.conservative:
+        damping = Damping.of(pencil.e, alpha, beta, kappa)
+        settled, found = _tabulated(pencil, damping, alpha, beta, load_max)
+        if settled:
+            return found
+    return first_crossing(pencil, alpha, beta, load_max, kappa, once=once)
+
+
+def _tabulated(
+    pencil: Pencil, damping: Damping, alpha: float, beta: float, load_max: float
+) -> tuple[bool, Crossing | None]:
+    """Whether the pencil's surface settles this damping, and what it says."""
+    surface = surface_of(pencil, load_max)
+    point = surface.point(alpha, beta)
+    if point is None:
+        return False, None
+    P, omega = point
+    if not P < min(surface.divergence, load_max * (1 + 1e-9)):
+        return True, pencil.divergence(surface.divergence) if surface.divergence <= load_max else None
+    light = damping.size < 1e-4 * math.sqrt(pencil.e[0])
+    scan = max(damping.size, LIGHTEST_SCAN * math.sqrt(pencil.e[0]))
+    D = 1j * scan * damping.shape
+    A = P * pencil._relative + np.diag(1 + omega * (D - omega) / pencil.e)
+    try:
+        B = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return False, None
+    v = B @ B.sum(axis=1)
+    v = v / np.sqrt(pencil.e) / np.abs(v).max()
+    if light:
+        found = polished(pencil, damping, scan, omega, P, np.asarray(v))
+    else:  # one more step of Newton's method for det A = 0, as the surface was made
+        a, b = (B * pencil._relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
+        share = 1 / float((a * b.conj()).imag)
+        found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v))
+    if found is None or not abs(found.load - P) < 1e-8 * P:
+        return False, None
+    return True, found if found.load <= load_max else None

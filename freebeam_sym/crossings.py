@@ -8,9 +8,11 @@ loss of stability, whatever branch it lies on. These steps find it:
 1. `Ladder.start`: where a branch first gains energy, and from there Newton's method (`newton`) on equations that
    stay regular as the damping vanishes. Any root bounds the answer from above.
 2. `Ladder.clear`: without damping and with light damping, nothing crosses below that bound, from what is kept of the
-   undamped branches. Where it cannot say so, `_search`:
-3. `_excluded`: intervals of ω that hold no root below the bound, by an M-matrix inequality, whatever the damping.
-4. `_examine`: what is left is covered by cells whose ends carry P_k and dP_k/dω, bisected until each load that could
+   undamped branches. Where it cannot say so:
+3. `direct_crossing`: all flutter loads as the eigenvalues of one matrix, where there are few modes. Where there are
+   many, or loads too close to be told apart, `_search`:
+4. `_excluded`: intervals of ω that hold no root below the bound, by an M-matrix inequality, whatever the damping.
+5. `_examine`: what is left is covered by cells whose ends carry P_k and dP_k/dω, bisected until each load that could
    cross is followed through its cell. A lower root replaces the bound.
 
 A count of unstable eigenvalues just below the load confirms the search; `reference_crossing` (a scan in P) is
@@ -26,16 +28,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.ladder import bezier, bezier_root
+from freebeam_sym.bialternate import MOST, direct_crossing
+from freebeam_sym.counts import LIGHTEST_STATE, inverse_state, unstable
+from freebeam_sym.ladder import bezier, bezier_root, ladder_of
 from freebeam_sym.pencil import Complex, Crossing, Damping, Pencil, Real, inverse, newton
 
-__all__ = ["first_crossing", "reference_crossing", "unstable_count"]
+__all__ = ["LIGHTEST_SCAN", "first_crossing", "polished", "reference_crossing"]
 
 LIGHTEST_SCAN = 1e-5
 """Damping ratio of mode 1 below which the cells are laid out at this ratio: first crossings move by its square
 only, and Newton's method ends at the true damping. Far below it the sign of Im P_k would be rounding."""
-LIGHTEST_STATE = 1e-7
-"""Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
 
 
 @dataclass
@@ -352,7 +354,7 @@ def _search(
                 continue
             if P > bound * 1.01:
                 continue
-            found = _polish(pencil, damping, scan, omega, P, nodes.vectors[node, :, column])
+            found = polished(pencil, damping, scan, omega, P, nodes.vectors[node, :, column])
             if found is None or not wa - slack < found.frequency < wb + slack or abs(found.load - P) > 0.1 * P:
                 cut[c] = True
             elif found.load < bound * (1 - 1e-9):
@@ -378,7 +380,7 @@ def _search(
     return known, False
 
 
-def _polish(pencil: Pencil, damping: Damping, scan: float, omega: float, P: float, v: Complex) -> Crossing | None:
+def polished(pencil: Pencil, damping: Damping, scan: float, omega: float, P: float, v: Complex) -> Crossing | None:
     """The crossing near (ω, P) with eigenvector v of the scan (made at damping size `scan`), at the true damping."""
     square = v @ v
     v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
@@ -401,16 +403,11 @@ def first_crossing(
     load_max: float = 1000.0,
     kappa: float | None = None,
     search: bool = False,
-    table: bool = True,
+    once: bool = False,
 ) -> Crossing | None:
-    """First loss of stability for 0 < P ≤ load_max; None where there is none. `search`: without step 2. `table`: from
-    the pencil's surface of first crossings, where it covers this damping."""
+    """First loss of stability for 0 < P ≤ load_max; None where there is none. `once`: a question of a pencil
+    that will not be asked many, so that it gets no ladder. `search`: by the search alone."""
     damping = Damping.of(pencil.e, alpha, beta, kappa)
-    table = table and not search and alpha >= 0 and beta >= 0 and damping.size > 0 and not pencil.conservative
-    if table:
-        settled, found = _tabulated(pencil, damping, alpha, beta, load_max)
-        if settled:
-            return found
     known, bound = None, load_max
     loads = pencil.divergence_loads
     if len(loads) and loads[0] <= bound * (1 + 1e-9):
@@ -418,7 +415,11 @@ def first_crossing(
         known, bound = (known, known.load) if known.load <= load_max else (None, bound)
     if pencil.conservative:
         return known
-    ladder = pencil.ladder
+    if once and pencil.size <= MOST:
+        settled, found = direct_crossing(pencil, damping, load_max, kappa is not None)
+        if settled:
+            return found
+    ladder = ladder_of(pencil)
     for start in (ladder.start, ladder.start_beyond):
         guess = start(damping)
         found = None if guess is None else _crossing(pencil, damping, newton(pencil, damping, *guess))
@@ -426,8 +427,13 @@ def first_crossing(
             if found.load < bound:
                 known, bound = found, found.load
             break
-    if not search and ladder.clear(damping, bound, known):
-        return known
+    if not search:
+        if ladder.clear(damping, bound, known):
+            return known
+        if pencil.size <= MOST and not once:
+            settled, found = direct_crossing(pencil, damping, load_max, kappa is not None)
+            if settled:
+                return found
     for pieces in (4, 8, 16):
         known, settled = _search(pencil, damping, bound, known, pieces)
         bound = known.load if known is not None else load_max
@@ -441,83 +447,17 @@ def first_crossing(
     return known if slow is None or (known is not None and slow.load > known.load * (1 - 1e-9)) else slow
 
 
-def _tabulated(
-    pencil: Pencil, damping: Damping, alpha: float, beta: float, load_max: float
-) -> tuple[bool, Crossing | None]:
-    """Whether the pencil's surface settles this damping, and what it says."""
-    surface = pencil.surface(load_max)
-    point = surface.point(alpha, beta)
-    if point is None:
-        return False, None
-    P, omega = point
-    if not P < min(surface.divergence, load_max * (1 + 1e-9)):
-        return True, pencil.divergence(surface.divergence) if surface.divergence <= load_max else None
-    light = damping.size < 1e-4 * math.sqrt(pencil.e[0])
-    scan = max(damping.size, LIGHTEST_SCAN * math.sqrt(pencil.e[0]))
-    D = 1j * scan * damping.shape
-    A = P * pencil._relative + np.diag(1 + omega * (D - omega) / pencil.e)
-    try:
-        B = np.linalg.inv(A)
-    except np.linalg.LinAlgError:
-        return False, None
-    v = B @ B.sum(axis=1)
-    v = v / np.sqrt(pencil.e) / np.abs(v).max()
-    if light:
-        found = _polish(pencil, damping, scan, omega, P, np.asarray(v))
-    else:  # one more step of Newton's method for det A = 0, as the surface was made
-        a, b = (B * pencil._relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
-        share = 1 / float((a * b.conj()).imag)
-        found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v))
-    if found is None or not abs(found.load - P) < 1e-8 * P:
-        return False, None
-    return True, found if found.load <= load_max else None
-
-
 def _witness(pencil: Pencil, damping: Damping, bound: float, limit: bool) -> float | None:
     """A load below `bound` at which the beam is unstable after all: just below, or between there and where the
     undamped beam is known to be stable. None where there is none."""
-    top = float(pencil.ladder.rungs.load[-1]) * 1.05
+    top = float(ladder_of(pencil).rungs.load[-1]) * 1.05
     loads = [bound * (1 - 1e-5)]
     if damping.size < 0.1 * math.sqrt(pencil.e[0]):
-        loads += pencil.ladder.suspects(damping.shape, loads[0])
+        loads += ladder_of(pencil).suspects(damping.shape, loads[0])
     if 0 < top < 0.97 * bound and damping.size > 0:
         steps = min(8, 1 + int(math.log(bound / top) / 0.2))
         loads += list(top * (bound / top) ** (np.arange(steps) / steps))
-    return next((load for load in loads if _unstable(pencil, damping, load, limit)), None)
-
-
-def unstable_count(pencil: Pencil, alpha: float, beta: float, load: float, kappa: float | None = None) -> int:
-    """Elastic eigenvalues λ that grow at this load; where damping is too small for the 2N eigenvalues to show it,
-    or zero in a limit, branches s_j that are not real and positive or whose growth to first order is positive."""
-    return _unstable(pencil, Damping.of(pencil.e, alpha, beta, kappa), load, kappa is not None)
-
-
-def _unstable(pencil: Pencil, damping: Damping, load: float, limit: bool) -> int:
-    if damping.size / math.sqrt(pencil.e[0]) < LIGHTEST_STATE:
-        s, V = np.linalg.eig(np.diag(pencil.e) + load * pencil.H)
-        bad = int(((s.imag != 0) | (s.real <= 0)).sum())
-        if bad == 0 and (damping.size > 0 or limit):
-            growth = -np.einsum("jn,n,nj->j", np.linalg.inv(V), damping.shape, V)
-            bad = int((growth > 0).sum())
-        return bad
-    try:
-        A = _inverse_state(pencil, damping, load)
-    except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
-        return 1
-    return int((np.linalg.eigvals(A).real > 1e-14 * np.linalg.norm(A)).sum())
-
-
-def _inverse_state(pencil: Pencil, damping: Damping, load: float) -> Real:
-    """Inverse of the state matrix of Eq. (25), times ω₁, in the basis of the pencil, (2N, 2N). Its eigenvalues
-    are ω₁/λ: those of the low modes, which decide, are not lost in the rounding of the fast ones, however strong
-    the damping."""
-    n, first = pencil.size, math.sqrt(pencil.e[0])
-    inverse = np.linalg.inv(np.diag(pencil.e / pencil.e[0]) + (load / pencil.e[0]) * pencil.H)
-    A = np.zeros((2 * n, 2 * n))
-    A[:n, :n] = -inverse * (damping.size / first * damping.shape)
-    A[:n, n:] = -inverse
-    A[n:, :n] = np.eye(n)
-    return A
+    return next((load for load in loads if unstable(pencil, damping, load, limit)), None)
 
 
 def reference_crossing(
@@ -536,7 +476,7 @@ def reference_crossing(
     step = load_max / 2000 if step is None else step
     while high < load_max:
         low, high = high, min(high + step, load_max)
-        if _unstable(pencil, damping, high, limit):
+        if unstable(pencil, damping, high, limit):
             return _bisect(pencil, damping, low, high, limit)
     return None
 
@@ -547,7 +487,7 @@ def _bisect(pencil: Pencil, damping: Damping, low: float, high: float, limit: bo
         middle = (low + high) / 2
         if not low < middle < high:
             break
-        if _unstable(pencil, damping, middle, limit):
+        if unstable(pencil, damping, middle, limit):
             high = middle
         else:
             low = middle
@@ -558,14 +498,14 @@ def _bisect(pencil: Pencil, damping: Damping, low: float, high: float, limit: bo
         omega, v = math.sqrt(max(0.0, float(s[worst].real))), V[:, worst]
     else:
         try:
-            theta, W = np.linalg.eig(_inverse_state(pencil, damping, high))
+            theta, W = np.linalg.eig(inverse_state(pencil, damping, high))
         except np.linalg.LinAlgError:
             return pencil.divergence(high)
         worst = int(np.argmax(theta.real))
         omega = abs(float((math.sqrt(pencil.e[0]) / theta[worst]).imag))
         v = W[: pencil.size, worst]
     if omega > 0:
-        found = _polish(pencil, damping, damping.size or 1.0, omega, high, v.astype(complex))
+        found = polished(pencil, damping, damping.size or 1.0, omega, high, v.astype(complex))
         if found is not None and abs(found.load - high) < 1e-3 * high:
             return found
     return Crossing(high, omega, pencil.vector(v))

@@ -20,14 +20,17 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 from freebeam_sym.critical import FREQUENCY_TOLERANCE, LOAD_TOLERANCE
+from freebeam_sym.crossings import first_crossing
 from freebeam_sym.pencil import Pencil, Real, pencil_of
-from freebeam_sym.surface import FEW
+from freebeam_sym.surface import FEW, surface_of
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
 __all__ = ["KINDS", "Answers", "agree", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
 
+FEWEST = 3
+"""Questions of a pencil up to which it gets no ladder."""
 KINDS = ("none", "flutter", "divergence")
 """What the numbers of `Answers.kind` stand for."""
 
@@ -157,8 +160,6 @@ def alike(own: Mapping[str, Real], n: int) -> Iterator[tuple[dict[str, float], N
 
 def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answers:
     """First crossings of one pencil at damping C = alpha E + beta M, each (n,)."""
-    from freebeam_sym.crossings import first_crossing
-
     n = len(alpha)
     load, frequency, kind = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
     if pencil.conservative:  # damping or not, divergence
@@ -170,7 +171,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
         covered = (alpha[which] >= 0) & (beta[which] >= 0)  # a column's energies may shift them below zero
         if covered.sum() >= FEW:
             ask, which = np.append(ask, which[~covered]), which[covered]
-            surface = pencil.surface(load_max)
+            surface = surface_of(pencil, load_max)
             P, omega, settled = surface.at(alpha[which], beta[which])
             load[which], frequency[which] = P, omega
             with np.errstate(invalid="ignore"):
@@ -184,7 +185,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
             which = which[~settled]
         ask = np.append(ask, which)
     for k in ask:
-        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max, table=False)
+        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max, once=len(ask) <= FEWEST)
         load[k], frequency[k], kind[k] = (np.nan, np.nan, 0) if found is None else _plain(found)
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]

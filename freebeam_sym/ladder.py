@@ -101,6 +101,14 @@ class Rungs:
         return Rungs(*(getattr(self, f.name)[:count] for f in fields(self)))
 
 
+def ladder_of(pencil: Pencil) -> Ladder:
+    """The ladder of a pencil, made once."""
+    if Ladder not in pencil.kept:
+        pencil.kept[Ladder] = Ladder(pencil)
+    found: Ladder = pencil.kept[Ladder]
+    return found
+
+
 class Ladder:
     """Rungs from load 0 up to the first loss of stability of the undamped column.
 

@@ -10,16 +10,12 @@ import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from threading import get_ident
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
-
-if TYPE_CHECKING:
-    from freebeam_sym.ladder import Ladder
-    from freebeam_sym.surface import Surface
 
 __all__ = ["Crossing", "Damping", "Pencil", "inverse", "newton", "pencil_of"]
 
@@ -75,9 +71,9 @@ class Pencil:
     """det(E + P H − s M) in the basis where M = I and E = diag(e): all that does not depend on the damping.
 
     M, E symmetric positive definite and H any, each (N, N). Attributes: `e` (N,) ascending, squared frequencies
-    at P = 0; `H` (N, N), `basis` (N, N) whose columns are the new basis in the old coordinates. Raises InputError
-    where M or E is not positive definite: the unloaded column is then not stable, and there is no first loss of
-    stability.
+    at P = 0; `H` (N, N), `basis` (N, N) whose columns are the new basis in the old coordinates; `kept`, what other
+    modules have made of it. Raises InputError where M or E is not positive definite: the unloaded column is then not
+    stable, and there is no first loss of stability.
     """
 
     def __init__(self, M: Real, E: Real, H: Real) -> None:
@@ -96,7 +92,7 @@ class Pencil:
         self.diagonal: Real = np.diag(self.H)
         self.off: Real = np.abs(self.H)
         np.fill_diagonal(self.off, 0.0)
-        self._surfaces: dict[float, Surface] = {}
+        self.kept: dict[Any, Any] = {}
 
     @cached_property
     def conservative(self) -> bool:
@@ -127,22 +123,6 @@ class Pencil:
         """v of this basis in the column's own coordinates, largest entry 1."""
         q = (self.basis @ v).astype(complex)
         return np.asarray(q / q[np.abs(q).argmax()])
-
-    @cached_property
-    def ladder(self) -> Ladder:
-        """The undamped branches up to the first loss of stability."""
-        from freebeam_sym.ladder import Ladder
-
-        return Ladder(self)
-
-    def surface(self, load_max: float) -> Surface:
-        """First crossings over all damping up to `load_max` and beyond it. Kept, and computed where it is asked."""
-        from freebeam_sym.surface import Surface
-
-        bound = 10.0 ** max(3, math.ceil(math.log10(load_max)))
-        if bound not in self._surfaces:
-            self._surfaces[bound] = Surface(self, bound)
-        return self._surfaces[bound]
 
 
 def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:

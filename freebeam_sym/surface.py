@@ -25,9 +25,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam_sym.crossings import first_crossing
+from freebeam_sym.ladder import ladder_of
 from freebeam_sym.pencil import Complex, Damping, Pencil, Real
 
-__all__ = ["Surface"]
+__all__ = ["FEW", "Surface", "leaves", "surface_of"]
 
 NODES = 13
 MORE = 16
@@ -128,6 +130,15 @@ class _Patch:
         (x, y), (X, Y) = self.low, self.high
         xi, chi = np.meshgrid(x + (X - x) * t, y + (Y - y) * t, indexing="ij")
         return xi.ravel(), chi.ravel()
+
+
+def surface_of(pencil: Pencil, load_max: float) -> Surface:
+    """The surface of a pencil up to `load_max` and beyond it, made once; its patches, where they are asked for."""
+    bound = 10.0 ** max(3, math.ceil(math.log10(load_max)))
+    if (Surface, bound) not in pencil.kept:
+        pencil.kept[Surface, bound] = Surface(pencil, bound)
+    found: Surface = pencil.kept[Surface, bound]
+    return found
 
 
 class Surface:
@@ -245,7 +256,7 @@ class Surface:
         p, t = self.pencil, _gauss(_COARSE)
         found = np.full((2, _COARSE), np.nan)
         for k, chi in enumerate(t):
-            start = p.ladder.first(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
+            start = ladder_of(p).first(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
             if start is not None and start[0] > 0 and start[1] > 0:
                 found[:, k] = start[1], start[0]
         values, before = np.empty((2, _COARSE, _COARSE)), found
@@ -430,12 +441,10 @@ class Surface:
     def _search(self, patch: _Patch, x: float, y: float) -> tuple[float, float] | None:
         """Load and ω²/(1 − ξ) of the first flutter at a place (0 to 1) of the patch, by a search; None where there is
         none."""
-        from freebeam_sym.crossings import first_crossing
-
         (a, b), (A, B) = patch.low, patch.high
         xi, chi = a + (A - a) * x, b + (B - b) * y
         size = math.sqrt(self.kappa0 * xi / (1 - xi))
-        found = first_crossing(self.pencil, (1 - chi) * size / self.kappa0, chi * size, self.bound, table=False)
+        found = first_crossing(self.pencil, (1 - chi) * size / self.kappa0, chi * size, self.bound)
         return None if found is None or found.frequency == 0 else (found.load, found.frequency**2 / (1 - xi))
 
     def _follow(self, patch: _Patch, x: float, y: float, found: tuple[float, float]) -> Real:
@@ -517,7 +526,7 @@ class Surface:
         for t in _PROBED:
             chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
             damping = Damping.of(self.pencil.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi))
-            start = self.pencil.ladder.first(damping)
+            start = ladder_of(self.pencil).first(damping)
             first = start[1] if start is not None and start[0] > 0 else math.inf
             here = math.inf
             if series is not None:

@@ -50,7 +50,7 @@ def test_any_pencil_against_plain_counts(alpha: float, beta: float) -> None:
     unsettled = 0
     for seed in range(20):
         pencil = sample(seed, 2 + seed % 5, 0.3)
-        settled, found = direct_crossing(pencil, alpha, beta, 50.0)
+        settled, found = direct_crossing(pencil, Damping.of(pencil.e, alpha, beta, None), 50.0, False)
         unsettled += not settled
         if not settled:
             continue
@@ -80,8 +80,8 @@ def test_columns_against_the_search(
 ) -> None:
     pencil = Pencil(*fb.column(name, basis).matrices(modes, **({"eta": eta} if name == "beck" else {})))
     alpha, beta, kappa = damping
-    settled, found = direct_crossing(pencil, alpha, beta, load_max, kappa)
-    searched = first_crossing(pencil, alpha, beta, load_max, kappa, table=False)
+    settled, found = direct_crossing(pencil, Damping.of(pencil.e, alpha, beta, kappa), load_max, kappa is not None)
+    searched = first_crossing(pencil, alpha, beta, load_max, kappa, search=True)
     assert settled or eta in (0.5, 0.0)  # η = 1/2: flutter and divergence meet
     if settled:
         assert (found is None) == (searched is None)
@@ -95,7 +95,7 @@ def test_two_branches_that_flutter_at_one_load_are_no_wrong_answer() -> None:
     """Two equal columns side by side, coupled by nothing: every load is double."""
     one = np.array([[1.0, 0.6], [-0.6, -0.5]])
     twice = Pencil(np.eye(4), np.diag([1.0, 4.0, 1.0, 4.0]), np.kron(np.eye(2), one))
-    alone = first_crossing(Pencil(np.eye(2), np.diag([1.0, 4.0]), one), 0.01, 0.02, table=False)
-    settled, found = direct_crossing(twice, 0.01, 0.02, 1000.0)
+    alone = first_crossing(Pencil(np.eye(2), np.diag([1.0, 4.0]), one), 0.01, 0.02)
+    settled, found = direct_crossing(twice, Damping.of(twice.e, 0.01, 0.02, None), 1000.0, False)
     assert alone is not None
     assert not settled or (found is not None and found.load == pytest.approx(alone.load, rel=1e-9))

@@ -16,8 +16,9 @@ from hypothesis import strategies as st
 import freebeam_sym as fb
 from freebeam_sym import boundaries, cli, grids, pencil
 from freebeam_sym.bialternate import MOST
+from freebeam_sym.critical import first_loss
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.surface import leaves
+from freebeam_sym.surface import leaves, surface_of
 
 KINDS = ("none", "flutter", "divergence")
 
@@ -75,13 +76,13 @@ def test_loads_are_where_stability_is_lost_first(
 @pytest.mark.parametrize(("name", "basis"), [("free-free", "modes"), ("free-free", "legendre"), ("beck", "modes")])
 def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, basis: str) -> None:
     column, rng = fb.column(name, basis), np.random.default_rng(5)
-    surface = pencil.Pencil(*column.matrices(8)).surface(1000.0)
+    surface = surface_of(pencil.Pencil(*column.matrices(8)), 1000.0)
     alpha, beta = 10 ** rng.uniform(-6, 1, 400), 10 ** rng.uniform(-3, 3, 400)
     alpha[:40], beta[40:80] = 0.0, 0.0
     load, frequency, settled = surface.at(alpha, beta)
     assert settled.mean() > 0.9  # where few points lie in small patches, they are left to the search
     for k in np.flatnonzero(settled)[::20]:
-        found = first_crossing(surface.pencil, alpha[k], beta[k], table=False)
+        found = first_crossing(surface.pencil, alpha[k], beta[k])
         assert found is not None
         assert load[k] == pytest.approx(found.load, rel=1e-10)
         assert frequency[k] == pytest.approx(found.frequency, rel=1e-9)
@@ -89,14 +90,14 @@ def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, ba
 
 def test_where_one_branch_takes_over_the_lesser_of_two_crossings_is_the_first() -> None:
     """Beck's column between alpha 1.05 and 1.1: the load is continuous with a kink, the frequency jumps."""
-    surface = pencil.Pencil(*fb.column("beck").matrices(8)).surface(1000.0)
+    surface = surface_of(pencil.Pencil(*fb.column("beck").matrices(8)), 1000.0)
     alpha = np.linspace(1.04, 1.08, 401)
     load, frequency, settled = surface.at(alpha, np.zeros(401))
     assert settled.all() and frequency[0] > 10 * frequency[-1]
     assert max(len(leaf.series) for leaf in leaves(surface._root) if leaf.series is not None) > 1
     jump = int(np.abs(np.diff(frequency)).argmax())
     for k in (0, jump, jump + 1, 400):
-        found = first_crossing(surface.pencil, alpha[k], table=False)
+        found = first_crossing(surface.pencil, alpha[k])
         assert found is not None and load[k] == pytest.approx(found.load, rel=1e-10)
         assert frequency[k] == pytest.approx(found.frequency, rel=1e-9)
 
@@ -110,10 +111,10 @@ def test_flutter_that_ends_as_the_damping_grows_is_not_passed_over(seed: int) ->
     H = np.array([[1.0, coupling, 0.0], [-coupling, -0.5, 0.0], [0.0, 0.0, -1.0]])
     one = pencil.Pencil(np.eye(3), np.diag(e), H)
     beta = np.geomspace(1e-4, 10.0, 24)
-    load, _, settled = one.surface(7.0).at(np.zeros(24), beta)
-    top = one.surface(7.0).divergence
+    load, _, settled = surface_of(one, 7.0).at(np.zeros(24), beta)
+    top = surface_of(one, 7.0).divergence
     for k in range(24):
-        found = first_crossing(one, 0.0, float(beta[k]), 1000.0, table=False)
+        found = first_crossing(one, 0.0, float(beta[k]), 1000.0)
         here = load[k] if load[k] < top else top
         assert found is not None and (not settled[k] or here == pytest.approx(found.load, rel=1e-9))
     lightest = load[0] if settled[0] else None
@@ -137,11 +138,11 @@ def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
 def test_single_questions_and_maps_agree_in_either_order() -> None:
     """A surface that earlier questions have built changes no answer."""
     column = fb.column("free-free")
-    cold = [first_crossing(pencil.Pencil(*column.matrices(8)), a, 0.3) for a in (1e-5, 1e-2, 10.0)]
+    cold = [first_loss(pencil.Pencil(*column.matrices(8)), a, 0.3, 1000.0) for a in (1e-5, 1e-2, 10.0)]
     shared = pencil.Pencil(*column.matrices(8))
     for _ in range(6):
-        warm = [first_crossing(shared, a, 0.3) for a in (1e-5, 1e-2, 10.0)]
-    assert shared.surface(1000.0)._root is not None
+        warm = [first_loss(shared, a, 0.3, 1000.0) for a in (1e-5, 1e-2, 10.0)]
+    assert surface_of(shared, 1000.0)._root is not None
     for one, other in zip(cold, warm, strict=True):
         assert one is not None and other is not None
         assert other.load == pytest.approx(one.load, rel=1e-12)
