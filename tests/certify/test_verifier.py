@@ -13,7 +13,9 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
+import flint
 import pytest
+from flint import arb, arb_series
 
 import freebeam_sym as fb
 from freebeam_derive.certify import verifier
@@ -281,3 +283,26 @@ def test_what_is_no_certificate_is_refused_in_one_line(tmp_path: Path) -> None:
         verifier.verify_file(path)
     with pytest.raises(verifier.Refused, match="cannot be read"):
         verifier.verify_file(tmp_path / "missing.json")
+
+
+# --- the modes' roots -------------------------------------------------------------------------------------------
+
+
+def test_roots_that_balls_cannot_tell_apart_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A double root, one on the edge of two boxes, a function that may vanish near zero, a mode that is not alone."""
+    two, ends = arb(2), ["free", "free"]
+    functions: dict[str, Callable[[Any], Any]] = {
+        "told apart": lambda g: (g - two - arb("0.03")) ** 2,
+        "on the edge": lambda g: g - two,
+    }
+    for match, function in functions.items():
+        with monkeypatch.context() as patch:
+            patch.setattr(verifier, "characteristic", lambda g, _, f=function: f(arb_series([g, 1], 2)))
+            with pytest.raises(verifier.Refused, match=match):
+                verifier.within(two, two + arb(1) / 8, ends)
+    with flint.ctx.workprec(4), pytest.raises(verifier.Refused, match="close to γ = 0"):
+        verifier.roots(ends, 1)
+    with monkeypatch.context() as patch:
+        patch.setattr(verifier, "roots", lambda *_: [arb(5, 5)])
+        with pytest.raises(verifier.Refused, match="a mode could not be computed"):
+            verifier.modes(ends, 1)
