@@ -5,6 +5,7 @@ Each takes a column and its parameters, draws in the axes `ax` or in new ones, a
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -364,11 +365,18 @@ def stability_map(
         )
     if not np.isfinite(values).any():
         raise InputError("map: holds no critical load, only NaN")
+    size = 1.0
+    if units[2] == ", N":  # newtons by thousands, so that the lines' labels are short
+        power = min(3, max(0, math.floor(math.log10(float(np.nanmax(np.abs(values)))) / 3)))
+        size, units[2] = 1000.0**power, f", {('', 'k', 'M', 'G')[power]}N"
+        values = values / size
     with drawing(ax, (5.4, 4.0)) as ax:
         from matplotlib.ticker import MaxNLocator
 
         steps: Any = levels
-        if not np.ndim(levels):
+        if np.ndim(levels):
+            steps = np.asarray(levels) / size
+        else:
             steps = MaxNLocator(steps).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
         ax.set_facecolor("#D9D9D9")
         shown = np.ma.masked_invalid(values.T)

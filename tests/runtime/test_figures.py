@@ -471,6 +471,12 @@ def test_a_map_is_drawn_from_an_xarray_too(ax):
         assert "alpha" in ax.get_xlabel() and ax.get_xscale() == ax.get_yscale() == "log"
         lines = ax.collections[0]
         np.testing.assert_array_equal(lines.get_array().min() < loads.max(), True)
+    newtons = data.copy()
+    newtons["load"] = newtons["load"] * 1e5
+    newtons["load"].attrs["units"] = "N"
+    fb.figures.stability_map(newtons, ax=ax)
+    bar = ax.figure.axes[-1]
+    assert bar.get_ylabel().endswith(", MN") and loads.max() / 10 <= bar.get_ylim()[1] < 2 * loads.max() / 10
     with pytest.raises(fb.InputError, match="select two of them"):
         fb.figures.stability_map(data["load"].expand_dims("eta"))
     with pytest.raises(fb.InputError, match="no variable 'load'"):
