@@ -55,7 +55,7 @@ fi
 endef
 
 test: venv
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadgroup
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
 
 COLUMNS := free-free beck euler-pinned
 MADE := docs/made

@@ -11,8 +11,6 @@ import pytest
 import freebeam_sym as fb
 from freebeam_sym import cli
 
-pytestmark = pytest.mark.xdist_group("browser")  # one browser, which ends with these tests
-
 FULL = "#P=42.5&alpha=0.02&beta=0&N=11&sensor=0.35"
 
 

@@ -21,7 +21,6 @@ from freebeam_sym.ledger.finding import CHECKS, Finding, enclosure
 from freebeam_sym.ledger.page import page
 from freebeam_sym.ledger.quotes import QUOTES
 
-pytestmark = pytest.mark.xdist_group("ledger")  # one worker computes it, for all
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
 
