@@ -6,14 +6,13 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, count, finite, positive
-from freebeam_sym.critical import critical_load, posed
-from freebeam_sym.crossings import first_crossing
+from freebeam_sym.critical import CriticalLoad, critical_load
 from freebeam_sym.pencil import Kind
 
 if TYPE_CHECKING:
@@ -59,22 +58,14 @@ class Boundary:
     events: tuple[BoundaryEvent, ...]
 
 
-class _Point(NamedTuple):
-    """The first loss of stability at a value of the parameter."""
-
-    kind: Kind
-    load: float | None
-    frequency: float | None
-
-
 @dataclass
 class _Tracer:
-    at: Callable[[float], _Point]
+    at: Callable[[float], CriticalLoad]
     tolerance: float
-    found: dict[float, _Point] = field(default_factory=dict)
+    found: dict[float, CriticalLoad] = field(default_factory=dict)
     events: list[tuple[float, float]] = field(default_factory=list)
 
-    def ask(self, t: float) -> _Point:
+    def ask(self, t: float) -> CriticalLoad:
         if t not in self.found:
             self.found[t] = self.at(t)
         return self.found[t]
@@ -142,17 +133,9 @@ def trace_boundary(
         x = low * (high / low) ** t if log else low + (high - low) * t
         return min(max(x, low), high)
 
-    def at(t: float) -> _Point:
+    def at(t: float) -> CriticalLoad:
         given: dict[str, Any] = {**fixed, parameter: value(t)}
-        # Over damping all points share a pencil, and what it keeps; else each has one of its own, which is asked once.
-        if parameter not in ("alpha", "beta") and t > 0:  # the first point checks what is given
-            own = {name: x for name, x in given.items() if name not in ("alpha", "beta", "kappa")}
-            damping = column.dampings(given.get("alpha", 0.0), given.get("beta", 0.0))
-            pencil, c_E, c_M, kappa = posed(column, modes, *damping, given.get("kappa"), own)
-            found = first_crossing(pencil, c_E, c_M, load_max, kappa, once=True)
-            return _Point("none", None, None) if found is None else _Point(found.kind, found.load, found.frequency)
-        one = critical_load(column, modes, load_max=load_max, **given)
-        return _Point(one.kind, one.load, one.frequency)
+        return critical_load(column, modes, load_max=load_max, **given)
 
     tracer = _Tracer(at, tolerance)
     ends = np.linspace(0.0, 1.0, 33).tolist()
@@ -170,7 +153,7 @@ def trace_boundary(
     )
 
 
-def _change(one: _Point, two: _Point) -> float:
+def _change(one: CriticalLoad, two: CriticalLoad) -> float:
     """Relative change of load or frequency, the greater; inf where the kind changes."""
     if one.kind != two.kind:
         return math.inf
@@ -180,14 +163,14 @@ def _change(one: _Point, two: _Point) -> float:
     )
 
 
-def _bend(one: _Point, between: _Point, two: _Point) -> float:
+def _bend(one: CriticalLoad, between: CriticalLoad, two: CriticalLoad) -> float:
     """How far load or frequency in the middle are from the mean of the ends, relative."""
     triples = ((p.load, m.load, q.load) for p, m, q in ((one, between, two),))
     others = ((p.frequency, m.frequency, q.frequency) for p, m, q in ((one, between, two),))
     return max((abs(m - (p + q) / 2) / m for p, m, q in (*triples, *others) if p and m and q), default=0.0)
 
 
-def _event(value: float, one: _Point, two: _Point) -> BoundaryEvent:
+def _event(value: float, one: CriticalLoad, two: CriticalLoad) -> BoundaryEvent:
     names: dict[Kind, str] = {"none": "no loss of stability", "flutter": "flutter", "divergence": "divergence"}
     what = "another branch" if one.kind == two.kind else f"{names[one.kind]} to {names[two.kind]}"
     return BoundaryEvent(what, value, (one.load, two.load), (one.frequency, two.frequency))

@@ -118,7 +118,7 @@ def critical_load(
     modes = count("modes", modes, hint="elastic functions in the series")
     alpha, beta = column.dampings(alpha, beta)
     load_max = positive("load_max", load_max, "largest load to look at")
-    pencil, c_E, c_M, ratio = posed(column, modes, alpha, beta, kappa, parameters)
+    pencil, c_E, c_M, ratio = _posed(column, modes, alpha, beta, kappa, parameters)
     found = first_loss(pencil, c_E, c_M, load_max, ratio)
     return CriticalLoad(
         None if found is None else found.load,
@@ -135,7 +135,7 @@ def critical_load(
     )
 
 
-def posed(
+def _posed(
     column: Column, modes: int, alpha: float, beta: float, kappa: float | None, parameters: Mapping[str, float]
 ) -> tuple[Pencil, float, float, float | None]:
     """What `critical_load` asks, as `first_crossing` takes it: a pencil and its damping C = c_E E + c_M M, or the ratio
