@@ -7,6 +7,7 @@ import json
 import math
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -14,10 +15,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam_sym as fb
-from freebeam_sym import boundaries, cli, grids, pencil
+from freebeam_sym import cli, crossings, grids, pencil
 from freebeam_sym.bialternate import MOST
 from freebeam_sym.critical import first_loss
 from freebeam_sym.crossings import first_crossing
+from freebeam_sym.ladder import ladder_of
 from freebeam_sym.surface import leaves, surface_of
 
 KINDS = ("none", "flutter", "divergence")
@@ -262,21 +264,25 @@ def test_points_of_a_boundary_are_first_critical_loads(
     damping: dict[str, float], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Random points and those next to the events against the search, which few of them needed."""
-    searched: list[float] = []
+    searched: list[pencil.Pencil] = []
 
-    def counted(*args: object, **given: float) -> fb.CriticalLoad:
-        searched.append(given["eta"])
-        return fb.critical_load(*args, **given)  # type: ignore[arg-type]
+    def counted(one: pencil.Pencil) -> Any:
+        searched.append(one)
+        return ladder_of(one)
 
-    monkeypatch.setattr(boundaries, "critical_load", counted)
     column = fb.column("beck")
-    curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
+    with monkeypatch.context() as patched:
+        patched.setattr(crossings, "ladder_of", counted)
+        curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
     assert len(curve.values) > 50 and len(searched) < 5
     assert curve.events[0].what == "divergence to flutter"
     near = [int(np.searchsorted(curve.values, event.value)) for event in curve.events]
     chosen = {*np.random.default_rng(3).integers(0, len(curve.values), 9), *near, *(k - 1 for k in near)}
     for k in chosen:
-        one = fb.critical_load(column, 6, eta=float(curve.values[k]), **damping)  # type: ignore[arg-type]
+        own = pencil.Pencil(*column.matrices(6, eta=float(curve.values[k])))
+        given = damping.get("alpha", 0.0), damping.get("beta", 0.0), 1000.0, damping.get("kappa")
+        one = first_crossing(own, *given, search=True)
+        assert one is not None
         assert curve.kind[k] == one.kind
         assert curve.load[k] == pytest.approx(one.load, rel=1e-9)
         if any(event.what == "another branch" and abs(event.value - curve.values[k]) < 1e-9 for event in curve.events):
