@@ -31,9 +31,9 @@ from freebeam_sym.pencil import Complex, Damping, Pencil, Real
 
 __all__ = ["FEW", "Surface", "leaves", "surface_of"]
 
-NODES = 13
-MORE = 16
-"""Nodes of a patch in each direction; more where their series are nearly good enough."""
+NODES = 10
+MOST = 20
+"""Nodes of a patch in each direction, first and at most: as many as the decay of the first series asks for."""
 TOLERANCE = 3e-11
 """Of the last coefficients of a patch's series for the load, relative."""
 SMALLEST = 1 / 8192
@@ -62,7 +62,7 @@ def _to_series(n: int) -> Real:
 
 _COARSE = 6
 _COUNTED = _gauss(4)
-_COUNTED_MORE = 5
+_TERMS_COUNTED = 3.5  # terms of a series for each place of a count, in each direction
 _CORNERS = [(x, y) for x in _COUNTED[[0, -1]].tolist() for y in _COUNTED[[0, -1]].tolist()]
 _PROBED = (0.02, 0.35, 0.7, 0.98)
 _LEVELS = np.array([0.25, 0.5, 0.7, 0.85, 0.94, 0.98])
@@ -110,8 +110,8 @@ def _filled(values: Real) -> Real | None:
 @dataclass
 class _Patch:
     """A rectangle of (ξ, χ). `state`: "new", "flutter" (with a series), "none" (no flutter below the bound), "cut"
-    (into equal `parts` along `axis`) or "unsettled". `series` (m, 2, n, n), n NODES or MORE: of load and ω²/(1 − ξ)
-    of m crossings, of which the first is the one at the least load."""
+    (into equal `parts` along `axis`) or "unsettled". `series` (m, 2, n, n), n from NODES to MOST: of load and
+    ω²/(1 − ξ) of m crossings, of which the first is the one at the least load."""
 
     low: tuple[float, float]
     high: tuple[float, float]
@@ -245,8 +245,10 @@ class Surface:
                 Tx, Ty = chebyshev((xi[which] - x) / (X - x), n), chebyshev((chi[which] - y) / (Y - y), n)
                 rows = (patch.series.reshape(-1, n) @ Ty).reshape(-1, n, len(which))
                 P, w = np.einsum("skn,kn->sn", rows, Tx).reshape(-1, 2, len(which)).transpose(1, 0, 2)
-                first = P.argmin(axis=0) if len(P) > 1 else np.zeros(1, dtype=int)
-                load[which], square[which] = (np.take_along_axis(x, first[None, :], 0)[0] for x in (P, w))
+                if len(P) > 1:
+                    first = P.argmin(axis=0)[None, :]
+                    P, w = np.take_along_axis(P, first, 0), np.take_along_axis(w, first, 0)
+                load[which], square[which] = P[0], w[0]
 
     # --- making patches ----------------------------------------------------------------------------------------------
 
@@ -266,7 +268,12 @@ class Surface:
             values[:, k] = found
         filled = _filled(values)
         root = _Patch((0.0, 0.0), (1.0, 1.0), None, state="cut", axis=1)
-        root.parts = self._parts(root, 1, 4, None if filled is None else self._series(filled), math.inf)
+        series = None
+        if filled is not None:
+            guess = self._finer(filled, NODES)
+            finer = _square(self._solve(*root.nodes(_gauss(NODES)), guess.reshape(2, -1), rough=True))
+            series = self._series(np.where(np.isnan(finer), guess, finer))
+        root.parts = self._parts(root, 1, 2, series, math.inf)
         for part in root.parts:  # as much as has been asked for the whole
             part.asked = ASKED
         return root
@@ -303,11 +310,11 @@ class Surface:
         self._cut(patch, values, tails if max(tails) < math.inf else (1e-7, 1e-7))
 
     def _more(self, patch: _Patch, values: Real) -> tuple[Real, tuple[float, float]]:
-        """Values at more nodes, where those at few are nearly enough, and the tails of their series."""
+        """Values at as many nodes as the decay of their series asks for, if MOST are enough, and its tails."""
         tails = self._tails(values)
-        if TOLERANCE <= max(tails) < TOLERANCE ** (NODES / MORE):
-            T = _between(MORE, NODES)
-            values = self._solve_all(patch, T.T @ self._series(values) @ T)
+        if TOLERANCE <= max(tails) < TOLERANCE ** (NODES / MOST):
+            more = math.ceil(NODES * math.log(TOLERANCE) / math.log(max(tails)))
+            values = self._solve_all(patch, self._finer(values, more))
             tails = self._tails(values)
         return values, tails
 
@@ -318,7 +325,7 @@ class Surface:
             found = self._search(patch, x, y)
             if found is None:
                 continue
-            Tx, Ty = chebyshev(np.array([[x], [y]]), MORE)[:, :, 0].T
+            Tx, Ty = chebyshev(np.array([[x], [y]]), MOST)[:, :, 0].T
             series = (self._series(sheet)[0] for sheet in sheets)
             here = (Tx[: len(s)] @ s @ Ty[: len(s)] for s in series)
             if not any(abs(load / found[0] - 1) < 1e-8 for load in here):
@@ -369,6 +376,12 @@ class Surface:
         grid = _square(values)
         to = _to_series(grid.shape[-1])
         return np.asarray(to @ grid @ to.T)
+
+    def _finer(self, values: Real, n: int) -> Real:
+        """Values at n nodes in each direction, from a series through those at fewer."""
+        series = self._series(values)
+        T = _between(n, series.shape[-1])
+        return np.asarray(T.T @ series @ T)
 
     def _tails(self, values: Real) -> tuple[float, float]:
         """Last coefficients along ξ and χ of values at the nodes, relative; of the frequency with a tenth of the
@@ -423,12 +436,18 @@ class Surface:
                 square = ((B * B.swapaxes(1, 2)) @ g[:, :, None])[:, :, 0]
                 square = part * (p.size * part - 2 * (diagonal * g).sum(axis=1)) + (square * g).sum(axis=1)
                 rest = square - 1 + 2 * change**2 * (diagonal @ (1 / p.e))
-                rest = np.where(np.abs(rest) < 0.5, rest / 2, 0)
-                change_P, change = change_P + (rest * b.conj()).imag * share, change - (rest * a.conj()).imag * share
+                bent = np.abs(rest) < 0.5
+                rest = np.where(bent, rest / 2, 0)
+                bend_P, bend = (rest * b.conj()).imag * share, -(rest * a.conj()).imag * share
+                change_P, change = change_P + bend_P, change + bend
                 step = np.abs(change_P / P) + np.abs(change / omega)
+                # what the third order leaves, by the greatest second differential
+                share = np.where(bent, np.abs(bend_P / P) + np.abs(bend / omega), np.inf) / step**2
+                left = step**3 * share[step > 1e-7].max(initial=0.0) ** 2
                 P, omega = P + change_P, omega + change
                 good = (P > 0) & (omega > 0) & (step < 1e3)
-            done = good & (step < (0.03 if rough and number == steps - 1 else 1e-5))
+            near, exact = (0.03 if number == steps - 1 else 1e-5, 1e-4) if rough else (1e-5, 1e-14)
+            done = good & ((step < near) | (left < exact))
             out[:, live[done]] = P[done], omega[done] ** 2 / (1 - xi[live[done]])
             good &= ~done
             if number >= 3:  # no root is near
@@ -456,8 +475,7 @@ class Surface:
         for t in (0.25, 0.5, 0.75, 1.0):
             now = self._solve(x + t * (xi - x), y + t * (chi - y), 2 * value - before, rough=True)
             before, value = value, np.where(np.isnan(now), value, now)
-        T = _between(NODES, _COARSE)
-        return self._solve_all(patch, T.T @ self._series(value) @ T)
+        return self._solve_all(patch, self._finer(value, NODES))
 
     def _solve_all(self, patch: _Patch, guess: Real) -> Real:
         """As `_solve`, for all nodes of a patch; those that do not settle try again from where their neighbours did."""
@@ -489,7 +507,7 @@ class Surface:
         return np.asarray(np.linalg.eigvals(A), dtype=complex)
 
     def _first_there(self, patch: _Patch, series: Real) -> bool:
-        count = len(_COUNTED) if series.shape[-1] == NODES else _COUNTED_MORE
+        count = max(len(_COUNTED), math.ceil(series.shape[-1] / _TERMS_COUNTED))
         xi, chi = patch.nodes(_gauss(count))
         T, rows = _between(count, series.shape[-1]), np.arange(len(xi))
         load, square = (T.T @ series @ T).swapaxes(0, 1).reshape(2, len(series), -1)
