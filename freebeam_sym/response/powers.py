@@ -22,14 +22,19 @@ Complex = NDArray[np.complex128]
 LARGEST = 1e100  # of a power: beyond it zero times infinity could come in where the response is small
 
 
+Spread = Callable[[Any, Any], None]
+
+
 class Powers(Protocol):
     """Powers 2^k of a step."""
 
     def forward(self, states: Any, k: int) -> Any:
         """States (…, d) after 2^k steps."""
 
-    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
-        """As `forward`, of states (…, rows, d) again and again: called with these and an array for the result."""
+    def groups(self, r: Any, k: int) -> tuple[Any, Spread]:
+        """What the states w of w⁺ = A w + r, A of 2^k steps, have at the ends of groups of r's (cases, groups, group,
+        d) that begin with 0, (cases, groups, d); and a function that is given the states at the starts of the groups
+        (cases, groups, d) and an array for all of them, as r."""
 
     def backward(self, rows: Any, k: int) -> Any:
         """Outputs (…, d) that give after no step what `rows` give after 2^k."""
@@ -56,6 +61,15 @@ def orbit(start: Any, length: int, move: Any, first: int = 0) -> Any:
         table[done : done + more] = move(table[:more], k)
         done, k = done + more, k + 1
     return table
+
+
+def _real(matrices: Complex) -> Array:
+    """Matrices (…, m, n) that complex rows are multiplied by, for rows of their real and imaginary parts."""
+    z = matrices[..., :, None, :, None]
+    pairs = np.concatenate(
+        [np.concatenate([z.real, z.imag], axis=-1), np.concatenate([-z.imag, z.real], axis=-1)], axis=-3
+    )
+    return np.ascontiguousarray(pairs.reshape(*matrices.shape[:-2], 2 * matrices.shape[-2], 2 * matrices.shape[-1]))
 
 
 class MatrixPowers:
@@ -86,9 +100,24 @@ class MatrixPowers:
         moved: Array = states @ self._turn(k)
         return moved
 
-    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
+    def groups(self, r: Array, k: int) -> tuple[Array, Spread]:
         step = self._turn(k)
-        return lambda states, out: np.matmul(states, step, out=out)
+        r = np.ascontiguousarray(r.transpose(2, 0, 1, 3))  # all that is done at a time lies together
+        total, spare = r[0].copy(), np.empty_like(r[0])
+        for part in r[1:]:
+            np.matmul(total, step, out=spare)
+            spare += part
+            total, spare = spare, total
+
+        def spread(starts: Array, states: Array) -> None:
+            own = np.empty_like(r)
+            own[0] = starts
+            for before, after, part in zip(own[:-1], own[1:], r[:-1], strict=True):
+                np.matmul(before, step, out=after)
+                after += part
+            states[:] = own.transpose(1, 2, 0, 3)
+
+        return total, spread
 
     def backward(self, rows: Array, k: int) -> Array:
         moved: Array = rows @ self[k]
@@ -119,18 +148,23 @@ class ModalPowers:
     def __init__(self, roots: list[Fixed], base: ModalPowers | None = None) -> None:
         self._exact, self._base = roots, base
         self._rounded: list[Complex] = []
-        self._wide: dict[int, Complex] = {}
+        self._kept: dict[tuple[int, int], tuple[Array, Array]] = {}
         self._lock = Lock()
 
     def __getitem__(self, k: int) -> Complex:
         if len(self._rounded) <= k:
             with self._lock:
-                while len(self._rounded) <= k:
-                    if self._rounded:
+                known, more = len(self._rounded), []
+                for level in range(known, k + 1):
+                    if level:
                         self._exact = [square(z) for z in self._exact]
-                    own = np.array([rounded(z) for z in self._exact])
-                    before = self._base
-                    self._rounded.append(own if before is None else np.concatenate([before[len(self._rounded)], own]))
+                    more.append([rounded(z) for z in self._exact])
+                if more:
+                    found = np.array(more)
+                    if self._base is not None:
+                        before = [self._base[level] for level in range(known, k + 1)]
+                        found = np.concatenate([before, found], axis=1)
+                    self._rounded.extend(found)
         return self._rounded[k]
 
     def forward(self, states: Complex, k: int) -> Complex:
@@ -138,12 +172,31 @@ class ModalPowers:
 
     backward = forward
 
-    def mover(self, k: int, rows: int) -> Callable[[Any, Any], Any]:
-        wide = self._wide.get(k)
-        if wide is None or len(wide) < rows:  # as wide as what it multiplies: no loop over rows
-            wide = self._wide[k] = np.tile(self[k], (rows, 1))
-        step = wide[:rows]
-        return lambda states, out: np.multiply(states, step, out=out)
+    def groups(self, r: Complex, k: int) -> tuple[Complex, Spread]:
+        cases, number, group, d = r.shape
+        ends, within = self._products(k, group)
+        # of each root its group of r's and, later, the state before them: a product of matrices then gives the states
+        parts = np.empty((cases, d, number, group + 1), dtype=complex)
+        parts[..., :group] = r.transpose(0, 3, 1, 2)
+        total = (parts.view(np.float64)[..., : 2 * group] @ ends).view(np.complex128)[..., 0].swapaxes(1, 2)
+
+        def spread(starts: Complex, states: Complex) -> None:
+            parts[..., group] = starts.swapaxes(1, 2)
+            states[:] = (parts.view(np.float64) @ within).view(np.complex128).transpose(0, 2, 3, 1)
+
+        return total, spread
+
+    def _products(self, k: int, group: int) -> tuple[Array, Array]:
+        """For each root ρ of 2^k steps the matrices, of floats, that take r's to their sum Σ ρ^(group − 1 − i) r_i,
+        (d, 2 group, 2), and these with a first state to all states, (d, 2 group + 2, 2 group)."""
+        found = self._kept.get((k, group))
+        if found is None:
+            power = orbit(np.ones_like(self[k]), group + 1, self.forward, k)
+            shifts = np.arange(group) - 1 - np.arange(group)[:, None]
+            table = np.where(shifts >= 0, power[np.maximum(shifts, 0)].transpose(2, 0, 1), 0)
+            within = np.concatenate([table, power[:group].T[:, None]], axis=1)
+            found = self._kept[k, group] = _real(power[group - 1 :: -1].T[:, :, None]), _real(within)
+        return found
 
     def reach(self, k: int) -> bool:
         return bool(np.abs(self[k]).max() < LARGEST)  # a modulus that grows is largest at the end

@@ -22,7 +22,7 @@ Store = Callable[[int, int, Fill, bool], None]
 
 STRETCH = 20  # 2^20 numbers of a response at a time
 CACHE = 18  # 2^18 of a forced one, whose stretches are gone through more than once
-GROUP = 3  # 2^3 states are carried one after the other, all groups side by side
+GROUP = 3  # 2^3 states are carried at a time, all groups side by side
 SMALL = 300_000  # multiplications of a product that BLAS makes at once, without packing
 
 
@@ -155,8 +155,8 @@ def _responses(impulse: Array, at_once: Array, length: int) -> Array:
 
 
 def carried(powers: Powers, level: int, w: Any, r: Any) -> Any:
-    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): the sums over groups of r's are carried in the same
-    way, and then all groups' own side by side."""
+    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): those at the starts of groups of r's are carried in
+    the same way, with what a group adds to them."""
     cases, count, d = r.shape
     group = 1 << GROUP
     if count <= group or not powers.reach(level + GROUP):  # few, or growth
@@ -168,21 +168,9 @@ def carried(powers: Powers, level: int, w: Any, r: Any) -> Any:
     number = -(-count // group)
     if over := number * group - count:
         r = np.concatenate([r, np.zeros((cases, over, d), dtype=r.dtype)], axis=1)
-    # the place in its group first: all that is done at a time lies together
-    r = np.ascontiguousarray(r.reshape(cases, number, group, d).transpose(2, 0, 1, 3))
-    move = powers.mover(level, number)
-    total, spare = r[0].copy(), np.empty_like(r[0])
-    for part in r[1:]:
-        move(total, spare)
-        spare += part
-        total, spare = spare, total
-    starts = carried(powers, level + GROUP, w, total)
-    own = np.empty_like(r)
-    own[0] = starts[:, :-1]
-    for k in range(1, group):
-        move(own[k - 1], own[k])
-        own[k] += r[k - 1]
+    totals, spread = powers.groups(r.reshape(cases, number, group, d), level)
+    starts = carried(powers, level + GROUP, w, totals)
     states = np.empty((cases, number * group + 1, d), dtype=r.dtype)
-    states[:, :-1].reshape(cases, number, group, d)[:] = own.transpose(1, 2, 0, 3)
+    spread(starts[:, :-1], states[:, :-1].reshape(cases, number, group, d))
     states[:, -1] = starts[:, -1]
     return states[:, : count + 1]
