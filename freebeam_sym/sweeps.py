@@ -1,8 +1,8 @@
 """Maps in blocks: one after the other or on Dask, and kept in a store that a run that was stopped goes on from.
 
 The axes are cut into blocks, and each block is a call of `solve_grid` of its own, so that the bits do not depend on
-where or when it ran. Workers of this machine write blocks into memory that they share with this process; from others
-blocks come back. This process alone writes the store: first the block's arrays, then its mark.
+where or when it ran. Workers of this machine leave blocks in memory that they share with this process; from others
+they come over the network. This process alone writes the store: first the block's arrays, then its mark.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib import import_module
 from itertools import islice, product
 from pathlib import Path
@@ -42,6 +42,9 @@ LOCAL = {
     "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 2**25,
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**28,
     "distributed.worker.profile.enabled": False,
+    "distributed.worker.memory.monitor-interval": "1s",
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.gil.enabled": False,
 }
 """Dask's settings for workers of this machine: by default they give all memory back after each array, which costs a
 block a quarter of its time, and watch themselves a hundred times a second."""
@@ -164,10 +167,32 @@ def solved(
     return values
 
 
-def filled(files: Mapping[str, str], shape: tuple[int, ...], block: Block, *task: Any) -> None:
-    """Write the arrays of a block into the whole map's, which are files in memory."""
-    for name, array in solved(*task).items():
-        np.memmap(files[name], TYPES[name], "r+", shape=shape)[block] = array
+def left(place: str | None, item: tuple[str, tuple[Any, ...]]) -> Values | None:
+    """Put the arrays of a block into a file in memory, of a name; they come back where there is no room."""
+    name, task = item
+    values = solved(*task)
+    if place is None:
+        return values
+    beside = Path(place, uuid.uuid4().hex)
+    try:
+        with open(beside, "xb") as file:
+            for array in values.values():
+                file.write(array.data)
+        os.replace(beside, Path(place, name))
+    except OSError:
+        beside.unlink(missing_ok=True)
+        return values
+    return None
+
+
+def taken(path: Path, sweep: Sweep, block: Block) -> Values:
+    """The arrays of a block that were `left`; the file goes with them."""
+    content = np.memmap(path, np.uint8, "r")
+    os.unlink(path)
+    shape = [part.stop - part.start for part in block]
+    sizes = [math.prod(shape) * np.dtype(TYPES[name]).itemsize for name in sweep.variables]
+    parts = np.split(content, np.cumsum(sizes)[:-1])
+    return {name: part.view(TYPES[name]).reshape(shape) for name, part in zip(sweep.variables, parts, strict=True)}
 
 
 # --- where blocks run ---------------------------------------------------------------------------------------------
@@ -190,45 +215,21 @@ def run(
     """
     _checked(scheduler, workers)
     kept = None if store is None else Store(Path(store), sweep)
-    with _arrays(sweep, scheduler) as (values, files):
-        blocks = sweep.blocks()
-        todo = [k for k, block in enumerate(blocks) if kept is None or not kept.read(k, block, values)]
-        done = len(blocks) - len(todo)
+    values: Values = {name: np.empty(sweep.shape, dtype=TYPES[name]) for name in sweep.variables}
+    blocks = sweep.blocks()
+    todo = [k for k, block in enumerate(blocks) if kept is None or not kept.read(k, block, values)]
+    done = len(blocks) - len(todo)
+    if step is not None:
+        step(done / len(blocks))
+    for k, found in _computed(sweep, {k: blocks[k] for k in todo}, scheduler, workers):
+        for name, array in found.items():
+            values[name][blocks[k]] = array
+        if kept is not None:
+            kept.write(k, blocks[k], found)
+        done += 1
         if step is not None:
             step(done / len(blocks))
-        for k, found in _computed(sweep, {k: blocks[k] for k in todo}, scheduler, workers, files):
-            for name, array in (found or {}).items():
-                values[name][blocks[k]] = array
-            if kept is not None:
-                kept.write(k, blocks[k], {name: array[blocks[k]] for name, array in values.items()})
-            done += 1
-            if step is not None:
-                step(done / len(blocks))
-        return values
-
-
-@contextmanager
-def _arrays(sweep: Sweep, scheduler: Any) -> Iterator[tuple[Values, dict[str, str]]]:
-    """The whole map's arrays; and the files that they are, where other processes of this machine may share them."""
-    sizes = {name: math.prod(sweep.shape) * np.dtype(TYPES[name]).itemsize for name in sweep.variables}
-    if scheduler not in ("synchronous", "threads") and _roomy(SHARED, sum(sizes.values())):
-        with tempfile.TemporaryDirectory(dir=SHARED, prefix="freebeam-map-") as place:
-            files = {name: str(Path(place, name)) for name in sizes}
-            for name, path in files.items():
-                with open(path, "wb") as file:
-                    os.posix_fallocate(file.fileno(), 0, sizes[name])
-            # the arrays outlive the files' names
-            mapped = {x: np.memmap(path, TYPES[x], "r+", shape=sweep.shape) for x, path in files.items()}
-            yield {name: np.asarray(array) for name, array in mapped.items()}, files
-    else:
-        yield {name: np.empty(sweep.shape, dtype=TYPES[name]) for name in sizes}, {}
-
-
-def _roomy(folder: Path, needed: int) -> bool:
-    """Whether files of so many bytes may be made in a folder of memory."""
-    if not hasattr(os, "posix_fallocate") or not os.access(folder, os.W_OK):
-        return False
-    return shutil.disk_usage(folder).free > 2 * needed
+    return values
 
 
 def _checked(scheduler: Any, workers: Any) -> None:
@@ -245,9 +246,8 @@ def _computed(
     todo: Mapping[int, Block],
     scheduler: str | Client | None,
     workers: int | None,
-    files: Mapping[str, str],
-) -> Iterator[tuple[int, Values | None]]:
-    """Blocks by number, as they are finished; None where a worker has put its arrays in their place."""
+) -> Iterator[tuple[int, Values]]:
+    """Blocks by number, as they are finished."""
     if not todo:
         return
     if scheduler == "synchronous":
@@ -258,42 +258,39 @@ def _computed(
         distributed: Any = import_module("distributed")
     except ImportError:
         raise InputError(f'chunks run on Dask, which is not installed: {CURE}, or scheduler="synchronous"') from None
-    with _client(scheduler, workers, len(todo)) as client:
+    with _client(scheduler, workers, len(todo)) as client, _place(client) as place:
         name = f"freebeam-map-{uuid.uuid4().hex}"
-        waiting = iter(todo.items())
-        numbers: dict[str, int] = {}
+        numbers = {f"{name}-{k}": k for k in todo}
+        waiting = iter(numbers.items())
 
-        shares = files and isinstance(client.cluster, distributed.LocalCluster)
+        def submitted(most: int) -> list[Any]:
+            keys = dict(islice(waiting, most))
+            items = [(key, sweep.task(todo[k])) for key, k in keys.items()]
+            found: list[Any] = client.map(partial(left, place), items, key=list(keys), pure=False) if items else []
+            return found
 
-        def submitted(k: int, block: Block) -> Any:
-            numbers[f"{name}-{k}"] = k
-            task = sweep.task(block)
-            if shares:
-                return client.submit(filled, files, sweep.shape, block, *task, key=f"{name}-{k}", pure=False)
-            return client.submit(solved, *task, key=f"{name}-{k}", pure=False)
-
-        # A few blocks wait at each worker; results do not pile up there.
-        window = 2 + 2 * max(1, sum(client.nthreads().values()))
-        futures = {submitted(*item) for item in islice(waiting, window)}
+        # A few blocks wait at each worker; results do not pile up there. Lots of them are submitted at a time.
+        lot = 2 * max(1, sum(client.nthreads().values()))
+        futures = set(submitted(2 * lot))
         running = distributed.as_completed(list(futures), loop=client.loop)
         try:
             for future in running:
-                try:
-                    found = future.result()
+                futures.discard(future)
+                if len(futures) <= lot:
+                    futures.update(new := submitted(lot))
+                    running.update(new)
+                k = numbers[future.key]
+                file = Path(place or "", future.key)
+                try:  # a block that was left outlives its worker
+                    found = None if place is not None and file.exists() else future.result()
                 except distributed.KilledWorker:
-                    places = zip(sweep.axes, todo[numbers[future.key]], strict=True)
+                    places = zip(sweep.axes, todo[k], strict=True)
                     where = ", ".join(f"{x}[{part.start}:{part.stop}]" for x, part in places)
                     raise InputError(
                         f"block {where}: its workers died, one after another; memory may be short: take smaller chunks "
                         "or fewer workers"
                     ) from None
-                futures.discard(future)
-                yield numbers[future.key], found
-                for item in waiting:
-                    new = submitted(*item)
-                    futures.add(new)
-                    running.add(new)
-                    break
+                yield k, taken(file, sweep, todo[k]) if found is None else found
         finally:
             client.cancel(list(futures))
 
@@ -326,6 +323,17 @@ def _client(scheduler: str | Client | None, workers: int | None, blocks: int) ->
         distributed.Client(cluster, set_as_default=False) as client,
     ):
         yield client
+
+
+@contextmanager
+def _place(client: Any) -> Iterator[str | None]:
+    """A folder of memory in which workers of this machine may leave blocks; None where they cannot."""
+    here = isinstance(client.cluster, import_module("distributed").LocalCluster) and client.cluster.processes
+    if here and os.access(SHARED, os.W_OK):
+        with tempfile.TemporaryDirectory(dir=SHARED, prefix="freebeam-map-", ignore_cleanup_errors=True) as place:
+            yield place
+    else:
+        yield None
 
 
 # --- the store ----------------------------------------------------------------------------------------------------

@@ -26,6 +26,7 @@ pytest.importorskip("zarr")
 ALPHA, BETA = np.geomspace(1e-6, 1e-1, 11), np.geomspace(1e-2, 1, 7)
 SETTINGS: dict[str, Any] = {"modes": 4, "alpha": ALPHA, "beta": BETA, "convergence": False, "chunks": (4, 3)}
 BLOCKS = 9
+SWEEP: Any = (fb.column("beck"), 4, {"alpha": ALPHA, "beta": BETA}, {}, 1000.0, False, (4, 3))
 
 
 def mapped(**options: Any) -> xarray.Dataset:
@@ -107,17 +108,23 @@ def test_memory_that_is_shared_changes_no_bit_and_is_given_back(
 ) -> None:
     """Any folder will do here: of a block's run only what the worker returns and what it leaves there can be seen."""
     monkeypatch.setattr(sweeps, "SHARED", tmp_path if shared else tmp_path / "none")
-    sweep = sweeps.Sweep(fb.column("beck"), 4, {"alpha": ALPHA, "beta": BETA}, {}, 1000.0, False, (4, 3))
-    with sweeps._arrays(sweep, client) as (values, files):
-        assert bool(files) == shared
-        blocks = dict(enumerate(sweep.blocks()))
-        for k, found in sweeps._computed(sweep, blocks, client, None, files):
-            assert (found is None) == shared
-            for name, array in (found or {}).items():
-                values[name][blocks[k]] = array
+    read: list[Path] = []
+
+    def taken(path: Path, *where: Any) -> Any:
+        read.append(path)
+        return original(path, *where)
+
+    original = sweeps.taken
+    monkeypatch.setattr(sweeps, "taken", taken)
+    assert same_bits(mapped(scheduler=client), serial)
+    assert len(read) == (BLOCKS if shared else 0) and all(tmp_path in path.parents for path in read)
     assert not list(tmp_path.iterdir())
-    assert values["load"].tobytes() == serial["load"].values.tobytes()
-    assert values["kind"].tobytes() == serial["kind"].values.tobytes()
+
+
+def test_where_memory_has_no_room_blocks_come_back(serial: xarray.Dataset, tmp_path: Path) -> None:
+    sweep = sweeps.Sweep(*SWEEP)
+    values = sweeps.left(str(tmp_path / "gone"), ("block", sweep.task(sweep.blocks()[0])))
+    assert values is not None and values["load"].tobytes() == serial["load"].values[:4, :3].tobytes()
 
 
 def test_the_current_client_is_taken(serial: xarray.Dataset, client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
