@@ -6,7 +6,7 @@ import difflib
 import os
 from collections import OrderedDict
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -23,6 +23,7 @@ Array = NDArray[np.float64]
 BASES = ("modes", "legendre")
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _KEPT = 64  # systems of matrices that a column remembers
+_FEW_PLACES = 8  # whose shapes are kept
 
 
 @dataclass(frozen=True)
@@ -243,8 +244,7 @@ class System:
         place = positions("x_F", x_F)
         if np.ndim(x_F) or len(place) != 1:
             raise InputError(f"x_F has {len(place)} places: a transversal force acts at one")
-        force: Array = self.column.kernel.force(self.basis, float(place[0]), self.rigid)
-        return force
+        return _force_at(self.column, self.modes, self.rigid, float(place[0])).copy()
 
     def shapes(self, x: ArrayLike, derivative: int = 0) -> Array:
         """The trial functions or a derivative of them at places x, shape (n, *x.shape). Eq. (22).
@@ -254,8 +254,25 @@ class System:
         places = np.asarray(x, dtype=float)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
+        if places.size <= _FEW_PLACES:
+            few = _shapes_at(self.column, self.modes, self.rigid, derivative, places.tobytes())
+            return few.reshape(-1, *places.shape).copy()
         shapes: Array = self.column.kernel.shapes(self.basis, places, derivative, self.rigid)
         return shapes
+
+
+@lru_cache(maxsize=64)
+def _force_at(column: Column, modes: int, rigid: bool, place: float) -> Array:
+    """`System.Q`, kept: a response at the next load has its force where this one has it."""
+    force: Array = column.kernel.force(column.basis(modes), place, rigid)
+    return force
+
+
+@lru_cache(maxsize=64)
+def _shapes_at(column: Column, modes: int, rigid: bool, derivative: int, places: bytes) -> Array:
+    """`System.shapes` at a few places in a row, kept as these are: its sensors."""
+    shapes: Array = column.kernel.shapes(column.basis(modes), np.frombuffer(places), derivative, rigid)
+    return shapes
 
 
 def names() -> tuple[str, ...]:

@@ -147,11 +147,16 @@ class ModalPowers:
 
     def __init__(self, roots: list[Fixed], base: ModalPowers | None = None) -> None:
         self._exact, self._base = roots, base
-        self._rounded: list[Complex] = []
+        self._rounded: Complex = np.empty((0, len(roots)), dtype=complex)
         self._kept: dict[tuple[int, int], tuple[Array, Array]] = {}
         self._lock = Lock()
 
     def __getitem__(self, k: int) -> Complex:
+        found: Complex = self._up_to(k)[k]
+        return found
+
+    def _up_to(self, k: int) -> Complex:
+        """Powers 1, 2, 4, … 2^k at least, a row each."""
         if len(self._rounded) <= k:
             with self._lock:
                 known, more = len(self._rounded), []
@@ -162,10 +167,9 @@ class ModalPowers:
                 if more:
                     found = np.array(more)
                     if self._base is not None:
-                        before = [self._base[level] for level in range(known, k + 1)]
-                        found = np.concatenate([before, found], axis=1)
-                    self._rounded.extend(found)
-        return self._rounded[k]
+                        found = np.hstack([self._base._up_to(k)[known : k + 1], found])
+                    self._rounded = np.vstack([self._rounded, found]) if known else found
+        return self._rounded
 
     def forward(self, states: Complex, k: int) -> Complex:
         return states * self[k]
