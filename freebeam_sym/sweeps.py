@@ -127,6 +127,12 @@ def chunk_sizes(chunks: Any, axes: Mapping[str, Any]) -> tuple[int, ...]:
     return tuple(min(size, n) for n in lengths.values())
 
 
+def _flat(settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Settings with those of an axis or of a fixed parameter by themselves."""
+    parts = [value.items() if isinstance(value, Mapping) else [(name, value)] for name, value in settings.items()]
+    return {name: value for part in parts for name, value in part}
+
+
 def _print(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()[:16]
 
@@ -357,7 +363,7 @@ class Store:
             raise InputError(
                 f"{path}: exists and is no store of a map; give another name, or delete it if it is of no use"
             ) from None
-        wanted = sweep.settings()
+        held, wanted = _flat(held), _flat(sweep.settings())
         for name in (*wanted, *held):
             if held.get(name) != wanted.get(name):
                 raise InputError(

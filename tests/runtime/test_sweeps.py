@@ -214,11 +214,11 @@ def test_a_block_cut_off_in_mid_write_is_computed_again(
     ("options", "difference"),
     [
         ({"modes": 5}, "modes = 4, and this one has 5"),
-        ({"alpha": 2 * ALPHA}, "axes = "),
+        ({"alpha": 2 * ALPHA}, "alpha = 11 values from 1e-06 .*, and this one has 11 values from 2e-06"),
         ({"chunks": (4, 4)}, r"chunks = \[4, 3\]"),
         ({"load_max": 500.0}, "load_max = 1000.0"),
         ({"convergence": True}, "convergence = False"),
-        ({"eta": 0.9}, "fixed = "),
+        ({"eta": 0.9}, "eta = 1.0, and this one has 0.9"),
     ],
 )
 def test_a_store_of_other_settings_is_kept(
