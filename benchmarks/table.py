@@ -11,6 +11,7 @@ import platform
 import subprocess
 import sys
 import tempfile
+import time
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from itertools import groupby
@@ -28,8 +29,8 @@ PACKAGES = (
     "numpy", "scipy", "sympy", "mpmath", "python-flint", "numba", "scikit-fem", "xarray", "dask", "distributed", "zarr",
     "playwright", "pytest-benchmark",
 )  # fmt: skip
-AGAIN = 3
-"""Times that what missed its promise is measured again."""
+AGAIN, PAUSE = 5, 60
+"""Times that what missed its promise is measured again, and seconds to wait before."""
 OF = "cost in N of "
 """How the heading of a group begins whose rows, by their number of modes, make a curve of the picture."""
 
@@ -70,7 +71,10 @@ def missed(result: dict[str, Any]) -> bool:
 def once_more(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """The results with those that missed their promise measured again, of which the quicker ones stand."""
     again = [r["fullname"] for r in results if missed(r)]
-    found = {r["fullname"]: r for r in measured(again)} if again else {}
+    if not again:
+        return results
+    time.sleep(PAUSE)
+    found = {r["fullname"]: r for r in measured(again)}
     return [min(r, found.get(r["fullname"], r), key=least) for r in results]
 
 
@@ -186,8 +190,8 @@ def page(results: list[dict[str, Any]], text: str) -> str:
     return (
         "# Benchmarks\n\nOne run on one core, `OMP_NUM_THREADS=1`. The least time of the rounds is what the work "
         "takes, the median tells what else the machine did; ratios and promises go by the least. What missed its "
-        f"promise is measured again when all is done, {AGAIN} times at most, as the clock of a machine that is shared "
-        "may change by a factor of two within minutes. `make bench` makes this page again.\n\n"
+        f"promise is measured again when all is done, {AGAIN} times at most, minutes apart: a machine that is "
+        "shared may change its speed by a factor of two meanwhile. `make bench` makes this page again.\n\n"
         f"Measured on {datetime.now(UTC).date().isoformat()}: {machine()}.\n\n{installed()}.\n"
         f"{caption(found) if found else ''}{text}"
     )

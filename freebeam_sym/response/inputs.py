@@ -222,3 +222,8 @@ def cases_of(*shapes: tuple[int, ...]) -> tuple[int, ...]:
     if 0 in found:
         raise InputError(f"load cases of shape {found}: must be one or more")
     return found
+
+
+def spread(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
+    """As np.broadcast_to, which takes its time where there is nothing to do."""
+    return values if values.shape == shape else np.broadcast_to(values, shape)

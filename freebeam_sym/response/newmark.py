@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -24,6 +24,7 @@ from freebeam_sym.response.inputs import (
     checked_parameters,
     force_of,
     position_of,
+    spread,
     start_of,
     times_of,
 )
@@ -109,7 +110,7 @@ def respond(
         q[r] = 0.01
     cases = cases_of(force_cases, q.shape[:-1], dq.shape[:-1])
     shape = (*cases, n)
-    start = np.concatenate([np.broadcast_to(q, shape), np.broadcast_to(dq, shape)], axis=-1).reshape(-1, 2 * n)
+    start = np.concatenate([spread(q, shape), spread(dq, shape)], axis=-1).reshape(-1, 2 * n)
     widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
     if target is None:
         check_memory(times, sum(widths.values()) * len(start), x_s.size)
@@ -117,8 +118,8 @@ def respond(
     if force_position is not None:
         Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
     spectrum = checked_step(system, h, (b, g))
-    about = Response(
-        sensors=x_s, step=h, newmark=(b, g), growth=float(spectrum.values.real.max()),
+    about = partial(
+        Response, sensors=x_s, step=h, newmark=(b, g), growth=float(spectrum.values.real.max()),
         frequencies=spectrum.frequencies, period_errors=spectrum.period_errors,
         initial_lost=initial_lost, velocity_lost=velocity_lost,
     )  # fmt: skip
@@ -126,7 +127,7 @@ def respond(
 
     def sample(begin: int, end: int) -> Array:
         assert callable(source)
-        return np.broadcast_to(source(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
+        return spread(source(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
 
     def store(begin: int, end: int, fill: Fill, safe: bool) -> None:
         def filled(name: str, part: Array) -> None:
@@ -149,7 +150,7 @@ def respond(
         if source is None:
             free(basis.powers, basis.states(start), basis.rows(rows), times, store)
         elif isinstance(source, Wave):
-            size = np.broadcast_to(source.size, cases).reshape(-1, 1)
+            size = spread(source.size, cases).reshape(-1, 1)
             first = size[:, 0].real
             asked = _harmonic(system, basis, h, (b, g), start, Q, source, size, rows, direct, duration)
             free(*asked, times, store)

@@ -147,6 +147,7 @@ class ModalPowers:
 
     def __init__(self, roots: list[Fixed], base: ModalPowers | None = None) -> None:
         self._exact, self._base = roots, base
+        self._within = -1
         self._rounded: Complex = np.empty((0, len(roots)), dtype=complex)
         self._kept: dict[tuple[int, int], tuple[Array, Array]] = {}
         self._lock = Lock()
@@ -203,7 +204,9 @@ class ModalPowers:
         return found
 
     def reach(self, k: int) -> bool:
-        return bool(np.abs(self[k]).max() < LARGEST)  # a modulus that grows is largest at the end
+        if k > self._within and np.abs(self[k]).max() < LARGEST:  # a modulus that grows is largest at the end
+            self._within = k
+        return k <= self._within
 
     def outputs(self, rows: Complex, length: int) -> Array:
         table = orbit(rows, length, self.backward).reshape(-1, rows.shape[-1])

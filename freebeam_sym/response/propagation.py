@@ -158,19 +158,21 @@ def carried(powers: Powers, level: int, w: Any, r: Any) -> Any:
     """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): those at the starts of groups of r's are carried in
     the same way, with what a group adds to them."""
     cases, count, d = r.shape
-    group = 1 << GROUP
-    if count <= group or not powers.reach(level + GROUP):  # few, or growth
-        states = np.empty((cases, count + 1, d), dtype=r.dtype)
-        states[:, 0] = w
-        for k in range(count):
-            states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
-        return states
-    number = -(-count // group)
-    if over := number * group - count:
+    group, grows = 1 << GROUP, not powers.reach(level + GROUP)
+    number = -(-count // group) if count > group and not grows else 0
+    if over := max(0, number * group - count):
         r = np.concatenate([r, np.zeros((cases, over, d), dtype=r.dtype)], axis=1)
-    totals, spread = powers.groups(r.reshape(cases, number, group, d), level)
-    starts = carried(powers, level + GROUP, w, totals)
-    states = np.empty((cases, number * group + 1, d), dtype=r.dtype)
-    spread(starts[:, :-1], states[:, :-1].reshape(cases, number, group, d))
-    states[:, -1] = starts[:, -1]
-    return states[:, : count + 1]
+    states = np.empty((cases, count + over + 1, d), dtype=r.dtype)
+    if number:
+        totals, spread = powers.groups(r.reshape(cases, number, group, d), level)
+        starts = carried(powers, level + GROUP, w, totals)
+        spread(starts[:, :-1], states[:, :-1].reshape(cases, number, group, d))
+        states[:, -1] = starts[:, -1]
+        return states[:, : count + 1]
+    states[:, 0] = w
+    if not grows:
+        _, spread = powers.groups(r[:, None], level)
+        spread(states[:, None, 0], states[:, None, :-1])
+    for k in range(0 if grows else count - 1, count):
+        states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
+    return states

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -90,11 +90,11 @@ def names_of(outputs: Sequence[str], rigid: bool, states: bool, target: Target |
 
 
 class Results:
-    """Takes a response, a stretch of times after another."""
+    """Takes a response, a stretch of times after another. about: makes a `Response` of arrays and the rest."""
 
     def __init__(
         self,
-        about: Response,
+        about: Callable[..., Response],
         widths: Mapping[str, int],
         rigid: bool,
         cases: tuple[int, ...],
@@ -104,7 +104,7 @@ class Results:
         self.about, self.rigid, self.cases, self.count, self.target = about, rigid, cases, count, target
         self.widths = widths
         self.number = math.prod(cases)
-        self.last = about
+        self.last: Response | None = None
         if target is None:
             self.arrays = {name: np.empty((self.number, count, width)) for name, width in widths.items()}
         elif not callable(target):
@@ -116,7 +116,7 @@ class Results:
     def take(self, begin: int, end: int, fill: Fill, safe: bool, overflow: Callable[[int], InputError]) -> None:
         """Fill the times begin, …, end − 1. Raises what `overflow` makes of the first time that is not finite."""
         parts: dict[str, Array] = {}
-        self.last = self.about  # no two parts at once
+        self.last = None  # no two parts at once
         for name, width in self.widths.items():
             own = self.target is not None
             part = np.empty((self.number, end - begin, width)) if own else self.arrays[name][:, begin:end]
@@ -139,6 +139,7 @@ class Results:
     def response(self) -> Response:
         """The whole of it; of what a function took, the last part."""
         if callable(self.target):
+            assert self.last is not None  # there is a time at least
             return self.last
         if self.target is not None:
             return self._response(0, self.count, dict(self.target))
@@ -150,4 +151,4 @@ class Results:
             if name in arrays and not self.rigid:
                 arrays[f"{name}_elastic"] = arrays[name]
                 arrays[f"{name}_rigid"] = np.broadcast_to(0.0, arrays[name].shape)
-        return replace(self.about, begin=begin, end=end, **arrays)
+        return self.about(begin=begin, end=end, **arrays)
