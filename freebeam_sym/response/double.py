@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -117,6 +118,7 @@ def fixed(value: float) -> int:
     return (numerator << BITS) // denominator
 
 
+@lru_cache(maxsize=64)
 def turn(angle: int) -> Fixed:
     """cos and sin of an angle."""
     halvings = max(0, angle.bit_length() - BITS) + 8

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive
+from freebeam_sym.response.double import Fixed
 from freebeam_sym.response.inputs import (
     Function,
     Harmonic,
@@ -152,7 +153,7 @@ def respond(
         elif isinstance(source, Wave):
             size = spread(source.size, cases).reshape(-1, 1)
             first = size[:, 0].real
-            asked = _harmonic(system, basis, h, (b, g), start, Q, source, size, rows, direct, duration)
+            asked = _harmonic(system, spectrum, basis, h, (b, g), start, Q, source, size, rows, direct, duration)
             free(*asked, times, store)
         else:
             _, *pushes = step_matrix(system.column.kernel.newmark_step, system.M, system.C, system.K, Q, h, (b, g))
@@ -255,8 +256,24 @@ def _powers(
     return MatrixPowers(exact_step(M, C, K, h, newmark, A, scale_of(M, K)))
 
 
+@lru_cache(maxsize=16)
+def _driven(spectrum: Spectrum, Q: bytes, rotation: Fixed, duration: float) -> tuple[ModalPowers, Complex] | None:
+    """Powers of the step's roots and of a wave's rotation, and the steady state that it drives; see `steady`. Kept, by
+    the spectrum that was kept."""
+    M, C, K = spectrum.matrices
+    if spectrum.modes is None or spectrum.powers is None:
+        return None
+    drive = np.concatenate([np.zeros(len(M)), acceleration(M, C, K, np.frombuffer(Q))[1]])
+    found = steady(spectrum.modes, drive, rotation, spectrum.step, duration)
+    if found is None:
+        return None
+    found.flags.writeable = False
+    return ModalPowers([rotation], spectrum.powers), found
+
+
 def _harmonic(
     system: System,
+    spectrum: Spectrum,
     basis: _Scaled | _Modal,
     h: float,
     newmark: tuple[float, float],
@@ -270,14 +287,13 @@ def _harmonic(
 ) -> tuple[MatrixPowers | ModalPowers, Any, dict[str, Any]]:
     """Powers, states and rows with the force among the states. size: of the force, (cases, 1)."""
     M, C, K = system.M, system.C, system.K
-    if isinstance(basis, _Modal):
-        drive = np.concatenate([np.zeros(len(M)), acceleration(M, C, K, Q)[1]])
-        found = steady(basis.modes, drive, wave.rotation, h, duration)
-        if found is not None:
-            states = np.concatenate([basis.states(start - (size * found).real), size], axis=1)
-            forced_rows = {name: (part @ found + direct[name])[:, None] for name, part in rows.items()}
-            wide = {name: np.hstack([part, forced_rows[name]]) for name, part in basis.rows(rows).items()}
-            return ModalPowers([wave.rotation], basis.powers), states, wide
+    driven = _driven(spectrum, Q.tobytes(), wave.rotation, duration) if isinstance(basis, _Modal) else None
+    if driven is not None:
+        modal, found = driven
+        states = np.concatenate([basis.states(start - (size * found).real), size], axis=1)
+        forced_rows = {name: (part @ found + direct[name])[:, None] for name, part in rows.items()}
+        wide = {name: np.hstack([part, forced_rows[name]]) for name, part in basis.rows(rows).items()}
+        return modal, states, wide
     scale = scale_of(M, K)
     A, before, after = step_matrix(system.column.kernel.newmark_step, M, C, K, Q, h, newmark)
     exact = exact_step(M, C, K, h, newmark, A, scale)
