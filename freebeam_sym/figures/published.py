@@ -269,7 +269,7 @@ def _fig_6(column: Column, s: dict[str, Any]) -> _Parts:
 def _fig_in_time(column: Column, s: dict[str, Any]) -> _Parts:
     system = column.system(MODES, s["load"], s["alpha"], s["beta"])
     start = s["q_1"] * np.eye(MODES)[0]
-    found = respond(system, s["duration"], s["step"], initial=start, sensors=[s["x_s"]])
+    found = respond(system, s["duration"], s["step"], initial=start, sensors=[s["x_s"]], method="newmark")
     rate = spectrum(system).growth_rate
 
     def draw() -> Figure:
@@ -309,7 +309,7 @@ def _fig_10(column: Column, s: dict[str, Any]) -> _Parts:
 
         return respond(
             system, s["duration"], s["step"], force=force, force_position=s["x_F"], sensors=[s["x_s"]],
-            initial=np.zeros(len(system.M)),
+            initial=np.zeros(len(system.M)), method="newmark",
         )  # fmt: skip
 
     makes: dict[str, Callable[[float], System]] = {

@@ -6,13 +6,15 @@ import math
 import os
 from collections.abc import Callable
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, finite, nonnegative, positions
-from freebeam_sym.response.double import BITS, Fixed, fixed, turn
+from freebeam_sym.response.double import BITS, Fixed, exponential, fixed
+from freebeam_sym.response.messages import Message
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import System
@@ -43,9 +45,10 @@ class Harmonic:
 
 
 class Wave(NamedTuple):
-    """A force Re(size e^(iθn)) after n steps, with size (*cases,) and e^(iθ) to more digits."""
+    """A force Re(size e^(iθn)) after n steps, with size (*cases,), its frequency θ/h, and e^(iθ) to more digits."""
 
     size: NDArray[np.complex128]
+    frequency: float
     rotation: Fixed
 
 
@@ -66,10 +69,22 @@ def times_of(duration: float, h: float) -> int:
     """Number of times, the first one included."""
     ratio = duration / h
     if ratio < 1 - 1e-9:
-        raise InputError(f"step = {h:g}: must not be longer than the duration, {duration:g}")
+        raise InputError(Message(
+            "step = {h:time}: must not be longer than the duration, {duration:time}", h=h, duration=duration
+        ))  # fmt: skip
     ratio = min(ratio, 1e300)
     near = round(ratio)
     return 1 + (near if abs(ratio - near) <= 1e-9 * ratio else math.floor(ratio))
+
+
+def moments(step: Fraction, begin: int, end: int) -> Array:
+    """k · step for k = begin, …, end − 1, each the float that is nearest, so that it prints as that multiple does."""
+    top, bottom = step.numerator, step.denominator
+    # where both are floats the quotient is rounded once
+    if end * top < 2**53 and int(float(min(bottom, 10**300))) == bottom:
+        found: Array = np.arange(begin, end, dtype=np.float64) * top / bottom
+        return found
+    return float(step) * np.arange(begin, end, dtype=np.float64)
 
 
 def check_memory(times: int, columns: int, sensors: int) -> None:
@@ -141,21 +156,22 @@ def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, in
     if force is None:
         return None, ()
     if isinstance(force, Harmonic):
-        angle = fixed(finite("force.frequency", force.frequency)) * fixed(h) >> BITS
+        frequency = finite("force.frequency", force.frequency)
         size, phase = (np.asarray(getattr(force, name)) for name in ("amplitude", "phase"))
         for name, value in (("amplitude", size), ("phase", phase)):
             checked(f"force.{name}", value.reshape(-1), value.size, float)
         whole = np.asarray(size * (np.sin(phase) - 1j * np.cos(phase)))
-        return Wave(whole, turn(angle)), whole.shape
+        return Wave(whole, frequency, exponential((0, fixed(frequency) * fixed(h) >> BITS))), whole.shape
     if callable(force):
+        step = Fraction(repr(h))
 
         def sampled(begin: int, end: int) -> Array:
-            return _evaluate("force", force, h * np.arange(begin, end, dtype=float))
+            return _evaluate("force", force, moments(step, begin, end))
 
-        return sampled, _evaluate("force", force, h * np.arange(2.0)).shape[:-1]
+        return sampled, _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
     values = np.asarray(force)
     if values.ndim == 0:
-        return Wave(np.asarray(complex(finite("force", force))), turn(0)), ()
+        return Wave(np.asarray(complex(finite("force", force))), 0.0, exponential((0, 0))), ()
     if values.shape[-1] != times:
         raise InputError(
             f"force has shape {values.shape}: must be a function of time, one number, or an array of shape "

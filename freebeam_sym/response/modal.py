@@ -1,17 +1,13 @@
-"""Eigenvalues of Eq. (10) to more digits than floats have, and what average acceleration makes of them.
-
-Average acceleration is the trapezoidal rule: its step has the eigenvectors of the differential equation.
-"""
+"""Eigenvalues of Eq. (10) to more digits than floats have, and the steady state under a harmonic force."""
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.double import BITS, ONE, Double, Fixed, add, fixed, matmul, multiply, two_product
+from freebeam_sym.response.double import BITS, Double, Fixed, add, fixed, matmul, multiply, two_product
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -27,6 +23,14 @@ class Modes(NamedTuple):
     low: Complex
     vectors: Complex
     inverse: Complex
+
+    def times(self, h: float) -> list[Fixed]:
+        """h λ."""
+        width = fixed(h)
+        return [
+            ((fixed(z.real) + fixed(rest.real)) * width >> BITS, (fixed(z.imag) + fixed(rest.imag)) * width >> BITS)
+            for z, rest in zip(self.high.tolist(), self.low.tolist(), strict=True)
+        ]
 
     def coordinates(self, states: Array) -> Complex:
         """Of states (…, 2 n): what each λ with Im λ ≥ 0, its conjugate included, has in them as a real part."""
@@ -92,29 +96,9 @@ def modes_of(M: Array, C: Array, K: Array, values: Complex, vectors: Complex, sc
     return Modes(high, low, X, W) if sizes.max() < CONDITION else None
 
 
-def trapezoidal(modes: Modes, h: float) -> list[Fixed]:
-    """The step's roots (1 + hλ/2) / (1 − hλ/2), average acceleration."""
-    width = fixed(h)
-    roots = []
-    for z, rest in zip(modes.high.tolist(), modes.low.tolist(), strict=True):
-        a = (fixed(z.real) + fixed(rest.real)) * width >> (BITS + 1)
-        b = (fixed(z.imag) + fixed(rest.imag)) * width >> (BITS + 1)
-        below = ((ONE - a) ** 2 + b * b) >> BITS
-        roots.append((((ONE + a) * (ONE - a) - b * b) // below, 2 * ONE * b // below))
-    return roots
-
-
-def steady(modes: Modes, drive: Array, rotation: Fixed, h: float, duration: float) -> Complex | None:
-    """State x̂ of the recurrence driven by `drive` e^(iθn), average acceleration; None at resonance and at θ near π.
-
-    It is that of the differential equation at s = (2/h) i tan(θ/2).
-    """
-    cosine, sine = rotation
-    if ONE + cosine < ONE >> 20:
-        return None
-    s = Fraction(2 * sine, ONE + cosine) / Fraction(h)
-    high = float(s)
-    low = float(s - Fraction(high))
+def steady(modes: Modes, drive: Array, rate: tuple[float, float], duration: float) -> Complex | None:
+    """State x̂ of x′ = G x + `drive` e^(st), s = i (rate[0] + rate[1]); None at resonance."""
+    high, low = rate
     apart = [(1j * high - z) + (1j * low - rest) for z, rest in (modes[:2], np.conj(modes[:2]))]
     everywhere = np.concatenate([apart[0], apart[1][modes.high.imag > 0]])
     if not np.abs(everywhere).min() * duration > RESOLVED:

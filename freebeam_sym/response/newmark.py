@@ -1,302 +1,196 @@
-"""Response in time: Newmark's method for Eq. (10), and the same system for control engineers.
+"""Newmark's method: its step, to the last digit; where it is stable; what it does to the eigenvalues.
 
-All quantities are nondimensional, Eq. (5).
+The recurrence is the emitted `newmark_step`. It is linear, so applied to unit states it gives the step's matrix.
+Average acceleration, (1/4, 1/2), is the trapezoidal rule: its step has the eigenvectors of the differential equation.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from fractions import Fraction
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, positions, positive
-from freebeam_sym.response.double import Fixed
-from freebeam_sym.response.inputs import (
-    Function,
-    Harmonic,
-    Wave,
-    cases_of,
-    check_memory,
-    checked,
-    checked_parameters,
-    force_of,
-    position_of,
-    spread,
-    start_of,
-    times_of,
-)
-from freebeam_sym.response.modal import Modes, steady
-from freebeam_sym.response.powers import MatrixPowers, ModalPowers, augmented
-from freebeam_sym.response.propagation import Fill, forced, free
-from freebeam_sym.response.results import OUTPUTS, Response, Results, Target, names_of
-from freebeam_sym.response.stepping import (
-    Spectrum,
-    acceleration,
-    checked_step,
-    exact_step,
-    overflow,
-    scale_of,
-    step_matrix,
-)
-
-if TYPE_CHECKING:
-    from scipy.signal import StateSpace
-
-    from freebeam_sym.columns import System
-
-__all__ = ["respond", "state_space"]
+from freebeam_sym.checks import InputError
+from freebeam_sym.response.double import BITS, ONE, Double, Fixed, add, solve, times
+from freebeam_sym.response.inputs import Wave
+from freebeam_sym.response.messages import Message
+from freebeam_sym.response.stepping import Spectrum, acceleration
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-
-def respond(
-    system: System,
-    duration: float,
-    step: float,
-    *,
-    force: Function | ArrayLike | Harmonic | None = None,
-    force_position: float | None = None,
-    newmark: tuple[float, float] = (0.25, 0.5),
-    initial: Function | ArrayLike | None = None,
-    initial_velocity: Function | ArrayLike | None = None,
-    sensors: ArrayLike = (0.1,),
-    outputs: Sequence[str] = OUTPUTS,
-    states: bool = False,
-    target: Target | None = None,
-    progress: Callable[[float], object] | None = None,
-) -> Response:
-    """Response of `system` by Newmark's method, at times 0, step, 2 step, … up to `duration`. Eqs. (9), (10).
-
-    The recurrence is the textbook's, without its loop and with less of its rounding. Leading axes of `force`, `initial`
-    and `initial_velocity` are load cases, `cases`, and broadcast like NumPy's; so are those of the results.
-
-    force: F₀ as a function of time (of an array of times, (*cases, times) then, or of one time), as an array of shape
-        (*cases, steps + 1), one value a time, as one constant, or a `Harmonic`; zero by default. Without a force, with
-        a constant or harmonic one the response has a closed form, which is faster.
-    force_position: x_F, needed with a force.
-    newmark: (b, g); the default is average acceleration, stable at any step.
-    initial, initial_velocity: q and dq/dt at t = 0, shape (*cases, n), or functions of x, the shape y(x) and the
-        velocity dy/dt(x), projected on the trial functions. Where neither is given: rest with a force,
-        else the first elastic mode with q₁ = 0.01. The initial acceleration follows from Eq. (10).
-    sensors: x_s, shape (sensors,).
-    outputs: of "y", "dy", "ddy", those to compute.
-    states: keep q and dq of every step too.
-    target: where a response goes that is longer than memory: a function, called with one part of the response after
-        another, itself a `Response` of the times begin, …, end − 1 (`respond` returns the last part); or a mapping of
-        names ("y", "ddy", "y_rigid", "q", …) to arrays of the results' shapes, such as np.memmap, h5py's or zarr's,
-        which are filled and are all that is computed. Memory is bounded by a stretch of some 10⁶ numbers.
-    progress: called with the fraction done, from 0 to 1, now and then.
-
-    Raises InputError for bad input, for a step beyond the stability limit of `newmark` (roots that grow
-    where the exact ones do not; decided on the elastic part), where the arrays exceed memory, and for a
-    response that grows past the range of floats.
-    """
-    duration, h = positive("duration", duration), positive("step", step)
-    b, g = checked_parameters(newmark)
-    x_s = positions("sensors", sensors)
-    times = times_of(duration, h)
-    n, r = len(system.M), system.rigid_count
-    names = names_of(outputs, bool(r), states, target)
-    if force is not None and force_position is None:
-        raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
-    source, force_cases = force_of(force, times, h)
-    q, initial_lost = start_of(system, "initial", initial)
-    dq, velocity_lost = start_of(system, "initial_velocity", initial_velocity)
-    if force is None and initial is None and initial_velocity is None:
-        q[r] = 0.01
-    cases = cases_of(force_cases, q.shape[:-1], dq.shape[:-1])
-    shape = (*cases, n)
-    start = np.concatenate([spread(q, shape), spread(dq, shape)], axis=-1).reshape(-1, 2 * n)
-    widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
-    if target is None:
-        check_memory(times, sum(widths.values()) * len(start), x_s.size)
-    Q = np.zeros(n)
-    if force_position is not None:
-        Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
-    spectrum = checked_step(system, h, (b, g))
-    about = partial(
-        Response, sensors=x_s, step=h, newmark=(b, g), growth=float(spectrum.values.real.max()),
-        frequencies=spectrum.frequencies, period_errors=spectrum.period_errors,
-        initial_lost=initial_lost, velocity_lost=velocity_lost,
-    )  # fmt: skip
-    results = Results(about, widths, bool(r), cases, times, target)
-
-    def sample(begin: int, end: int) -> Array:
-        assert callable(source)
-        return spread(source(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
-
-    def store(begin: int, end: int, fill: Fill, safe: bool) -> None:
-        def filled(name: str, part: Array) -> None:
-            fill(name, part)
-            if not begin:  # without rounding: what rests at first is at rest
-                part[:, 0] = start @ rows[name].T + np.multiply.outer(first, direct[name])
-
-        if not safe and callable(source):  # whether it is the force's own doing
-            checked("force", sample(begin, end), end - begin, lambda k: h * (begin + k))
-        results.take(begin, end, filled, safe, lambda k: overflow(k * h, spectrum.values))
-        if progress is not None:
-            progress(end / times)
-
-    rows, direct = _rows(system, names, x_s, Q)
-    if progress is not None:
-        progress(0.0)
-    first = np.zeros(1)
-    with np.errstate(over="ignore", invalid="ignore"):
-        basis = _basis(system, spectrum, h, (b, g))
-        if source is None:
-            free(basis.powers, basis.states(start), basis.rows(rows), times, store)
-        elif isinstance(source, Wave):
-            size = spread(source.size, cases).reshape(-1, 1)
-            first = size[:, 0].real
-            asked = _harmonic(system, spectrum, basis, h, (b, g), start, Q, source, size, rows, direct, duration)
-            free(*asked, times, store)
-        else:
-            _, *pushes = step_matrix(system.column.kernel.newmark_step, system.M, system.C, system.K, Q, h, (b, g))
-            first = sample(0, 1)[:, 0]
-            state, before, after = (basis.states(part) for part in (start, *pushes))
-            forced(basis.powers, state, before, after, basis.rows(rows), direct, sample, times, store)
-    return results.response()
+# Rounding of log |ρ|: a double root, as at the stability limit of an undamped mode, has half the digits.
+ROUNDING = 1e-8
+# Growth that is real may come out larger by this factor: the method's error, not an instability.
+FOLLOWED = 1.1
 
 
-def state_space(
-    system: System, force_position: float, sensors: ArrayLike = (0.1,), outputs: Sequence[str] = ("y",)
-) -> StateSpace:
-    """The same system as a `scipy.signal.StateSpace`: state (q, dq), input F₀, outputs at sensors. Eq. (25).
+@dataclass(frozen=True)
+class Newmark:
+    """Newmark's method with the parameters b and g. See `stepping.Method`."""
 
-    The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order. Raises InputError
-    for positions off the beam and for an unknown output.
-    """
-    names_of(outputs, False, False, None)
-    x_s = positions("sensors", sensors)
-    Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
-    from scipy.signal import StateSpace  # half a second, so only where it is used
+    recurrence: Callable[..., Any]
+    b: float
+    g: float
 
-    n = Q.size
-    rows, direct = _rows(system, outputs, x_s, Q)
-    A = np.zeros((2 * n, 2 * n))
-    A[:n, n:] = np.eye(n)
-    A[n:], force = acceleration(system.M, system.C, system.K, Q)
-    C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
-    return StateSpace(A, np.concatenate([np.zeros(n), force])[:, None], C, D[:, None])
+    @property
+    def modal(self) -> bool:
+        return (self.b, self.g) == (0.25, 0.5)
+
+    def root(self, z: Fixed) -> Fixed:
+        a, b = z[0] >> 1, z[1] >> 1
+        below = ((ONE - a) ** 2 + b * b) >> BITS
+        return ((ONE + a) * (ONE - a) - b * b) // below, 2 * ONE * b // below
+
+    def gains(self, z: Complex, roots: Complex) -> tuple[Complex, Complex]:
+        half = 0.5 / (1 - z / 2)
+        return half, half
+
+    def rate(self, wave: Wave, h: float) -> tuple[float, float] | None:
+        cosine, sine = wave.rotation
+        if ONE + cosine < ONE >> 20:  # half a turn a step
+            return None
+        rate = Fraction(2 * sine, ONE + cosine) / Fraction(h)  # (2/h) tan(θ/2)
+        return float(rate), float(rate - Fraction(float(rate)))
+
+    def matrix(self, M: Array, C: Array, K: Array, h: float, scale: Array) -> Double:
+        """A satisfies both of Newmark's formulas with ddq from Eq. (10), each multiplied by M."""
+        H, b, g = (Fraction(value) for value in (h, self.b, self.g))
+        half = Fraction(1, 2) - b
+
+        def combined(*terms: tuple[Fraction | int, Array]) -> Double:
+            parts = [times(Fraction(factor), Double(matrix, np.zeros_like(matrix))) for factor, matrix in terms]
+            return parts[0] if len(parts) == 1 else add(*parts)
+
+        def matrix(*blocks: Double) -> Double:
+            rows = [np.block([[blocks[0][k], blocks[1][k]], [blocks[2][k], blocks[3][k]]]) for k in range(2)]
+            return Double(*(row * scale / scale[:, None] for row in rows))  # powers of two: exact
+
+        left = matrix(
+            combined((1, M), (b * H**2, K)), combined((b * H**2, C)),
+            combined((g * H, K)), combined((1, M), (g * H, C)),
+        )  # fmt: skip
+        right = matrix(
+            combined((1, M), (-half * H**2, K)), combined((H, M), (-half * H**2, C)),
+            combined(((g - 1) * H, K)), combined((1, M), ((g - 1) * H, C)),
+        )  # fmt: skip
+        A, _, _ = self._floats(M, C, K, np.zeros(len(M)), h)
+        return solve(left, right, A * scale / scale[:, None])
+
+    def pushes(self, M: Array, C: Array, K: Array, Q: Array, h: float, scale: Array, wave: Wave | None) -> Array:
+        _, before, after = self._floats(M, C, K, Q, h)
+        found = np.stack([before, after], axis=1) / scale[:, None]
+        if wave is not None:  # F⁺ is F turned
+            cosine, sine = (float(part / ONE) for part in wave.rotation)
+            found = found @ np.array([[1.0, 0.0], [cosine, -sine]])
+        return found
+
+    def _floats(self, M: Array, C: Array, K: Array, Q: Array, h: float) -> tuple[Array, Array, Array]:
+        """A, B₀, B₁ of one step of (q, dq): the recurrence applied to unit states and unit forces."""
+        n = len(M)
+        state, force = acceleration(M, C, K, Q)
+        unit = np.zeros((2 * n, 2 * n + 2))
+        unit[:, :-2] = np.eye(2 * n)
+        ddq = np.hstack([state, force[:, None], np.zeros((n, 1))])
+        F = np.zeros((n, 2 * n + 2))
+        F[:, -1] = Q
+        q, dq, _ = self.recurrence(M, C, K, unit[:n], unit[n:], ddq, F, h, (self.b, self.g))
+        step = np.vstack([q, dq])
+        return step[:, :-2], step[:, -2], step[:, -1]
+
+    def errors(self, spectrum: Spectrum, h: float) -> tuple[Complex, Array]:
+        """Refused are roots that grow where the exact ones do not, and steps so long that rounding takes the digits."""
+        M, C, K = spectrum.matrices
+        n, exact, g = len(M), spectrum.values, self.g
+        rates = np.sort(np.maximum(exact.real, 0))[::-1]
+        hopeless = g < 0.5 and not C.any()  # damping of the wrong sign at any step
+
+        def all_of(h: float) -> Complex | None:
+            half = exact * (h / 2)
+            if self.modal and (half != 1).all():
+                mapped: Complex = (1 + half) / (1 - half)
+                return mapped
+            try:
+                with np.errstate(all="ignore"):
+                    found = np.linalg.eigvals(self._floats(M, C, K, np.zeros(n), h)[0])
+            except np.linalg.LinAlgError:  # a singular effective matrix, or overflow
+                return None
+            return found.astype(complex)
+
+        # The step multiplies K by h² and takes it off again: rounding grows with (ω h)² (measured factor: 1).
+        stiffness = float(np.abs(np.linalg.eigvals(np.linalg.solve(M, K))).max())
+        noise = 4 * np.finfo(float).eps * max(stiffness, 1e-300)
+        if h > math.sqrt(1e-5 / noise):
+            raise InputError(Message(
+                "step = {h:time}: the fastest part, ω = {omega:frequency}, would lose its digits to rounding, which "
+                "grows with (ω step)²; choose a step below {limit:time .3g} or fewer modes",
+                h=h, omega=math.sqrt(stiffness), limit=math.sqrt(1e-5 / noise),
+            ))  # fmt: skip
+
+        def stable(h: float, found: Complex | None) -> bool:
+            # the rigid part's own decay, β, is one that a step may overshoot where g < 1/2
+            if found is None or not np.isfinite(found).all() or (1 - 2 * g) * spectrum.decay * h > 2:
+                return False
+            growth = np.sort(np.log(np.maximum(np.abs(found), 1e-300)))[::-1]
+            return bool((growth <= FOLLOWED * h * rates + ROUNDING + noise * h**2).all())
+
+        found = all_of(h)
+        if hopeless or not stable(h, found):
+            growth = math.exp(min(700.0, h * rates[0]))
+            radius = math.nan if found is None else float(np.abs(found).max())
+            limit = None if hopeless else _largest(lambda h: stable(h, all_of(h)), h)
+            raise InputError(Message(
+                f"step = {{h:time}}: beyond the stability limit of newmark = ({self.b:g}, {g:g}): a step multiplies a "
+                f"part of the response by up to {radius:.6g}, the exact growth is {growth:.6g}; "
+                + _cure(limit, rates[0] > 0), h=h, limit=limit or 0.0,
+            ))  # fmt: skip
+        assert found is not None  # stable
+        roots = found if self.modal else self._matched(exact, found, h)
+        oscillating = np.flatnonzero(exact.imag > 0)
+        oscillating = oscillating[np.argsort(exact[oscillating].imag)]
+        with np.errstate(divide="ignore"):  # a root may be zero, or real
+            periods: Array = exact[oscillating].imag * h / np.abs(np.angle(roots[oscillating])) - 1
+            return np.log(roots) / h - exact, periods
+
+    def _matched(self, exact: Complex, roots: Complex, h: float) -> Complex:
+        """Of the step's roots, that of each λ: nearest to where the method takes a single oscillator of that λ, which
+        is the root itself where the system decouples; nearest to e^(λh) for a λ that does not oscillate."""
+        one = np.ones((exact.size, 1, 1))
+        M, C, K = one, -2 * exact.real[:, None, None], (np.abs(exact) ** 2)[:, None, None]
+        q, dq = one * [1.0, 0.0], one * [0.0, 1.0]
+        q, dq, _ = self.recurrence(M, C, K, q, dq, -K * q - C * dq, 0 * q, h, (self.b, self.g))
+        single = np.linalg.eigvals(np.concatenate([q, dq], axis=1))
+        single = single[np.arange(exact.size), np.argmax(single.imag, axis=1)]
+        single = np.where(exact.imag < 0, np.conj(single), single)
+        single = np.where(exact.imag == 0, np.exp(exact * h), single)
+        matched: Complex = roots[np.argmin(np.abs(roots - single[:, None]), axis=1)]
+        return matched
 
 
-def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[dict[str, Array], dict[str, Array]]:
-    """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
-    n, r = len(Q), system.rigid_count
-    shapes = np.asarray(system.shapes(x_s), dtype=float).T
-    rows, direct = {}, {}
-    if any(name.startswith("ddy") for name in names):
-        state, force = acceleration(system.M, system.C, system.K, Q)
-    for name in names:
-        order, _, part = name.partition("_")
-        own = np.eye(n) if order in ("q", "dq") else shapes.copy()
-        own[:, {"": slice(0), "elastic": slice(0, r), "rigid": slice(r, None)}[part]] = 0
-        none = np.zeros_like(own)
-        if order == "ddy":
-            rows[name], direct[name] = own @ state, own @ force
-        else:
-            rows[name] = np.hstack([none, own] if order.startswith("d") else [own, none])
-            direct[name] = np.zeros(len(own))
-    return rows, direct
+def _cure(largest: float | None, growing: bool) -> str:
+    if largest is None:
+        return "no step is stable with these parameters: choose g ≥ 1/2, such as newmark = (0.25, 0.5)"
+    cure = "the largest stable step is {limit:time}"
+    return cure if growing else cure + "; newmark = (0.25, 0.5) has no limit here"
 
 
-@dataclass(frozen=True, eq=False)
-class _Scaled:
-    """States over their sizes; powers of the step's matrix, which serve every system."""
-
-    powers: MatrixPowers
-    scale: Array
-
-    def states(self, states: Array) -> Array:
-        return states / self.scale
-
-    def rows(self, rows: dict[str, Array]) -> dict[str, Array]:
-        return {name: part * self.scale for name, part in rows.items()}
-
-
-@dataclass(frozen=True, eq=False)
-class _Modal:
-    """States in the eigenvectors; powers of the step's eigenvalues, which cost less."""
-
-    powers: ModalPowers
-    modes: Modes
-
-    def states(self, states: Array) -> Complex:
-        return self.modes.coordinates(states)
-
-    def rows(self, rows: dict[str, Array]) -> dict[str, Any]:
-        vectors = self.modes.vectors[:, : self.modes.high.size]
-        return {name: part @ vectors for name, part in rows.items()}
-
-
-def _basis(system: System, spectrum: Spectrum, h: float, newmark: tuple[float, float]) -> _Scaled | _Modal:
-    """Coordinates of a response: in the eigenvectors where these serve. Kept from earlier calls, by value."""
-    if newmark == (0.25, 0.5) and not system.rigid_count:
-        modes, powers = spectrum.modes, spectrum.powers
-        if modes is not None and powers is not None:
-            return _Modal(powers, modes)
-    M, C, K = (np.asarray(part, dtype=float) for part in (system.M, system.C, system.K))
-    recurrence = system.column.kernel.newmark_step
-    powers_of = _powers(recurrence, len(M), M.tobytes(), C.tobytes(), K.tobytes(), h, newmark)
-    return _Scaled(powers_of, scale_of(M, K))
-
-
-@lru_cache(maxsize=16)
-def _powers(
-    recurrence: Callable[..., Any], n: int, mass: bytes, damping: bytes, elasticity: bytes, h: float,
-    newmark: tuple[float, float],
-) -> MatrixPowers:  # fmt: skip
-    M, C, K = (np.frombuffer(part).reshape(n, n) for part in (mass, damping, elasticity))
-    A, _, _ = step_matrix(recurrence, M, C, K, np.zeros(n), h, newmark)
-    return MatrixPowers(exact_step(M, C, K, h, newmark, A, scale_of(M, K)))
-
-
-@lru_cache(maxsize=16)
-def _driven(spectrum: Spectrum, Q: bytes, rotation: Fixed, duration: float) -> tuple[ModalPowers, Complex] | None:
-    """Powers of the step's roots and of a wave's rotation, and the steady state that it drives; see `steady`. Kept, by
-    the spectrum that was kept."""
-    M, C, K = spectrum.matrices
-    if spectrum.modes is None or spectrum.powers is None:
+def _largest(stable: Callable[[float], bool], h: float) -> float | None:
+    """The largest stable step below h, rounded down to six digits, so that it may be used as printed."""
+    low = h
+    for _ in range(80):
+        low /= 2
+        if stable(low):
+            break
+    else:
         return None
-    drive = np.concatenate([np.zeros(len(M)), acceleration(M, C, K, np.frombuffer(Q))[1]])
-    found = steady(spectrum.modes, drive, rotation, spectrum.step, duration)
-    if found is None:
-        return None
-    found.flags.writeable = False
-    return ModalPowers([rotation], spectrum.powers), found
-
-
-def _harmonic(
-    system: System,
-    spectrum: Spectrum,
-    basis: _Scaled | _Modal,
-    h: float,
-    newmark: tuple[float, float],
-    start: Array,
-    Q: Array,
-    wave: Wave,
-    size: Complex,
-    rows: dict[str, Array],
-    direct: dict[str, Array],
-    duration: float,
-) -> tuple[MatrixPowers | ModalPowers, Any, dict[str, Any]]:
-    """Powers, states and rows with the force among the states. size: of the force, (cases, 1)."""
-    M, C, K = system.M, system.C, system.K
-    driven = _driven(spectrum, Q.tobytes(), wave.rotation, duration) if isinstance(basis, _Modal) else None
-    if driven is not None:
-        modal, found = driven
-        states = np.concatenate([basis.states(start - (size * found).real), size], axis=1)
-        forced_rows = {name: (part @ found + direct[name])[:, None] for name, part in rows.items()}
-        wide = {name: np.hstack([part, forced_rows[name]]) for name, part in basis.rows(rows).items()}
-        return modal, states, wide
-    scale = scale_of(M, K)
-    A, before, after = step_matrix(system.column.kernel.newmark_step, M, C, K, Q, h, newmark)
-    exact = exact_step(M, C, K, h, newmark, A, scale)
-    powers = MatrixPowers(augmented(exact, before / scale, after / scale, wave.rotation))
-    wide = {name: np.hstack([part * scale, np.outer(direct[name], [1, 0])]) for name, part in rows.items()}
-    return powers, np.hstack([start / scale, size.real, size.imag]), wide
+    high = 2 * low
+    for _ in range(40):
+        middle = (low + high) / 2
+        low, high = (middle, high) if stable(middle) else (low, middle)
+    digits = 5 - math.floor(math.log10(low))
+    return math.floor(low * 10.0**digits) / 10.0**digits

@@ -220,15 +220,16 @@ class ModalPowers:
         return floats.view(np.complex128)
 
 
-def augmented(step: Double, before: Array, after: Array, rotation: Fixed) -> Double:
-    """The step of the state and of (cos θn, sin θn), where the force is the first of these. No resonance needs care."""
+def augmented(step: Double, pushes: Array, rotation: Fixed) -> Double:
+    """The step of the state and of a wave's real and imaginary part. No resonance needs care.
+
+    pushes: what these two add to the state, (d, 2)."""
+    d = len(pushes)
+    whole = [np.zeros((d + 2, d + 2)) for _ in range(2)]
     exact = [float(part / ONE) for part in rotation]
     rest = [float((part - fixed(value)) / ONE) for part, value in zip(rotation, exact, strict=True)]
-    d = len(before)
-    whole = [np.zeros((d + 2, d + 2)) for _ in range(2)]
     for matrix, part, (cosine, sine) in zip(whole, step, (exact, rest), strict=True):
         matrix[:d, :d] = part
         matrix[d:, d:] = [[cosine, -sine], [sine, cosine]]
-    whole[0][:d, d:] = np.outer(after, whole[0][d, d:])
-    whole[0][:d, d] += before
+    whole[0][:d, d:] = pushes
     return Double(*whole)

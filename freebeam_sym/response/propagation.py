@@ -18,7 +18,8 @@ from freebeam_sym.response.powers import Powers, orbit
 Array = NDArray[np.float64]
 Outputs = Mapping[str, Any]
 Fill = Callable[[str, Array], None]
-Store = Callable[[int, int, Fill, bool], None]
+Look = Callable[[int], Array]
+Store = Callable[[int, int, Fill, bool, range, Look], None]
 
 STRETCH = 20  # 2^20 numbers of a response at a time
 CACHE = 18  # 2^18 of a forced one, whose stretches are gone through more than once
@@ -30,7 +31,8 @@ def free(powers: Powers, state: Any, rows: Outputs, count: int, store: Store) ->
     """Outputs `rows` (name: (s, d)) of `count` times from states (cases, d) that no force acts on.
 
     store: called for one stretch after another with its first time, its end, a function that fills an array
-    (cases, end − first, s) for one of the names, and whether all its numbers are sure to be finite.
+    (cases, end − first, s) for one of the names, whether all its numbers are sure to be finite, the
+    numbers of steps at which states are at hand, and what gives every so many of these, (cases, times, d), as floats.
     """
     width = sum(len(part) for part in rows.values()) * len(state)
     levels = max(2, min((count - 1).bit_length(), STRETCH, STRETCH + 2 - width.bit_length()))
@@ -50,7 +52,10 @@ def free(powers: Powers, state: Any, rows: Outputs, count: int, store: Store) ->
         def fill(name: str, part: Array, states: Array = states) -> None:
             _blocks(part, length, lambda at, out: _product(states[:, at], tables[name], out))
 
-        store(begin, end, fill, _size(states) * largest < 1e300)
+        def look(every: int, states: Array = states) -> Array:
+            return states[:, ::every]
+
+        store(begin, end, fill, _size(states) * largest < 1e300, range(begin, end, length), look)
 
 
 def forced(
@@ -71,7 +76,7 @@ def forced(
     # w = x − after F needs the force at the old time only.
     B = powers.forward(after, 0) + before
     cases, d = len(state), len(powers.floats(B))
-    inner = min(max(5, (d - 1).bit_length()), max(2, (count - 1).bit_length()))
+    inner = min(max(5, (d - 1).bit_length()), max(0, (count - 1).bit_length() - 2))
     while inner and not powers.reach(inner):
         inner -= 1
     length = 1 << inner
@@ -105,7 +110,12 @@ def forced(
 
             _blocks(part, length, both)
 
-        store(begin, end, fill, (_size(states) + _size(forces)) * largest < 1e300)
+        def look(every: int, forces: Array = forces, states: Array = states) -> Array:
+            found: Array = states[:, ::every] + forces[:, ::every, :1] * powers.floats(after)
+            return found
+
+        safe = (_size(states) + _size(forces)) * largest < 1e300
+        store(begin, end, fill, safe, range(begin, end, length), look)
 
 
 def _blocks(part: Array, length: int, fill: Callable[[slice, Array], object]) -> None:

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
+from freebeam_sym.response.inputs import moments
 
 Array = NDArray[np.float64]
 Fill = Callable[[str, Array], None]
@@ -29,13 +31,26 @@ class Response:
     sensors: Array
     """Positions x_s, shape (sensors,)."""
     step: float
-    newmark: tuple[float, float]
+    method: str
+    """"exact" or "newmark"."""
+    newmark: tuple[float, float] | None
+    """Newmark's parameters (b, g), where it is his method."""
     growth: float
     """Largest real part of the exact elastic spectrum; positive where the beam flutters or diverges."""
     frequencies: Array
     """Im λ > 0 of the elastic spectrum, ascending."""
     period_errors: Array
-    """Newmark's relative period error, numerical period / exact period − 1, one a frequency."""
+    """The method's relative period error, numerical period / exact period − 1, one a frequency; 0 of the exact one."""
+    phase_error: float
+    """Estimate of the error of phase (and of growth) that the method's steps add up to, in radians: about the error
+    relative to the local amplitude. Of the first output, largest over time and cases, of modes weighed by their
+    amplitudes. Free motion keeps all that has added up; of forced motion a mode keeps what its damping leaves, about
+    1 / |Re λ| long. 0 of the exact method."""
+    samples_per_period: float
+    """Samples a period of the fastest mode that has more than 1 % of the local amplitude, or of the harmonic force if
+    that is faster; infinite where nothing oscillates."""
+    warnings: tuple[str, ...]
+    """What should be known before the response is trusted: growth, a step too coarse for what carries the motion."""
     initial_lost: float
     """‖y − Σ φᵢ qᵢ‖ / ‖y‖ over the beam, what the functions cannot hold of the initial shape; 0 for a given q."""
     velocity_lost: float
@@ -59,12 +74,12 @@ class Response:
 
     @property
     def t(self) -> Array:
-        """Times, shape (steps + 1,)."""
-        return self.step * np.arange(self.begin, self.end, dtype=np.float64)
+        """Times k · step, shape (steps + 1,): the floats nearest to these multiples of the step as it prints."""
+        return moments(Fraction(repr(self.step)), self.begin, self.end)
 
     @property
     def period_error(self) -> float:
-        """Newmark's relative period error of the lowest frequency; NaN where nothing oscillates."""
+        """The method's relative period error of the lowest frequency; NaN where nothing oscillates."""
         return float(self.period_errors[0]) if self.period_errors.size else math.nan
 
 

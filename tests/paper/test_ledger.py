@@ -171,7 +171,8 @@ def test_the_amplitude_turns_where_the_proof_has_it() -> None:
 def test_the_drift_is_that_of_newmark() -> None:
     """The matrix exponential of the driven system against the step-by-step response."""
     s = fb.column("free-free").system(8, 5.0, 1e-3, 0.1, rigid=True)
-    response = fb.respond(s, 40.0, 0.005, force=lambda t: 1e-3 * np.sin(3 * t), force_position=1.0, sensors=[0.1])
+    force = {"force": fb.Harmonic(1e-3, 3.0), "force_position": 1.0}
+    response = fb.respond(s, 40.0, 0.005, sensors=[0.1], method="newmark", **force)
     assert motion.drift()["whole"] == pytest.approx(response.y[-1, 0], rel=1e-4)
     assert motion.drift()["elastic part"] == pytest.approx(response.y_elastic[-1, 0], rel=1e-3)
 

@@ -136,7 +136,7 @@ def test_blocks_are_the_plain_loop_in_flutter_and_over_chunks() -> None:
     system = beam(3, load=150, alpha=1e-3)
     steps = 3000
     f = np.random.default_rng(0).normal(size=steps + 1)
-    found = respond(system, steps * 0.01, 0.01, force=f, force_position=1, sensors=X)
+    found = respond(system, steps * 0.01, 0.01, force=f, force_position=1, sensors=X, method="newmark")
     q, _, _ = plain_loop(system, f, 1, np.zeros(3), np.zeros(3), 0.01, (0.25, 0.5))
     scale = np.abs(q @ system.shapes(X))
     assert found.growth > 1
@@ -187,7 +187,7 @@ def test_energy_is_kept() -> None:
     system = beam(4)
     rng = np.random.default_rng(2)
     q, dq = rng.normal(size=4), 100 * rng.normal(size=4)
-    found = respond(system, 20, 0.01, initial=q, initial_velocity=dq, states=True)
+    found = respond(system, 20, 0.01, initial=q, initial_velocity=dq, states=True, method="newmark")
     energy = np.einsum("ti,ij,tj->t", found.dq, system.M, found.dq)
     energy += np.einsum("ti,ij,tj->t", found.q, system.K, found.q)
     np.testing.assert_allclose(energy, energy[0], rtol=1e-10)
@@ -200,7 +200,8 @@ def test_steady_state_is_the_frequency_response() -> None:
     """Average acceleration answers sin(ω t) as the exact system answers (2/h) tan(ω h / 2), to rounding."""
     system = beam(4, load=50, alpha=0.02, beta=4)
     omega, h, steps = 3.0, 0.02, 2000
-    found = respond(system, steps * h, h, force=lambda t: np.sin(omega * t), force_position=1, sensors=X)
+    force = {"force": lambda t: np.sin(omega * t), "force_position": 1}
+    found = respond(system, steps * h, h, sensors=X, method="newmark", **force)
     model = state_space(system, 1, X, outputs=("y", "dy", "ddy"))
     warped = 2 / h * math.tan(omega * h / 2)
     inside = np.linalg.solve(1j * warped * np.eye(8) - model.A, model.B)
@@ -212,14 +213,15 @@ def test_steady_state_is_the_frequency_response() -> None:
             close(output[late, s], wave, 1e-9)
 
 
-def test_superposition() -> None:
+@pytest.mark.parametrize("method", ["exact", "newmark"])
+def test_superposition(method: str) -> None:
     system = beam(3, load=90, alpha=1e-3)
     rng = np.random.default_rng(3)
     f = rng.normal(size=(2, 501))
     q = rng.normal(size=3)
 
     def run(force: Any, initial: Any) -> Response:
-        return respond(system, 5, 0.01, force=force, force_position=0.3, initial=initial, sensors=X)
+        return respond(system, 5, 0.01, force=force, force_position=0.3, initial=initial, sensors=X, method=method)
 
     whole = run(2 * f[0] - 3 * f[1], 5 * q)
     parts = 2 * run(f[0], 0 * q).ddy - 3 * run(f[1], 0 * q).ddy + 5 * run(0 * f[0], q).ddy
@@ -242,10 +244,11 @@ def test_reciprocity() -> None:
 # Rigid functions
 
 
-def test_constant_force_drives_the_rigid_beam_as_newton_says() -> None:
+@pytest.mark.parametrize("method", ["exact", "newmark"])
+def test_constant_force_drives_the_rigid_beam_as_newton_says(method: str) -> None:
     """Unit mass, moment of inertia 1/12 about the centre: y = F t²/2 (1 + 12 (x_F − 1/2)(x_s − 1/2))."""
     system = beam(3, rigid=True)
-    found = respond(system, 10, 0.01, force=0.2, force_position=1, sensors=X)
+    found = respond(system, 10, 0.01, force=0.2, force_position=1, sensors=X, method=method)
     close(found.y_rigid, 0.1 * found.t[:, None] ** 2 * (1 + 6 * (X - 0.5)), 1e-12)
 
 
@@ -263,9 +266,10 @@ def test_free_drift() -> None:
     assert np.abs(stopped.dy_rigid[-1]).max() < 1e-12
 
 
-def test_rigid_functions_leave_the_elastic_part_alone() -> None:
+@pytest.mark.parametrize("method", ["exact", "newmark"])
+def test_rigid_functions_leave_the_elastic_part_alone(method: str) -> None:
     """The theorem of block triangularity, in time: the same elastic part with and without them."""
-    options = {"force": np.cos, "force_position": 1, "sensors": X}
+    options = {"force": np.cos, "force_position": 1, "sensors": X, "method": method}
     with_rigid = respond(beam(4, 70, 1e-3, 0.1, rigid=True), 5, 0.01, **options)
     without = respond(beam(4, 70, 1e-3, 0.1), 5, 0.01, **options)
     close(with_rigid.ddy_elastic, without.ddy, 1e-11)
@@ -303,10 +307,10 @@ def test_average_acceleration_takes_any_step_and_lets_flutter_grow() -> None:
     for modes, load in ((1, 0), (8, 109), (20, 60)):
         system = beam(modes, load=load, beta=0.1, alpha=1e-4 if load == 60 else 0)
         for step in (1e-6, 1e-2, 1.0, 20.0):
-            found = respond(system, 300 * step, step, sensors=[0.0])
+            found = respond(system, 300 * step, step, sensors=[0.0], method="newmark")
             assert np.abs(found.y).max() < 0.1
     system = beam(4, load=150)
-    found = respond(system, 20, 0.001)
+    found = respond(system, 20, 0.001, method="newmark")
     rate = np.log(np.abs(found.y[-2000:]).max() / np.abs(found.y[-12000:-10000]).max()) / 10
     exact = eigvals(generator(system)).real.max()
     assert found.growth == pytest.approx(exact)
@@ -326,17 +330,17 @@ def test_negative_numerical_damping_is_refused() -> None:
 def test_a_growth_too_fast_for_the_step_is_refused() -> None:
     """Divergence: at h λ = 2 average acceleration divides by zero, beyond it the sign alternates."""
     system = replace(beam(2), K=np.diag([-100.0, 500.0]), M=np.eye(2))
-    respond(system, 2, 0.02)
+    respond(system, 2, 0.02, method="newmark")
     for step in (0.2, 0.19):
         with pytest.raises(InputError, match="largest stable step"):
-            respond(system, 2, step)
+            respond(system, 2, step, method="newmark")
 
 
 def test_period_error() -> None:
     """Undamped: Ω / (2 arctan(Ω/2)) − 1, and the zeros of the response come later by that."""
     system = beam(3)
     h = 0.02
-    found = respond(system, 40, h, sensors=[0.0])
+    found = respond(system, 40, h, sensors=[0.0], method="newmark")
     Omega = system.gamma**2 * h
     np.testing.assert_allclose(found.frequencies, system.gamma**2, rtol=1e-9)
     np.testing.assert_allclose(found.period_errors, Omega / (2 * np.arctan(Omega / 2)) - 1, rtol=1e-8)
@@ -437,6 +441,9 @@ def test_initial_shape_is_projected_and_the_loss_is_told() -> None:
         ({"duration": 1e12, "step": 1e-12}, "GiB"),
         ({"duration": 1e300, "step": 1e-300}, "GiB"),
         ({"duration": 1e300, "step": 1e300}, "lose its digits"),
+        ({"duration": 1e300, "step": 1e300, "method": "newmark"}, "lose its digits"),
+        ({"method": "euler"}, "method = 'euler'"),
+        ({"method": "exact", "newmark": (0.25, 0.5)}, "newmark = "),
     ],
 )
 def test_bad_input(options: dict[str, Any], message: str) -> None:

@@ -1,0 +1,249 @@
+"""Response in time: Eq. (10) by a method of steps, and the same system for control engineers.
+
+All quantities are nondimensional, Eq. (5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from freebeam_sym.checks import InputError, positions, positive
+from freebeam_sym.response.coordinates import Scaled, coordinates_of
+from freebeam_sym.response.exact import Exact
+from freebeam_sym.response.inputs import (
+    Function,
+    Harmonic,
+    Wave,
+    cases_of,
+    check_memory,
+    checked,
+    checked_parameters,
+    force_of,
+    position_of,
+    spread,
+    start_of,
+    times_of,
+)
+from freebeam_sym.response.messages import Message
+from freebeam_sym.response.newmark import Newmark
+from freebeam_sym.response.propagation import Fill, Look, forced, free
+from freebeam_sym.response.quality import Quality, warnings_of
+from freebeam_sym.response.results import OUTPUTS, Response, Results, Target, names_of
+from freebeam_sym.response.stepping import Method, Spectrum, acceleration, overflow, spectrum_of, steps_of
+
+if TYPE_CHECKING:
+    from scipy.signal import StateSpace
+
+    from freebeam_sym.columns import System
+
+__all__ = ["respond", "state_space"]
+
+Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
+
+
+def respond(
+    system: System,
+    duration: float,
+    step: float,
+    *,
+    force: Function | ArrayLike | Harmonic | None = None,
+    force_position: float | None = None,
+    method: str | None = None,
+    newmark: tuple[float, float] | None = None,
+    initial: Function | ArrayLike | None = None,
+    initial_velocity: Function | ArrayLike | None = None,
+    sensors: ArrayLike = (0.1,),
+    outputs: Sequence[str] = OUTPUTS,
+    states: bool = False,
+    target: Target | None = None,
+    progress: Callable[[float], object] | None = None,
+) -> Response:
+    """Response of `system` at times 0, step, 2 step, … up to `duration`. Eqs. (9), (10).
+
+    The exact method solves Eq. (10) up to rounding: its step is how often the response is sampled, and no more.
+    Newmark's is the textbook's recurrence, whose error depends on the step. Neither loops over the steps. Leading axes
+    of `force`, `initial` and `initial_velocity` are load cases, `cases`, and broadcast like NumPy's; so are those of
+    the results. Rounding leaves 1e-12 of the largest value over 10⁵ steps where the eigenvectors are well conditioned;
+    at a coalescence, and with rigid functions, the step's matrix is raised to powers in more digits instead.
+
+    force: F₀ as a function of time (of an array of times, (*cases, times) then, or of one time), as an array of shape
+        (*cases, steps + 1), one value a time, as one constant, or a `Harmonic`; zero by default. To the exact method a
+        constant and a `Harmonic` are what they say at all times; a function or an array is known at the steps, and
+        linear between them, so that a jump becomes a ramp of one step. Newmark's method takes the values at the
+        steps of any of them. Without a force, with a constant or harmonic one the response has a closed form, which
+        is faster.
+    force_position: x_F, needed with a force.
+    method: "exact", the default, or "newmark".
+    newmark: (b, g), which asks for Newmark's method; by default average acceleration, stable at any step.
+    initial, initial_velocity: q and dq/dt at t = 0, shape (*cases, n), or functions of x, the shape y(x) and the
+        velocity dy/dt(x), projected on the trial functions. Where neither is given: rest with a force,
+        else the first elastic mode with q₁ = 0.01. The initial acceleration follows from Eq. (10).
+    sensors: x_s, shape (sensors,).
+    outputs: of "y", "dy", "ddy", those to compute.
+    states: keep q and dq of every step too.
+    target: where a response goes that is longer than memory: a function, called with one part of the response after
+        another, itself a `Response` of the times begin, …, end − 1 (`respond` returns the last part); or a mapping of
+        names ("y", "ddy", "y_rigid", "q", …) to arrays of the results' shapes, such as np.memmap, h5py's or zarr's,
+        which are filled and are all that is computed. Memory is bounded by a stretch of some 10⁶ numbers.
+    progress: called with the fraction done, from 0 to 1, now and then.
+
+    The result's `warnings` say where the beam is unstable, where Newmark's step puts the motion out of phase by more
+    than 1 % of its amplitude, and where the exact method samples it less than twice a period.
+
+    Raises InputError for bad input, for a step beyond the stability limit of `newmark` (roots that grow
+    where the exact ones do not; decided on the elastic part), where the arrays exceed memory, and for a
+    response that grows past the range of floats or turns through more radians than its matrices have digits for.
+    """
+    duration, h = positive("duration", duration), positive("step", step)
+    by = _method(system, method, newmark)
+    x_s = positions("sensors", sensors)
+    times = times_of(duration, h)
+    n, r = len(system.M), system.rigid_count
+    names = names_of(outputs, bool(r), states, target)
+    if force is not None and force_position is None:
+        raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
+    source, force_cases = force_of(force, times, h)
+    q, initial_lost = start_of(system, "initial", initial)
+    dq, velocity_lost = start_of(system, "initial_velocity", initial_velocity)
+    if force is None and initial is None and initial_velocity is None:
+        q[r] = 0.01
+    cases = cases_of(force_cases, q.shape[:-1], dq.shape[:-1])
+    shape = (*cases, n)
+    start = np.concatenate([spread(q, shape), spread(dq, shape)], axis=-1).reshape(-1, 2 * n)
+    widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
+    if target is None:
+        check_memory(times, sum(widths.values()) * len(start), x_s.size)
+    Q = np.zeros(n)
+    if force_position is not None:
+        Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
+    spectrum = spectrum_of(system)
+    steps = steps_of(spectrum, by, h)
+    exact = isinstance(by, Exact)
+    if exact:
+        _check_phase(spectrum, duration)
+
+    def about(**parts: Any) -> Response:
+        return Response(
+            sensors=x_s, step=h, method="exact" if exact else "newmark",
+            newmark=(by.b, by.g) if isinstance(by, Newmark) else None, growth=float(spectrum.values.real.max()),
+            frequencies=spectrum.oscillating.imag, period_errors=steps.period_errors,
+            phase_error=quality.phase_error, samples_per_period=quality.samples,
+            warnings=warnings_of(spectrum, duration, quality),
+            initial_lost=initial_lost, velocity_lost=velocity_lost, **parts,
+        )  # fmt: skip
+
+    results = Results(about, widths, bool(r), cases, times, target)
+
+    def sample(begin: int, end: int) -> Array:
+        assert callable(source)
+        return spread(source(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
+
+    def store(begin: int, end: int, fill: Fill, safe: bool, moments: range, look: Look) -> None:
+        def filled(name: str, part: Array) -> None:
+            fill(name, part)
+            if not begin:  # without rounding: what rests at first is at rest
+                part[:, 0] = start @ rows[name].T + np.multiply.outer(first, direct[name])
+
+        if not safe and callable(source):  # whether it is the force's own doing
+            checked("force", sample(begin, end), end - begin, lambda k: h * (begin + k))
+        quality.see(moments, look)
+        results.take(begin, end, filled, safe, lambda k: overflow(k * h, spectrum))
+        if progress is not None:
+            progress(end / times)
+
+    rows, direct = _rows(system, names, x_s, Q)
+    if progress is not None:
+        progress(0.0)
+    first = np.zeros(1)
+    with np.errstate(over="ignore", invalid="ignore"):
+        basis = coordinates_of(system, steps)
+        begun = basis.free(start, rows)
+        if isinstance(source, Wave):
+            size = spread(source.size, cases).reshape(-1, 1)
+            first = size[:, 0].real
+            asked = (start, rows, direct, Q, source, size, duration)
+            driven = basis.driven(*asked)
+            if driven is None:  # resonance
+                basis = Scaled(system, steps)
+                driven = basis.driven(*asked)
+            begun = driven
+        forgets = source is not None and begun.steady_error is None
+        quality = Quality(steps, begun, forgets, getattr(source, "frequency", 0.0))
+        if callable(source):
+            first = sample(0, 1)[:, 0]
+            before, after = basis.pushes(Q)
+            forced(begun.powers, begun.states, before, after, begun.rows, direct, sample, times, store)
+        else:
+            free(begun.powers, begun.states, begun.rows, times, store)
+    return results.response()
+
+
+def state_space(
+    system: System, force_position: float, sensors: ArrayLike = (0.1,), outputs: Sequence[str] = ("y",)
+) -> StateSpace:
+    """The same system as a `scipy.signal.StateSpace`: state (q, dq), input F₀, outputs at sensors. Eq. (25).
+
+    The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order. Raises InputError
+    for positions off the beam and for an unknown output.
+    """
+    names_of(outputs, False, False, None)
+    x_s = positions("sensors", sensors)
+    Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
+    from scipy.signal import StateSpace  # half a second, so only where it is used
+
+    n = Q.size
+    rows, direct = _rows(system, outputs, x_s, Q)
+    A = np.zeros((2 * n, 2 * n))
+    A[:n, n:] = np.eye(n)
+    A[n:], force = acceleration(system.M, system.C, system.K, Q)
+    C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
+    return StateSpace(A, np.concatenate([np.zeros(n), force])[:, None], C, D[:, None])
+
+
+def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+    """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
+    n, r = len(Q), system.rigid_count
+    shapes = np.asarray(system.shapes(x_s), dtype=float).T
+    rows, direct = {}, {}
+    if any(name.startswith("ddy") for name in names):
+        state, force = acceleration(system.M, system.C, system.K, Q)
+    for name in names:
+        order, _, part = name.partition("_")
+        own = np.eye(n) if order in ("q", "dq") else shapes.copy()
+        own[:, {"": slice(0), "elastic": slice(0, r), "rigid": slice(r, None)}[part]] = 0
+        none = np.zeros_like(own)
+        if order == "ddy":
+            rows[name], direct[name] = own @ state, own @ force
+        else:
+            rows[name] = np.hstack([none, own] if order.startswith("d") else [own, none])
+            direct[name] = np.zeros(len(own))
+    return rows, direct
+
+
+def _method(system: System, method: str | None, newmark: tuple[float, float] | None) -> Method:
+    if method not in (None, "exact", "newmark"):
+        raise InputError(f'method = {method!r}: must be "exact" or "newmark"')
+    if newmark is None and method != "newmark":
+        return Exact()
+    if method == "exact":
+        raise InputError(f'newmark = {newmark!r}: are parameters of method="newmark", not of the exact one')
+    return Newmark(system.column.kernel.newmark_step, *checked_parameters((0.25, 0.5) if newmark is None else newmark))
+
+
+def _check_phase(spectrum: Spectrum, duration: float) -> None:
+    """InputError where an oscillation turns by more than the matrices can tell before it has died away."""
+    values = spectrum.values
+    turned = values.imag * np.minimum(duration, 40 / np.maximum(-values.real, 1e-300))
+    worst = int(np.argmax(turned))
+    if turned[worst] * np.finfo(float).eps > 1e-5:
+        raise InputError(Message(
+            f"duration = {{duration:time}}: the part of frequency {{omega:frequency}} turns by {turned[worst]:.3g} "
+            "radians, and would lose its digits: those of the matrices leave 1e-5 of its phase at {limit:time .3g}; "
+            "choose a shorter duration",
+            duration=duration, omega=values[worst].imag, limit=1e-5 / np.finfo(float).eps / values[worst].imag,
+        ))  # fmt: skip
