@@ -97,6 +97,13 @@ class Units:
         """The unit, for print; empty where nondimensional."""
         return f" {self.SYMBOLS[quantity]}" if self.sizes else ""
 
+    def say(self, quantity: str, value: float, digits: str) -> str:
+        """A nondimensional value in the units of the output, for print; a rate is what grows or decays in a unit of
+        time, in 1/s where a frequency is in rad/s."""
+        if quantity == "rate":
+            return f"{self.out('frequency', value):{digits}}" + (" 1/s" if self.sizes else "")
+        return f"{self.out(quantity, value):{digits}}{self.of(quantity)}"
+
     @property
     def name(self) -> str:
         return "SI" if self.sizes else "nondimensional"
@@ -123,7 +130,7 @@ def units_of(
 
 @contextmanager
 def nondimensional(units: Units) -> Iterator[None]:
-    """Say of errors inside that their values are nondimensional, where SI units were typed."""
+    """Have errors inside speak in SI units where these were typed, or say that their values are nondimensional."""
     from freebeam_sym.checks import InputError
 
     try:
@@ -131,7 +138,8 @@ def nondimensional(units: Units) -> Iterator[None]:
     except InputError as error:
         if not units.sizes:
             raise
-        raise InputError(f"{error} [nondimensional values]") from None
+        told = getattr(error.args[0], "told", None)  # a message that knows its quantities
+        raise InputError(told(units.say) if told else f"{error} [nondimensional values]") from None
 
 
 _BEAM = "Beam in SI units (all three: input and output are SI then)"

@@ -90,11 +90,11 @@ def moments(step: Fraction, begin: int, end: int) -> Array:
 def check_memory(times: int, columns: int, sensors: int) -> None:
     needed, held = 8 * times * (2 + columns), _memory()
     if needed > held:
-        raise InputError(
+        raise InputError(Message(
             f"duration / step = {times - 1:.3g} steps at {sensors} sensors: needs {needed / 2**30:.3g} GiB, "
             f"more than the {held / 2**30:.3g} GiB that this machine can give; use fewer sensors, a longer step, or a "
             "target that takes the response in parts (a file, on the command line)"
-        )
+        ))  # fmt: skip
 
 
 def _memory() -> float:

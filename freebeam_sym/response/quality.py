@@ -68,8 +68,8 @@ def warnings_of(spectrum: Spectrum, duration: float, quality: Quality) -> tuple[
         decades = growing.real * duration / math.log(10)
         factor = f"{10**decades:.3g}" if decades < 300 else f"1e+{decades:.0f}"
         found.append(Message(
-            f"the beam is unstable at this load: {kind} grows as exp({{rate:rate}} t), by a factor of {factor} in this "
-            "response", rate=growing.real,
+            f"the beam is unstable at this load: {kind} grows as exp(r t), r = {{rate:rate}}, by a factor of "
+            f"{factor} in this response", rate=growing.real,
         ))  # fmt: skip
     if quality.phase_error > OUT_OF_PHASE:
         found.append(Message(

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 from freebeam_sym.response.inputs import moments
+from freebeam_sym.response.messages import Message
 
 Array = NDArray[np.float64]
 Fill = Callable[[str, Array], None]
@@ -43,14 +44,15 @@ class Response:
     """The method's relative period error, numerical period / exact period − 1, one a frequency; 0 of the exact one."""
     phase_error: float
     """Estimate of the error of phase (and of growth) that the method's steps add up to, in radians: about the error
-    relative to the local amplitude. Of the first output, largest over time and cases, of modes weighed by their
-    amplitudes. Free motion keeps all that has added up; of forced motion a mode keeps what its damping leaves, about
-    1 / |Re λ| long. 0 of the exact method."""
+    relative to the local amplitude, and no more than 2. Of the first output, largest over time and cases, of modes
+    weighed by their amplitudes. Close in free and harmonic motion; of other forces, and of harmonic ones with rigid
+    functions, more than there is: a mode then keeps what adds up in 1 / |Re λ|. 0 of the exact method."""
     samples_per_period: float
     """Samples a period of the fastest mode that has more than 1 % of the local amplitude, or of the harmonic force if
     that is faster; infinite where nothing oscillates."""
-    warnings: tuple[str, ...]
-    """What should be known before the response is trusted: growth, a step too coarse for what carries the motion."""
+    warnings: tuple[Message, ...]
+    """Sentences, strings: what should be known before the response is trusted, such as growth, or a step too coarse
+    for what carries the motion."""
     initial_lost: float
     """‖y − Σ φᵢ qᵢ‖ / ‖y‖ over the beam, what the functions cannot hold of the initial shape; 0 for a given q."""
     velocity_lost: float

@@ -189,6 +189,6 @@ def overflow(t: float, spectrum: Spectrum) -> InputError:
         ))  # fmt: skip
     kind = "flutter" if worst.imag else "divergence"
     return InputError(Message(
-        f"the response passes the range of floats at t = {{t:time}}: {kind} grows as exp({{rate:rate}} t); choose a "
+        f"the response passes the range of floats at t = {{t:time}}: {kind} grows as exp(r t), r = {{rate:rate}}; choose a "
         "shorter duration or a load below the critical one", t=t, rate=worst.real
     ))  # fmt: skip

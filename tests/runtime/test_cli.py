@@ -164,7 +164,7 @@ def test_rigid_functions_add_eigenvalues(freebeam):
 
 def test_response_of_mode_1_is_a_cosine(freebeam):
     """Unloaded and undamped, q = 0.01 cos(γ₁² t): the default state, with y, dy, ddy beside one another."""
-    run = freebeam("respond", "--load", "0", "--duration", "0.5", "--step", "1e-4", "--sensor", "0.1")
+    run = freebeam("respond", "--load", "0", "--duration", "0.5", "--step", "0.005", "--sensor", "0.1")
     assert run.out.splitlines()[0] == "t,y(0.1),dy(0.1),ddy(0.1)"
     table = run.table
     system = fb.column("free-free").system(modes=1, load=0)
@@ -174,7 +174,7 @@ def test_response_of_mode_1_is_a_cosine(freebeam):
     motion = {"y": np.cos(phase), "dy": -omega * np.sin(phase), "ddy": -(omega**2) * np.cos(phase)}
     for name, expected in motion.items():
         error = np.abs(table[f"{name}(0.1)"] - 0.01 * shape * expected).max()
-        assert error < 1e-4 * np.abs(table[f"{name}(0.1)"]).max()
+        assert error < 1e-12 * np.abs(table[f"{name}(0.1)"]).max()
 
 
 def test_initial_velocity_sets_the_rate_alone(freebeam):
@@ -207,11 +207,17 @@ def test_outputs_agree_and_are_whole(freebeam, tmp_path):
     for file in (tmp_path / "r.csv", tmp_path / "r.npz"):
         run = freebeam(*RESPOND, "--rigid", "--sensor", "0.1", "0.7", "--output", file, "--json")
         assert Path(run.json["output"]) == file
-    assert (tmp_path / "r.csv").read_text(encoding="utf-8") == printed.out
+    settings, table = (tmp_path / "r.csv").read_text(encoding="utf-8").split("\n", 1)
+    assert table == printed.out and settings.startswith("# freebeam respond {")
+    settings = json.loads(settings.removeprefix("# freebeam respond "))
+    assert {**settings, "load": 9, "rigid": True, "step": 0.01, "sensors": [0.1, 0.7]} == settings
     with np.load(tmp_path / "r.npz") as stored:
         assert stored["sensors"].tolist() == [0.1, 0.7]
         for name in ("t", "y", "dy", "ddy"):
             assert stored[name].tolist() == found[name]
+        assert json.loads(str(stored["settings"])) == settings | {
+            key: found[key] for key in ("period_error", "phase_error", "samples_per_period", "growth", "warnings")
+        }
         np.testing.assert_array_equal(stored["y"][:, 1], printed.table["y(0.7)"])
     assert sorted(file.name for file in tmp_path.iterdir()) == ["r.csv", "r.npz"]
 
@@ -224,12 +230,18 @@ def test_a_long_response_is_written_part_by_part(freebeam, tmp_path, monkeypatch
     options = ["respond", "--load", "9", "--duration", "3", "--step", "0.001", "--sensor", "0.1", "--quantity", "ddy"]
     freebeam(*options, "--output", file)
     monkeypatch.undo()
-    whole = freebeam(*options).table
-    stored = np.genfromtxt(file, delimiter=",", names=True, deletechars="") if suffix == "csv" else np.load(file)
-    assert whole["t"].size == 3001 and set(whole) == {"t", "ddy(0.1)"}
+    whole = freebeam(*options, "--json").json
+    if suffix == "csv":  # as NumPy reads it, and pandas
+        stored = np.genfromtxt(file, delimiter=",", names=True, deletechars="", skip_header=1)
+        frame = pytest.importorskip("pandas").read_csv(file, comment="#")
+        assert list(frame) == ["t", "ddy(0.1)"] and frame["t"].tolist() == whole["t"]
+    else:
+        stored = np.load(file)
+    assert len(whole["t"]) == 3001 and "y" not in whole
     np.testing.assert_array_equal(stored["t"], whole["t"])
     found = stored["ddy"][:, 0] if suffix == "npz" else stored["ddy(0.1)"]
-    np.testing.assert_allclose(found, whole["ddy(0.1)"], rtol=0, atol=1e-12 * np.abs(found).max())
+    expected = np.array(whole["ddy"])[:, 0]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(found).max())
 
 
 def test_an_output_that_exists_is_kept_unless_forced(freebeam, tmp_path):
@@ -238,7 +250,7 @@ def test_an_output_that_exists_is_kept_unless_forced(freebeam, tmp_path):
     run = freebeam(*RESPOND, "--output", file)
     assert run.status == 2 and "--force" in run.err and file.read_text(encoding="utf-8") == "precious"
     assert freebeam(*RESPOND, "--output", file, "--force").status == 0
-    assert file.read_text(encoding="utf-8").startswith("t,y(0.1)")
+    assert file.read_text(encoding="utf-8").split("\n")[1].startswith("t,y(0.1)")
 
 
 @pytest.mark.parametrize("failure", [KeyboardInterrupt, fb.InputError("too much")])
@@ -307,15 +319,103 @@ def test_si_response(freebeam):
     _, time = scales(BEAM)
     middle, force, rate = BEAM["length"] / 2, 5e3, 0.01 / time
     table = freebeam(
-        "respond", "--rigid", "--load", 0, "--modes", 1, "--duration", repr(time), "--step", repr(time / 500),
+        "respond", "--rigid", "--load", 0, "--modes", 1, "--duration", repr(time), "--step", repr(time / 100),
         "--force-amplitude", force, "--force-frequency", repr(rate), "--force-position", middle,
         "--sensor", middle, *beam_options(BEAM),
     ).table  # fmt: skip
     mode_1 = fb.column("free-free").system(modes=1, load=0)
     share = mode_1.shapes(np.array([0.5]))[0, 0] ** 2 / mode_1.M[0, 0]
-    assert table["t"][-1] == pytest.approx(time)
-    rigid = force * math.sin(rate * table["t"][1]) / (BEAM["mass-per-length"] * BEAM["length"])
-    assert table["ddy(6.0)"][:2] == pytest.approx([0, rigid * (1 + share)], rel=1e-3)
+    assert table["t [s]"][-1] == pytest.approx(time)
+    assert set(table) == {"t [s]", "y(6.0) [m]", "dy(6.0) [m/s]", "ddy(6.0) [m/s^2]"}
+    # at first, before mode 1 has moved: ddy = F (1 + share) / m L, and ω² of mode 1 takes off a part of its share
+    t = table["t [s]"][1]
+    rigid = force * math.sin(rate * t) / (BEAM["mass-per-length"] * BEAM["length"])
+    omega = mode_1.gamma[0] ** 2 / time
+    assert table["ddy(6.0) [m/s^2]"][:2] == pytest.approx([0, rigid * (1 + share * math.sin(omega * t) / (omega * t))])
+
+
+def test_a_long_response_is_a_summary_and_a_plot(freebeam):
+    """Its peak and the time from which on it stays below 2 % are those of the series; a short one is a table."""
+    options = ["respond", "--load", "9", "--duration", "40", "--step", "0.01", "--alpha", "1e-3", "--sensor", "0.1"]
+    found = freebeam(*options, "--json").json
+    run = freebeam(*options, "--quantity", "y")
+    t, y = np.array(found["t"]), np.abs(np.array(found["y"])[:, 0])
+    assert (run.status, run.err) == (0, "") and len(run.out.splitlines()) < 25
+    words = re.search(r"peak (\S+) at t = (\S+); below 2 % of it: from t = (\S+) on", run.out)
+    peak, at, settled = map(float, words.groups())
+    assert peak == pytest.approx(y.max(), rel=1e-5) and y[t == at] == y.max()
+    late = t[y > 0.02 * y.max()].max()
+    assert late < settled < late + 40 / 1000 + 0.01
+    assert "4001, t = 0 to 40, step 0.01" in run.out
+    grid = [line[12:] for line in run.out.splitlines() if re.match(r".{10} \|", line)]
+    highest = max(range(len(grid)), key=lambda row: -row if "*" in grid[row] else -99)
+    assert highest == 0 and grid[0].index("*") < 5 and not any("*" in line[40:] for line in (grid[0], grid[-1]))
+    assert len(freebeam(*options[:4], "1", *options[5:]).table["t"]) == 101
+
+
+def test_what_was_written_is_told(freebeam, tmp_path):
+    file = tmp_path / "r.csv"
+    options = ["respond", "--load", "50", "--duration", "20", "--step", "0.01", "--alpha", "1e-3", "--output", file]
+    run = freebeam(*options)
+    assert run.status == 0 and run.err == "" and str(file) in run.out
+    assert "2001, t = 0 to 20" in run.out and "samples a period" in run.out and "peak" in run.out
+    found = freebeam(*options, "--force", "--json").json
+    table = np.loadtxt(file, delimiter=",", skiprows=2)
+    assert found["rows"] == len(table) == 2001
+    for told, column in zip(found["peaks"], table.T[1:], strict=True):
+        assert told["peak"] == np.abs(column).max() == np.abs(column[table[:, 0] == told["t"]])[0]
+    # the float nearest to each multiple of the step, which prints as that
+    assert [line.split(",")[0] for line in file.read_text(encoding="utf-8").splitlines()[2:]] == [
+        repr(k / 100) for k in range(2001)
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--load", "112", "--duration", "20", "--step", "5"], ["unstable", "flutter", "0.05"]),
+        (["--load", "112", "--duration", "20", "--step", "5", "--method", "newmark"], ["unstable", "out of phase"]),
+        (["--load", "112", "--duration", "2", "--step", "0.01"], ["unstable"]),
+        (["--load", "50", "--alpha", "1e-3", "--duration", "20", "--step", "0.01", "--method", "newmark"], ["phase"]),
+        (["--load", "50", "--alpha", "1e-3", "--duration", "20", "--step", "0.01"], []),
+        (["--load", "50", "--alpha", "1e-3", "--duration", "2", "--step", "1e-3", "--method", "newmark"], []),
+    ],
+)
+def test_responses_that_mislead_are_warned_of(freebeam, options, says):
+    """In the terminal, a line each, and in the JSON."""
+    run, found = freebeam("respond", *options), freebeam("respond", *options, "--json").json
+    assert run.status == 0
+    assert run.err == "".join(f"warning: {warning}\n" for warning in found["warnings"])
+    assert all(word in run.err for word in says) and bool(says) == bool(run.err)
+    assert len(found["warnings"]) == (2 if "5" in options else len(says[:1]))
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--duration", "2", "--step", "5"], "step = 5 s: must not be longer than the duration, 2 s"),
+        (["--duration", "2", "--step", "1", "--sensor", "13"], "--sensor 13: must be from 0 to 12 m"),
+        (["--duration", "1e18", "--step", "1e17"], " rad/s turns by "),
+        (["--duration", "1e9", "--step", "1e8", "--method", "newmark"], "choose a step below 55.3 s"),
+        (["--duration", "1000", "--step", "0.1", "--load", "6e7"], " 1/s; choose a shorter duration"),
+    ],
+)
+def test_errors_of_a_response_in_si_units_speak_in_them(freebeam, options, says):
+    load = [] if "--load" in options else ["--load", "100"]
+    run = freebeam("respond", *load, *options, *beam_options(BEAM))
+    assert (run.status, run.out) == (2, "") and says in run.err and "nondimensional" not in run.err
+    assert run.err.count("\n") == 1
+
+
+def test_warnings_in_si_units(freebeam):
+    """The growth is that of the spectrum, over the unit of time."""
+    load, time = scales(BEAM)
+    run = freebeam(
+        "respond", "--load", repr(112 * load), "--duration", repr(time), "--step", repr(time / 100),
+        *beam_options(BEAM),
+    )  # fmt: skip
+    growth = fb.spectrum(fb.column("free-free").system(8, 112)).growth_rate / time
+    assert float(re.search(r"r = (\S+) 1/s", run.err).group(1)) == pytest.approx(growth, rel=1e-5)
 
 
 # --- a user's own column ------------------------------------------------------------------------------------
