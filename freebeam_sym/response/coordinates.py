@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -103,13 +104,13 @@ class Modal:
         powers, state, off = found
         free, name = self.free(start - (size * state).real, rows), next(iter(rows))
         steadily = {name: part @ state + direct[name] for name, part in rows.items()}
-        height = float(np.linalg.norm(steadily[name]))
+        height, wrong = (math.sqrt(np.vdot(part, part).real) for part in (steadily[name], rows[name] @ off))
         return free._replace(
             powers=powers,
             states=np.concatenate([free.states, size], axis=1),
             rows={name: np.hstack([part, steadily[name][:, None]]) for name, part in free.rows.items()},
             sizes=np.append(free.sizes, height),
-            steady_error=float(np.linalg.norm(rows[name] @ off)) / max(height, 1e-300),
+            steady_error=wrong / max(height, 1e-300),
         )
 
     def pushes(self, Q: Array) -> tuple[Complex, Complex]:

@@ -13,7 +13,7 @@ from freebeam_sym.response.stepping import Spectrum, Steps
 
 CARRIES = 0.01  # share of the local amplitude from which on a mode carries the motion
 OUT_OF_PHASE = 0.01  # radians, and about the error relative to the local amplitude
-MOMENTS = 64  # of a stretch of steps, at which the modes' amplitudes are looked at
+MOMENTS = 32  # of a stretch of steps, at which the modes' amplitudes are looked at
 
 
 class Quality:
@@ -24,38 +24,38 @@ class Quality:
     """
 
     def __init__(self, steps: Steps, start: Start, forgets: bool, frequency: float) -> None:
-        spectrum = steps.spectrum
-        half = spectrum.values.imag >= 0
-        values = spectrum.values[half]
-        self.exact, self.step = not steps.errors.any(), steps.step
-        self.start, self.frequency = start, abs(frequency)
-        self.rates = np.maximum(-np.abs(steps.errors[half].real), -1e300) + 1j * steps.errors[half].imag
-        self.memory = np.full(values.size, np.inf)
-        if forgets:
-            self.memory = 1 / np.maximum(-values.real, 1e-300)
-        self.frequencies, self.once = values.imag, np.zeros(values.size)
+        self.start, self.step, self.frequency = start, steps.step, abs(frequency)
+        values, self.rates, self.exact = steps.seen
+        self.frequencies = values.imag
+        self.memory = 1 / np.maximum(-values.real, 1e-300) if forgets else np.full(values.size, np.inf)
+        self.once = 0.0
         if start.steady_error is not None:
             self.rates, self.memory = np.append(self.rates, 0.0), np.append(self.memory, 0.0)
-            self.frequencies, self.once = np.append(self.frequencies, 0.0), np.append(self.once, start.steady_error)
-        self.carrying = np.zeros(self.rates.size, dtype=bool)
+            self.frequencies = np.append(self.frequencies, 0.0)
+            self.once = start.steady_error
+        self.largest = np.zeros(self.rates.size)
         self.phase_error = 0.0
 
     def see(self, moments: range, look: Look) -> None:
         """Look at states: after each of these numbers of steps, `look` gives every so many of them."""
         every = -(-len(moments) // MOMENTS)
-        amplitudes = np.abs(self.start.modes_in(look(every))) * self.start.sizes
-        total = amplitudes.sum(axis=-1, keepdims=True)
-        shares = np.divide(amplitudes, total, out=np.zeros_like(amplitudes), where=(total > 0) & (total < 1e300))
-        self.carrying |= (shares > CARRIES).any(axis=(0, 1))
+        shares = np.abs(self.start.modes_in(look(every))) * self.start.sizes
+        shares /= np.maximum(shares.sum(axis=-1, keepdims=True), 1e-300)
+        self.largest = np.fmax(self.largest, shares.max(axis=(0, 1)))
+        if self.exact:
+            return
         times = self.step * np.asarray(moments[::every])[:, None]
         # relative to the motion or to what it should be, whichever is larger
-        wrong = np.abs(1 - np.exp(self.rates * np.minimum(times, self.memory))) + self.once
-        self.phase_error = max(self.phase_error, float((shares * wrong).sum(axis=-1).max()))
+        wrong = np.abs(1 - np.exp(self.rates * np.minimum(times, self.memory)))
+        errors = (shares * wrong).sum(axis=-1)
+        if self.once:
+            errors += self.once * shares[..., -1]
+        self.phase_error = max(self.phase_error, float(errors.max()))
 
     @property
     def samples(self) -> float:
         """A period of the fastest of the modes that carry, or of the force; infinite where none oscillates."""
-        fastest = float(self.frequencies[self.carrying].max(initial=self.frequency))
+        fastest = float(self.frequencies[self.largest > CARRIES].max(initial=self.frequency))
         return 2 * math.pi / (fastest * self.step) if fastest else math.inf
 
 

@@ -162,8 +162,9 @@ def respond(
     first = np.zeros(1)
     with np.errstate(over="ignore", invalid="ignore"):
         basis = coordinates_of(system, steps)
-        begun = basis.free(start, rows)
-        if isinstance(source, Wave):
+        if not isinstance(source, Wave):
+            begun = basis.free(start, rows)
+        else:
             size = spread(source.size, cases).reshape(-1, 1)
             first = size[:, 0].real
             asked = (start, rows, direct, Q, source, size, duration)

@@ -125,6 +125,15 @@ class Steps:
     """See `Method.errors`."""
 
     @cached_property
+    def seen(self) -> tuple[Complex, Complex, bool]:
+        """The eigenvalues with Im λ ≥ 0, what their motion goes wrong by in a unit of time, relative to the larger of
+        what it is and should be (its logarithm), and whether nothing does."""
+        half = self.spectrum.values.imag >= 0
+        errors = self.errors[half]
+        rates = np.maximum(-np.abs(errors.real), -1e300) + 1j * errors.imag  # a root may be zero
+        return self.spectrum.values[half], rates, not errors.any()
+
+    @cached_property
     def powers(self) -> ModalPowers | None:
         """Powers of the step's roots, where the step has the eigenvectors of the differential equation."""
         modes = self.spectrum.modes if self.method.modal else None
@@ -189,6 +198,6 @@ def overflow(t: float, spectrum: Spectrum) -> InputError:
         ))  # fmt: skip
     kind = "flutter" if worst.imag else "divergence"
     return InputError(Message(
-        f"the response passes the range of floats at t = {{t:time}}: {kind} grows as exp(r t), r = {{rate:rate}}; choose a "
-        "shorter duration or a load below the critical one", t=t, rate=worst.real
+        f"the response passes the range of floats at t = {{t:time}}: {kind} grows as exp(r t), r = {{rate:rate}}; "
+        "choose a shorter duration or a load below the critical one", t=t, rate=worst.real
     ))  # fmt: skip

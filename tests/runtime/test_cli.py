@@ -396,7 +396,7 @@ def test_responses_that_mislead_are_warned_of(freebeam, options, says):
         (["--duration", "2", "--step", "5"], "step = 5 s: must not be longer than the duration, 2 s"),
         (["--duration", "2", "--step", "1", "--sensor", "13"], "--sensor 13: must be from 0 to 12 m"),
         (["--duration", "1e18", "--step", "1e17"], " rad/s turns by "),
-        (["--duration", "1e9", "--step", "1e8", "--method", "newmark"], "choose a step below 55.3 s"),
+        (["--duration", "1e9", "--step", "1e8", "--method", "newmark"], " s or fewer modes"),
         (["--duration", "1000", "--step", "0.1", "--load", "6e7"], " 1/s; choose a shorter duration"),
     ],
 )

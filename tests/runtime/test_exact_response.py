@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import math
+from decimal import Decimal
+from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -83,8 +86,8 @@ def test_forced_motion_is_that_of_an_integrator(system: Any, kind: str) -> None:
     n = len(system.M)
     x, states = np.concatenate([np.full(n, 1e-3), np.zeros(n)]), []
     states.append(x)
-    for begin, end in zip(knots[:-1], knots[1:], strict=True):
-        found = solve_ivp(lambda t, x: G @ x + B * at(t), (begin, end), states[-1], "DOP853", rtol=1e-12, atol=1e-16)
+    for between in pairwise(knots):
+        found = solve_ivp(lambda t, x: G @ x + B * at(t), between, states[-1], "DOP853", rtol=1e-12, atol=1e-16)
         states.append(found.y[:, -1])
     expected, shapes = np.array(states), system.shapes(X)
     got = fb.respond(system, steps * step, step, force=force, force_position=1, initial=x[:n], sensors=X)
@@ -221,9 +224,6 @@ def test_rounding_is_no_growth() -> None:
 
 @pytest.mark.parametrize("step", ["0.01", "0.1", "0.003", "1e-7", "0.7", "123.456", "0.001953125"])
 def test_times_print_as_multiples_of_the_step(step: str) -> None:
-    from decimal import Decimal
-    from fractions import Fraction
-
     times = moments(Fraction(step), 0, 2000)
     assert [float(Decimal(step) * k) for k in range(2000)] == times.tolist()
     found = fb.respond(FREE.system(1), 200 * float(step), float(step), outputs=("y",))
