@@ -136,8 +136,8 @@ def fixed(value: float) -> int:
 
 @lru_cache(maxsize=64)
 def exponential(z: Fixed) -> Fixed:
-    """e^z of a complex z. A real part above 1000, whose exponential no float holds, is taken as 1000."""
-    a, b = min(z[0], 1000 << BITS), z[1]
+    """e^z of a complex z."""
+    a, b = z
     halvings = max(0, max(abs(a), abs(b)).bit_length() - BITS) + 8
     a, b = a >> halvings, b >> halvings
     total, term, k = (ONE, 0), (ONE, 0), 0
@@ -151,7 +151,10 @@ def exponential(z: Fixed) -> Fixed:
 
 
 def square(z: Fixed) -> Fixed:
+    """z², or z where that is far beyond floats."""
     a, b = z
+    if max(a.bit_length(), b.bit_length()) > BITS + 1100:
+        return z
     return (a + b) * (a - b) >> BITS, a * b >> (BITS - 1)
 
 

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Function = Callable[[Any], Any]
 
+LOST = 1e-5 / np.finfo(float).eps  # radians, of which the digits of a frequency leave 1e-5 undecided
+
 
 @dataclass(frozen=True)
 class Harmonic:
@@ -157,6 +159,11 @@ def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, in
         return None, ()
     if isinstance(force, Harmonic):
         frequency = finite("force.frequency", force.frequency)
+        if LOST < abs(frequency) * h * times:
+            raise InputError(Message(
+                "force.frequency = {omega:frequency}: turns by more radians in this response than its digits tell; "
+                "choose a shorter duration", omega=frequency,
+            ))  # fmt: skip
         size, phase = (np.asarray(getattr(force, name)) for name in ("amplitude", "phase"))
         for name, value in (("amplitude", size), ("phase", phase)):
             checked(f"force.{name}", value.reshape(-1), value.size, float)

@@ -56,7 +56,7 @@ class Quality:
     def samples(self) -> float:
         """A period of the fastest of the modes that carry, or of the force; infinite where none oscillates."""
         fastest = float(self.frequencies[self.largest > CARRIES].max(initial=self.frequency))
-        return 2 * math.pi / (fastest * self.step) if fastest else math.inf
+        return 2 * math.pi / fastest / self.step if fastest else math.inf
 
 
 def warnings_of(spectrum: Spectrum, duration: float, quality: Quality) -> tuple[Message, ...]:

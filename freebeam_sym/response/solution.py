@@ -15,6 +15,7 @@ from freebeam_sym.checks import InputError, positions, positive
 from freebeam_sym.response.coordinates import Scaled, coordinates_of
 from freebeam_sym.response.exact import Exact
 from freebeam_sym.response.inputs import (
+    LOST,
     Function,
     Harmonic,
     Wave,
@@ -241,10 +242,10 @@ def _check_phase(spectrum: Spectrum, duration: float) -> None:
     values = spectrum.values
     turned = values.imag * np.minimum(duration, 40 / np.maximum(-values.real, 1e-300))
     worst = int(np.argmax(turned))
-    if turned[worst] * np.finfo(float).eps > 1e-5:
+    if turned[worst] > LOST:
         raise InputError(Message(
             f"duration = {{duration:time}}: the part of frequency {{omega:frequency}} turns by {turned[worst]:.3g} "
             "radians, and would lose its digits: those of the matrices leave 1e-5 of its phase at {limit:time .3g}; "
             "choose a shorter duration",
-            duration=duration, omega=values[worst].imag, limit=1e-5 / np.finfo(float).eps / values[worst].imag,
+            duration=duration, omega=values[worst].imag, limit=LOST / values[worst].imag,
         ))  # fmt: skip

@@ -239,5 +239,14 @@ def test_a_phase_that_no_digits_hold_is_refused() -> None:
     """The phase ω t of a matrix of 16 digits; one that dies away before is none."""
     with pytest.raises(InputError, match="radians"):
         fb.respond(FREE.system(2), 1e10, 1e9)
+    with pytest.raises(InputError, match=r"force\.frequency"):
+        fb.respond(FREE.system(2), 1e3, 0.1, force=fb.Harmonic(1.0, 1e12), force_position=1)
     settled = fb.respond(FREE.system(2, 0, 1e-3, 0.1), 1e10, 1e9)
     assert not settled.y[1:].any() and settled.y[0].any()
+
+
+def test_a_growth_beyond_floats_is_refused_at_once() -> None:
+    """Powers of a root that no float holds are not made: e^(500 · 2²⁰) would take the machine's memory."""
+    system = FREE.system(2, 5000)
+    with pytest.raises(InputError, match=r"at t = 10: (flutter|divergence) grows"):
+        fb.respond(system, 1e7, 10)
