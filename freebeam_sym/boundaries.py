@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
 
@@ -46,9 +47,10 @@ class BoundaryEvent:
 
 @dataclass(frozen=True)
 class Boundary:
-    """First loss of stability over one parameter: `values` ascending, `load`, `frequency` (m,), nan where there is none
-    up to the largest load, `kind` (m,) of "none", "flutter" or "divergence", and `events` in the order of `value`.
-    Nondimensional. A curve is broken at its events: the two values next to one differ by a rounding only."""
+    """First loss of stability over one parameter: `values` ascending, `load`, `frequency` (m,), nan where there is
+    none up to the largest load, `kind` (m,) of "none", "flutter" or "divergence", and `events` in the order of `value`.
+    Nondimensional. A curve is broken at its events: the two values next to one differ by a rounding only. `points`
+    (m,): the answers themselves."""
 
     parameter: str
     values: Real
@@ -56,6 +58,17 @@ class Boundary:
     frequency: Real
     kind: NDArray[np.str_]
     events: tuple[BoundaryEvent, ...]
+    points: tuple[CriticalLoad, ...] = field(repr=False, compare=False)
+
+    @cached_property
+    def error(self) -> Real:
+        """`CriticalLoad.error` of each point, (m,), nan where there is none; computed when first asked for."""
+        return np.array([math.nan if point.error is None else point.error for point in self.points])
+
+    @cached_property
+    def converged(self) -> NDArray[np.bool_]:
+        """`CriticalLoad.converged` of each point, (m,)."""
+        return np.array([point.converged for point in self.points])
 
 
 @dataclass
@@ -150,6 +163,7 @@ def trace_boundary(
         np.array([np.nan if p.frequency is None else p.frequency for p in points]),
         np.array([p.kind for p in points]),
         tuple(_event(value((a + b) / 2), tracer.found[a], tracer.found[b]) for a, b in tracer.events),
+        tuple(points),
     )
 
 

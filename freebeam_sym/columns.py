@@ -43,6 +43,8 @@ class Column:
     """A column: name, ends, parameters and the emitted kernels that compute its matrices."""
 
     kernel: ModuleType
+    path: Path | None = None
+    """Its file, of a column of one's own."""
     _cache: OrderedDict[Any, Any] = field(default_factory=OrderedDict, repr=False)
 
     @property
@@ -65,6 +67,19 @@ class Column:
     def basis_name(self) -> str:
         """The trial functions of the Ritz series: "modes" of the unloaded beam, Eq. (22), or "legendre" polynomials."""
         return str(self.kernel.COLUMN.get("basis", "modes"))
+
+    @cached_property
+    def polynomials(self) -> Column | None:
+        """The same column in polynomials, whose series converge exponentially; None where it is a kernel's file in
+        another basis, with none of polynomials beside it."""
+        if self.basis_name == "legendre":
+            return self
+        if self.path is None:
+            return column(self.name, "legendre")
+        if Path(str(self.kernel.__file__)) != self.path:  # derived from a statement
+            return column(self.path, "legendre")
+        beside = self.path.with_stem(f"{self.path.stem}_legendre")
+        return column(beside) if beside.is_file() else None
 
     @property
     def rigid_count(self) -> int:
@@ -309,7 +324,7 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
         from freebeam_sym.own import kernel_of
 
-        found = Column(kernel_of(Path(name), basis or "modes"))
+        found = Column(kernel_of(Path(name), basis or "modes"), Path(name))
         if basis not in (None, found.basis_name):
             raise InputError(
                 f"{text}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file"

@@ -19,19 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
-from freebeam_sym.critical import FREQUENCY_TOLERANCE, LOAD_TOLERANCE
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Pencil, Real, pencil_of
+from freebeam_sym.pencil import Kind, Pencil, Real, pencil_of
 from freebeam_sym.surface import FEW, surface_of
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
-__all__ = ["KINDS", "Answers", "agree", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
+__all__ = ["KINDS", "Answers", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
 
-FEWEST = 3
-"""Questions of a pencil up to which it gets no ladder."""
-KINDS = ("none", "flutter", "divergence")
+KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
 """What the numbers of `Answers.kind` stand for."""
 
 
@@ -42,14 +39,13 @@ class Answers(NamedTuple):
     frequency: Real
     kind: NDArray[np.int8]
 
+    def at(self, which: Any) -> Answers:
+        """The answers of some points."""
+        return Answers(self.load[which], self.frequency[which], self.kind[which])
 
-def agree(one: Answers, more: Answers) -> NDArray[np.bool_]:
-    """Whether the same kind is found with more modes, at a load that differs by LOAD_TOLERANCE at most and, in flutter,
-    at a frequency that differs by FREQUENCY_TOLERANCE."""
-    with np.errstate(invalid="ignore"):
-        near = np.abs(more.load - one.load) <= LOAD_TOLERANCE * one.load
-        near &= (one.kind == 2) | (np.abs(more.frequency - one.frequency) <= FREQUENCY_TOLERANCE * one.frequency)
-    return np.asarray((one.kind == more.kind) & ((one.kind == 0) | near))
+    def flat(self) -> Answers:
+        """The same as arrays of one dimension."""
+        return Answers(self.load.ravel(), self.frequency.ravel(), self.kind.ravel())
 
 
 def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
@@ -185,7 +181,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
             which = which[~settled]
         ask = np.append(ask, which)
     for k in ask:
-        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max, once=len(ask) <= FEWEST)
+        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max)
         load[k], frequency[k], kind[k] = (np.nan, np.nan, 0) if found is None else _plain(found)
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]

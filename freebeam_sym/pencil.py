@@ -17,28 +17,44 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["Crossing", "Damping", "Pencil", "inverse", "newton", "pencil_of"]
+__all__ = ["CLOSE", "NEAR", "Crossing", "Damping", "Event", "Pencil", "newton", "pencil_of"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 Kind = Literal["flutter", "divergence", "none"]
+
+SINGULAR = 1e-14
+"""Least singular value of E + P H, relative to its norm (in the basis where E = I), up to which it is singular but for
+rounding: matrices are known to 2e-15 of their norms."""
+
+
+CLOSE = 1e-4
+"""Relative distance of loads from which on they are looked at together."""
+NEAR = 1e-6
+"""Relative. Two roots of a matrix's determinant are known apart from here on: they are off by the root of rounding."""
 
 
 @dataclass(frozen=True)
 class Crossing:
     """A load at which an eigenvalue λ = iω stands on the imaginary axis. All nondimensional.
 
-    `vector` (N,) complex are the generalised coordinates of the motion, largest entry 1.
+    `vector` (N,) complex are the generalised coordinates of the motion, largest entry 1. A flutter's frequency is 0
+    where an eigenvalue comes to λ = 0 and leaves as a pair that grows.
     """
 
     load: float
     frequency: float
     vector: Complex
+    kind: Literal["flutter", "divergence"]
 
-    @property
-    def kind(self) -> Kind:
-        """Divergence where the frequency is zero, else flutter."""
-        return "divergence" if self.frequency == 0 else "flutter"
+
+@dataclass(frozen=True)
+class Event:
+    """A crossing that may end stability. simple: of a single root, which an eigenvalue passes; else of roots that
+    rounding cannot tell apart, so that it may come back."""
+
+    crossing: Crossing
+    simple: bool
 
 
 @dataclass(frozen=True)
@@ -89,9 +105,6 @@ class Pencil:
         root = np.sqrt(e)
         self._relative: Real = self.H / np.outer(root, root)
         self.norm = float(np.linalg.norm(self._relative, 2))
-        self.diagonal: Real = np.diag(self.H)
-        self.off: Real = np.abs(self.H)
-        np.fill_diagonal(self.off, 0.0)
         self.kept: dict[Any, Any] = {}
 
     @cached_property
@@ -101,23 +114,38 @@ class Pencil:
         return bool(np.abs(R - R.T).max() <= 1e-13 * np.abs(R).max())
 
     @cached_property
-    def divergence_loads(self) -> Real:
-        """Real positive roots of det(E + P H), ascending, with no regard to what happens before."""
+    def divergences(self) -> tuple[Event, ...]:
+        """Where det(E + P H) = 0 for real P > 0, ascending, with no regard to flutter before. Two roots are one event
+        where E + P H between them is singular but for rounding, real roots or not: a touch of λ = 0."""
         R = self._relative
         mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
-        real = mu.real[(mu.imag == 0) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
-        return np.sort(1 / real)
+        mu = mu[(np.abs(mu.imag) <= CLOSE * mu.real) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
+        mu = mu[np.argsort(-mu.real)]
+        events: list[Event] = []
+        while len(mu):
+            load, pair = float(1 / mu[0].real), len(mu) > 1 and mu[1].real > (1 - CLOSE) * mu[0].real
+            if pair:
+                middle = float(2 / (mu[0].real + mu[1].real))
+                least = np.linalg.svd(np.eye(self.size) + middle * R, compute_uv=False)[-1]
+                if least <= SINGULAR * (1 + middle * self.norm):
+                    events.append(Event(self._divergence(middle), False))
+                    mu = mu[2:]
+                    continue
+            if mu[0].imag == 0:
+                events.append(Event(self._divergence(load), True))
+            mu = mu[1:]
+        return tuple(events)
 
-    def divergence(self, load: float) -> Crossing:
-        """The crossing at ω = 0 whose load is near `load` (one of `divergence_loads`)."""
+    def _divergence(self, load: float) -> Crossing:
+        """The crossing at ω = 0 whose load is near `load`."""
         A = np.eye(self.size) + load * self._relative
         left, _, right = np.linalg.svd(A)
         u, v = left[:, -1], right[-1]
         # one step of Newton's method: the eigenvalue of the whole pencil knew the load to the norm of H only
-        slope = u @ self._relative @ v
-        if slope != 0:
-            load = float(load - u @ A @ v / slope)
-        return Crossing(float(load), 0.0, self.vector(v / np.sqrt(self.e)))
+        slope, residual = float(u @ self._relative @ v), float(u @ A @ v)
+        if abs(residual) < CLOSE * abs(slope * load):
+            load -= residual / slope
+        return Crossing(float(load), 0.0, self.vector(v / np.sqrt(self.e)), "divergence")
 
     def vector(self, v: Real | Complex) -> Complex:
         """v of this basis in the column's own coordinates, largest entry 1."""
@@ -177,7 +205,7 @@ def newton(
     G[i, n + i] = -scale * damping.size**2 * D
     L[:n, :n] = L[n:m, n:] = scale[:, None] * pencil.H
     J = np.empty((m + 2, m + 2))
-    before, astray = math.inf, 0
+    before, astray, tiny = math.inf, 0, 1e-7 * float(e[0])
     for _ in range(steps):
         J[:, :m] = F + w * G + P * L
         r = J[:, :m] @ x
@@ -189,8 +217,9 @@ def newton(
             return None
         x = x - change[:m]
         w, P = w - float(change[m]), P - float(change[m + 1])
-        astray = 0 if w > 0 and P > 0 else astray + 1
-        step = abs(change[m] / w) + abs(change[m + 1] / P) if w and P else math.inf
+        astray = 0 if w > -tiny and P > 0 else astray + 1
+        # where ω goes to zero its square is judged beside that of mode 1
+        step = abs(change[m]) / (abs(w) + tiny) + abs(change[m + 1] / P) if P else math.inf
         if astray > 3 or not step < 1e6:
             return None
         # rounding reached: the next step, by the law of the last two, would be below it, or steps no longer shrink
@@ -209,12 +238,3 @@ def pencil_of(M: Real, E: Real, H: Real) -> Pencil:
 @lru_cache(maxsize=64)
 def _kept(thread: int, n: int, *matrices: bytes) -> Pencil:
     return Pencil(*(np.frombuffer(a).reshape(n, n) for a in matrices))
-
-
-def inverse(Y: Any) -> Any:
-    """Left eigenvectors (rows) to right ones (columns). A singular H is often defective at μ = 0, a load at
-    infinity that does not matter; the pseudo-inverse still has the rows of all other eigenvalues."""
-    try:
-        return np.linalg.inv(Y)
-    except np.linalg.LinAlgError:
-        return np.linalg.pinv(Y, rcond=1e-13)

@@ -14,7 +14,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from freebeam_sym.checks import InputError, count, nonnegative, positive
-from freebeam_sym.critical import LOAD_TOLERANCE, CriticalLoad, critical_load
+from freebeam_sym.convergence import CONVERGED
+from freebeam_sym.critical import CriticalLoad, critical_load
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
@@ -390,7 +391,7 @@ def truncation_error(
     while True:
         beam = _enclosed(asked, near, more.kind, digits)
         assert beam.load is not None and series.load is not None
-        if abs(float(beam.load[0]) / near[0] - 1) > LOAD_TOLERANCE:
+        if abs(float(beam.load[0]) / near[0] - 1) > 10 * CONVERGED:
             raise InputError(
                 f"the truncation error of {column.name} at N = {modes} is not known: the beam's own crossing at "
                 f"{float(beam.load[0]):.10g} is not the one that more functions lead to, {near[0]:.10g}"

@@ -7,7 +7,9 @@ eigenvalues stay what they are, and λ = 0 joins them, defective: the free beam 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -26,6 +28,12 @@ Complex = NDArray[np.complex128]
 ROUNDING = 1e-9
 """Real parts of λ up to this, relative to |λ|, are rounding where there is no damping: a stable λ = iω is then
 exact only to the square root of a float's precision near a coalescence, and to a float's precision elsewhere."""
+EPSILON = 1e-15
+"""Rounding of a state matrix, relative to its norm: a few units of a float's last digit."""
+AGREED = 1e-4
+"""Relative difference up to which eigenvalues of two series are the same one."""
+MOST_COMPARED = 60
+"""Polynomials that eigenvalues are compared with, at most."""
 MOST_CUTS = 40
 """How often `branches` halves an interval between two given loads before it takes the match as it stands."""
 
@@ -51,6 +59,7 @@ class Spectrum:
     `eigenvalues` (2n,) complex, sorted by |Im λ|, then Re λ, then Im λ; `vectors` (n, 2n) complex, the columns q̂
     of Eq. (24) in generalised coordinates, largest entry 1; `reference_frequency` is λ₀ of Eq. (26), None where
     mode 1 of the unloaded beam is overdamped and Eq. (26) says nothing. "Stable" means the elastic spectrum.
+    `system`: whose spectrum it is.
     """
 
     eigenvalues: Complex
@@ -58,6 +67,41 @@ class Spectrum:
     elastic: Complex = field(repr=False)
     """Eigenvalues of the elastic functions alone, sorted alike."""
     reference_frequency: float | None
+    system: System = field(repr=False, compare=False)
+    places: NDArray[np.intp] = field(repr=False, compare=False)
+    """Where each of `elastic` stands in `eigenvalues`."""
+
+    @cached_property
+    def rounding(self) -> Real:
+        """By how much each of `eigenvalues` may be off, relative, for the rounding of a float, (2n,): near a
+        coalescence half of the digits are lost. 0 where λ = 0."""
+        s, r = self.system, self.system.rigid_count
+        e = slice(r, None)
+        M, C, K = s.M[e, e], s.C[e, e], s.K[e, e]
+        found, V = _eigen(M, C, K)
+        size = np.abs(found).max()
+        # states in the norm of the energy, in which all modes weigh alike
+        W = np.vstack([np.sqrt(np.diag(s.E)[e])[:, None] * V, np.sqrt(np.diag(M))[:, None] * V * found])
+        W = W / np.linalg.norm(W, axis=0)
+        condition = np.linalg.norm(_left(W), axis=1)
+        # to first order; where two meet, the root of rounding
+        off = size * np.minimum(EPSILON * condition, math.sqrt(EPSILON))
+        return self._of_all(np.asarray(off / np.abs(found))[_order(found)])
+
+    @cached_property
+    def error(self) -> Real:
+        """Estimated error of each of `eigenvalues` against the beam's own, relative, (2n,): by polynomials at two N
+        that agree; nan where these do not, or the column has none. Rigid motion has none: 0."""
+        s = self.system
+        found = self.elastic
+        off = beam_errors(s.column, found[None, :], np.array([s.load]), s.modes, s.alpha, s.beta, s.parameters)[0]
+        return self._of_all(off + self.rounding[self.places])
+
+    def _of_all(self, numbers: Real) -> Real:
+        """Numbers of `elastic` at their places in `eigenvalues`, 0 at those of rigid motion."""
+        out = np.zeros(len(self.eigenvalues))
+        out[self.places] = numbers
+        return out
 
     @property
     def normalised(self) -> Complex | None:
@@ -95,7 +139,28 @@ def spectrum(system: System) -> Spectrum:
     full = full[:, order]
     peak = full[np.abs(full).argmax(axis=0), np.arange(2 * n)]
     reference = _reference(M[e, e], C[e, e], system.E[e, e])
-    return Spectrum(eigenvalues[order], full / peak, elastic[order_e], reference)
+    places = np.argsort(order)[order_e]
+    return Spectrum(eigenvalues[order], full / peak, elastic[order_e], reference, system, places)
+
+
+def beam_errors(
+    column: Column, found: Complex, loads: Real, modes: int, alpha: float, beta: float, own: Mapping[str, float]
+) -> Real:
+    """Errors of elastic eigenvalues (m, k) at loads (m,) against the beam's own, relative, (m, k): from the nearest
+    that series of polynomials at two N agree on, their difference added; nan where the nearest is not agreed on."""
+    polynomials = column.polynomials
+    if polynomials is None:
+        return np.full(found.shape, np.nan)
+    fewer = min(2 * modes + 8, MOST_COMPARED)
+    first, second = (eigenvalues(polynomials, loads, alpha, beta, n, **own) for n in (fewer, fewer + 8))
+    errors = np.empty(found.shape)
+    for row, (given, one, two) in enumerate(zip(found, first, second, strict=True)):
+        apart = np.abs(two[:, None] - one).min(axis=1)
+        nearest = np.abs(given[:, None] - two).argmin(axis=1)
+        size = np.maximum(np.abs(two[nearest]), 1e-300)
+        off = (np.abs(given - two[nearest]) + apart[nearest]) / size
+        errors[row] = np.where(apart[nearest] <= AGREED * size, off, np.nan)
+    return errors
 
 
 def _eigen(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
@@ -229,6 +294,13 @@ class Branches:
     loads: Real
     eigenvalues: Complex
     vectors: Complex | None = field(repr=False, default=None)
+    errors: Callable[[], Real] | None = field(repr=False, compare=False, default=None)
+
+    @cached_property
+    def error(self) -> Real:
+        """Estimated error of each of `eigenvalues` (m, 2n) against the beam's own, relative, as `Spectrum.error` but
+        for rounding; computed when first asked for."""
+        return np.full(self.eigenvalues.shape, np.nan) if self.errors is None else self.errors()
 
 
 def branches(
@@ -271,7 +343,16 @@ def branches(
         shapes = shapes[:, :, order]
         peak = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None, :], axis=1)
         shapes = shapes / peak
-    return Branches(P, values, shapes)
+    rigid_ones = values.shape[1] - 2 * modes
+
+    def errors() -> Real:
+        own = {name: float(value) for name, value in parameters.items()}
+        elastic = order < 2 * modes if rigid_ones else np.ones(len(order), dtype=bool)
+        found = np.zeros(values.shape)
+        found[:, elastic] = beam_errors(column, values[:, elastic], P, modes, alpha, beta, own)
+        return found
+
+    return Branches(P, values, shapes, errors)
 
 
 def _join_rigid(system: Any, loads: Real, values: Complex, shapes: Complex | None) -> tuple[Complex, Complex | None]:

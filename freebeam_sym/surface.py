@@ -26,8 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.ladder import ladder_of
-from freebeam_sym.pencil import Complex, Damping, Pencil, Real
+from freebeam_sym.pencil import Complex, Crossing, Pencil, Real
 
 __all__ = ["FEW", "Surface", "leaves", "surface_of"]
 
@@ -147,8 +146,8 @@ class Surface:
 
     def __init__(self, pencil: Pencil, bound: float) -> None:
         self.pencil = pencil
-        loads = pencil.divergence_loads
-        self.divergence = pencil.divergence(float(loads[0])).load if len(loads) else math.inf
+        self.first_divergence = next((x.crossing for x in pencil.divergences if x.simple), None)
+        self.divergence = math.inf if self.first_divergence is None else self.first_divergence.load
         self.bound = bound
         self.kappa0 = math.sqrt(pencil.e[0] * pencil.e[1])
         self._root: _Patch | None = None
@@ -255,12 +254,12 @@ class Surface:
     def _first(self) -> _Patch:
         """The whole square, cut along χ, with what continuation from the limit of vanishing damping finds on a coarse
         grid as a first guess."""
-        p, t = self.pencil, _gauss(_COARSE)
+        t = _gauss(_COARSE)
         found = np.full((2, _COARSE), np.nan)
         for k, chi in enumerate(t):
-            start = ladder_of(p).first(Damping.of(p.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi)))
-            if start is not None and start[0] > 0 and start[1] > 0:
-                found[:, k] = start[1], start[0]
+            start = self._limit(chi)
+            if start is not None and start.frequency > 0:
+                found[:, k] = start.load, start.frequency**2
         values, before = np.empty((2, _COARSE, _COARSE)), found
         for k, xi in enumerate(t):
             first = 2 * found - before if k > 1 else found
@@ -394,6 +393,10 @@ class Surface:
         a = np.abs(series) * weight[:, None, None]
         return float(a[:, -2:, :].max()), float(a[:, :, -2:].max())
 
+    def _limit(self, chi: float) -> Crossing | None:
+        """The first loss of stability of vanishing damping at this χ."""
+        return first_crossing(self.pencil, 0.0, 0.0, self.bound, self.kappa0 * chi / (1 - chi))
+
     # --- crossings in a batch ----------------------------------------------------------------------------------------
 
     def _damping(self, xi: Real, chi: Real) -> Real:
@@ -464,7 +467,7 @@ class Surface:
         xi, chi = a + (A - a) * x, b + (B - b) * y
         size = math.sqrt(self.kappa0 * xi / (1 - xi))
         found = first_crossing(self.pencil, (1 - chi) * size / self.kappa0, chi * size, self.bound)
-        return None if found is None or found.frequency == 0 else (found.load, found.frequency**2 / (1 - xi))
+        return None if found is None or found.kind == "divergence" else (found.load, found.frequency**2 / (1 - xi))
 
     def _follow(self, patch: _Patch, x: float, y: float, found: tuple[float, float]) -> Real:
         """Crossings at the nodes, followed from the one at a place (0 to 1) of the patch."""
@@ -543,9 +546,8 @@ class Surface:
         top = min(self.bound, self.divergence)
         for t in _PROBED:
             chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
-            damping = Damping.of(self.pencil.e, 0.0, 0.0, self.kappa0 * chi / (1 - chi))
-            start = ladder_of(self.pencil).first(damping)
-            first = start[1] if start is not None and start[0] > 0 else math.inf
+            start = self._limit(chi)
+            first = math.inf if start is None else start.load
             here = math.inf
             if series is not None:
                 T = chebyshev(np.array([0.0, t]), series.shape[-1])

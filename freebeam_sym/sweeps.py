@@ -28,8 +28,8 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, count
 from freebeam_sym.columns import Column, column
-from freebeam_sym.critical import more_modes
-from freebeam_sym.grids import agree, solve_grid
+from freebeam_sym.convergence import verdict
+from freebeam_sym.grids import solve_grid
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -51,7 +51,7 @@ block a quarter of its time, and watch themselves a hundred times a second."""
 SHARED = Path("/dev/shm")
 """Memory as a folder, on Linux."""
 SCHEDULERS = ("synchronous", "threads", "processes")
-TYPES = {"load": np.float64, "frequency": np.float64, "kind": np.int8, "converged": np.bool_}
+TYPES = {"load": np.float64, "frequency": np.float64, "kind": np.int8, "error": np.float64, "converged": np.bool_}
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Sweep:
 
     @property
     def variables(self) -> tuple[str, ...]:
-        return tuple(TYPES)[: None if self.convergence else -1]
+        return tuple(TYPES)[: None if self.convergence else -2]
 
     def blocks(self) -> list[Block]:
         """The parts of the map, in the order of its axes; the last ones along an axis may be smaller."""
@@ -169,7 +169,7 @@ def solved(
     found = solve_grid(here, modes, axes, fixed, load_max)
     values: Values = found._asdict()
     if convergence:
-        values["converged"] = agree(found, solve_grid(here, more_modes(modes), axes, fixed, load_max))
+        values["error"], values["converged"] = verdict(here, axes, fixed, load_max, found)
     return values
 
 

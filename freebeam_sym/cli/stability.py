@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Callable
 from decimal import Decimal
 from pathlib import Path
@@ -73,6 +74,7 @@ def critical(
     """Find the lowest load at which the column flutters or diverges."""
     import freebeam_sym as fb
     from freebeam_sym.checks import InputError
+    from freebeam_sym.convergence import digits_that_hold
 
     vanishing = alpha.text == "0+"
     if kappa is not None and not vanishing:
@@ -118,14 +120,18 @@ def critical(
                 file.write((json.dumps(proven.certificate, indent=1) + "\n").encode())
     with working("critical load") as report, nondimensional(units):
         found = fb.critical_load(case.column, modes=case.modes, alpha=case.alpha, beta=case.beta, **limit, **case.own)
-        report("convergence in the number of modes")
-        more = found.convergence
+        report("the beam itself")
+        beam = found.beam
     record = case.record(
         load=units.out("load", found.load),
         kind=found.kind,
         frequency=units.out("frequency", found.frequency),
-        converged=more.converged,
-        convergence={"modes": more.modes, "load": units.out("load", more.load), "kind": more.kind},
+        error=found.error,
+        converged=found.converged,
+        beam=None
+        if beam is None
+        else {"load": units.out("load", beam.load), "kind": beam.kind, "uncertainty": beam.uncertainty},
+        touches=[[units.out("load", touch.load), units.out("frequency", touch.frequency)] for touch in found.touches],
         load_max=units.out("load", found.load_max),
     )
     if proven is not None:
@@ -141,15 +147,23 @@ def critical(
         print_json(record)
         return
     load_unit = units.of("load")
-    there: str = more.kind
+    none = f"none up to {record['load_max']:.10g}{load_unit}"
     if found.load is None:
-        rows = [["critical load", f"none up to {record['load_max']:.10g}{load_unit}"]]
+        rows = [["critical load", none]]
     else:
-        rows = [["critical load", f"{record['load']:.10g}{load_unit}"], ["kind", found.kind]]
+        rows = [["critical load", digits_that_hold(record["load"], found.rounding) + load_unit], ["kind", found.kind]]
         rows += [["frequency", f"{record['frequency']:.10g}{units.of('frequency')}"]]
-    if more.load is not None:
-        there += f" at {record['convergence']['load']:.10g}{load_unit}"
-    rows += [["converged", f"{'yes' if more.converged else 'no'} (N = {more.modes}: {there})"]]
+    rows += [["touches", f"{load:.10g}{load_unit}: stability is not lost"] for load, _ in record["touches"]]
+    if beam is None:
+        rows += [["the beam itself", "not known: series of polynomials do not agree"]]
+    elif beam.load is None:
+        rows += [["the beam itself", none]]
+    else:
+        its = digits_that_hold(record["beam"]["load"], beam.uncertainty) + load_unit
+        rows += [["the beam itself", its if beam.kind == found.kind else f"{beam.kind} at {its}"]]
+    if found.load is not None:
+        error = "" if found.error is None else f" (error {found.error:.1e})"
+        rows += [["converged", ("yes" if found.converged else "no") + error]]
     if proven is not None:
         what = "the beam itself" if exact else f"N = {case.modes}"
         none = f"none up to {record['load_max']:.10g}"
@@ -177,6 +191,13 @@ def critical(
             for c in crossings
         ]
         print_table(lines, header, f"All crossings up to {record['load_max']:.10g}: proven that there is no other")
+
+
+def _part(part: float, size: float, rounding: float) -> str:
+    """Real or imaginary part of a number of this size, to the digits that its relative rounding leaves."""
+    from freebeam_sym.convergence import digits_that_hold
+
+    return "0" if abs(part) <= rounding * size else digits_that_hold(part, rounding * size / abs(part))
 
 
 def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
@@ -282,11 +303,15 @@ def spectrum(
         load=load,
         rigid=rigid,
         eigenvalues=units.out("frequency", found.eigenvalues),
+        error=found.error,
         reference_frequency=units.out("frequency", found.reference_frequency),
     )
     if as_json:
         print_json(record)
         return
-    rows = [[f"{value.real:.10g}", f"{value.imag:.10g}"] for value in record["eigenvalues"]]
+    rows = [
+        [*(_part(x, abs(value), off) for x in (value.real, value.imag)), "" if math.isnan(error) else f"{error:.1e}"]
+        for value, off, error in zip(record["eigenvalues"], found.rounding, found.error, strict=True)
+    ]
     unit = units.of("frequency")
-    print_table(rows, [f"Re{unit}", f"Im{unit}"], case.title(load=f"{load}{units.of('load')}"))
+    print_table(rows, [f"Re{unit}", f"Im{unit}", "error"], case.title(load=f"{load}{units.of('load')}"))

@@ -290,7 +290,7 @@ def test_command_line(freebeam: Any, own_file: Path) -> None:
     assert (status, err) == (0, "")
     assert (found["basis"], found["modes"], found["kind"], found["converged"]) == ("legendre", 18, "flutter", True)
     assert found["load"] == fb.critical_load(polynomials("free-free"), 18).load
-    assert found["convergence"]["load"] == pytest.approx(found["load"], rel=1e-12)
+    assert found["beam"]["load"] == pytest.approx(found["load"], rel=1e-12)
     assert json.loads(freebeam("critical", "--json")[1])["basis"] == "modes"
     assert "basis = legendre" in freebeam("critical", "--basis", "legendre", "--column", own_file)[1]
     status, out, _ = freebeam("spectrum", "--basis", "legendre", "--load", 9, "--json")

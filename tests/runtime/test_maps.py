@@ -16,10 +16,8 @@ from hypothesis import strategies as st
 
 import freebeam_sym as fb
 from freebeam_sym import cli, crossings, grids, pencil
-from freebeam_sym.bialternate import MOST
-from freebeam_sym.critical import first_loss
+from freebeam_sym.critical import _settled
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.ladder import ladder_of
 from freebeam_sym.surface import leaves, surface_of
 
 KINDS = ("none", "flutter", "divergence")
@@ -140,10 +138,10 @@ def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
 def test_single_questions_and_maps_agree_in_either_order() -> None:
     """A surface that earlier questions have built changes no answer."""
     column = fb.column("free-free")
-    cold = [first_loss(pencil.Pencil(*column.matrices(8)), a, 0.3, 1000.0) for a in (1e-5, 1e-2, 10.0)]
+    cold = [_settled(pencil.Pencil(*column.matrices(8)), a, 0.3, 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
     shared = pencil.Pencil(*column.matrices(8))
     for _ in range(6):
-        warm = [first_loss(shared, a, 0.3, 1000.0) for a in (1e-5, 1e-2, 10.0)]
+        warm = [_settled(shared, a, 0.3, 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
     assert surface_of(shared, 1000.0)._root is not None
     for one, other in zip(cold, warm, strict=True):
         assert one is not None and other is not None
@@ -181,6 +179,7 @@ def test_a_map_is_labelled_in_the_order_of_its_axes() -> None:
         assert found["frequency"].values[i, j, k] == pytest.approx(one.frequency, rel=1e-8)
         assert kinds[i, j, k] == one.kind and one.kind == ("divergence" if e < 0.5 else "flutter")
         assert found["converged"].values[i, j, k] == one.converged
+        assert found["error"].values[i, j, k] == pytest.approx(one.error, rel=0.1)
 
 
 def test_a_load_that_truncation_invents_is_marked() -> None:
@@ -260,43 +259,33 @@ def test_the_boundary_over_internal_damping_has_the_place_where_another_branch_t
 
 
 @pytest.mark.parametrize("damping", [{}, {"kappa": 2.0}, {"alpha": 1e-3, "beta": 0.1}, {"alpha": 1.0}, {"beta": 100.0}])
-def test_points_of_a_boundary_are_first_critical_loads(
-    damping: dict[str, float], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Random points and those next to the events against the search, which few of them needed."""
-    searched: list[pencil.Pencil] = []
-
-    def counted(one: pencil.Pencil) -> Any:
-        searched.append(one)
-        return ladder_of(one)
-
+def test_points_of_a_boundary_are_first_critical_loads(damping: dict[str, float]) -> None:
+    """Random points against proven loads, those next to the events against the search."""
     column = fb.column("beck")
-    with monkeypatch.context() as patched:
-        patched.setattr(crossings, "ladder_of", counted)
-        curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
-    assert len(curve.values) > 50 and len(searched) < 5
+    curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
+    assert len(curve.values) > 50
     assert curve.events[0].what == "divergence to flutter"
+    for k in np.random.default_rng(3).integers(0, len(curve.values), 5):
+        proven = fb.certified_load(column, 6, eta=float(curve.values[k]), **damping)
+        assert proven.load is not None and proven.frequency is not None
+        assert curve.kind[k] == proven.kind
+        assert curve.load[k] == pytest.approx(float(proven.load[0]), rel=1e-11)
+        assert curve.frequency[k] == pytest.approx(float(proven.frequency[0]), rel=1e-8)
     near = [int(np.searchsorted(curve.values, event.value)) for event in curve.events]
-    chosen = {*np.random.default_rng(3).integers(0, len(curve.values), 9), *near, *(k - 1 for k in near)}
-    for k in chosen:
+    for k in (*near, *(k - 1 for k in near)):
         own = pencil.Pencil(*column.matrices(6, eta=float(curve.values[k])))
-        given = damping.get("alpha", 0.0), damping.get("beta", 0.0), 1000.0, damping.get("kappa")
-        one = first_crossing(own, *given, search=True)
-        assert one is not None
-        assert curve.kind[k] == one.kind
+        one = first_crossing(own, damping.get("alpha", 0.0), damping.get("beta", 0.0), 1000.0, damping.get("kappa"))
+        assert one is not None and curve.kind[k] == one.kind
         assert curve.load[k] == pytest.approx(one.load, rel=1e-9)
-        if any(event.what == "another branch" and abs(event.value - curve.values[k]) < 1e-9 for event in curve.events):
-            # two loads differ by less than what the search tells apart
-            assert curve.load[k] <= one.load * (1 + 1e-12)  # type: ignore[operator]
-        else:  # next to ω = 0 it is ω² that is known, to the rounding of the least of the squared frequencies
-            assert curve.frequency[k] ** 2 == pytest.approx(one.frequency**2, rel=1e-8, abs=1e-8)  # type: ignore[operator]
 
 
-def test_a_boundary_of_many_modes_is_searched() -> None:
-    column, modes = fb.column("beck"), MOST + 1
-    curve = fb.trace_boundary(column, "eta", 0.9, 1.0, modes=modes, alpha=1e-3, tolerance=0.1)
-    assert not curve.events and (np.diff(curve.load) > 0).all()
-    assert curve.load[10] == fb.critical_load(column, modes, alpha=1e-3, eta=float(curve.values[10])).load
+@pytest.mark.parametrize("modes", [12, 20])
+def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int) -> None:
+    """And the verdict: their error against the beam itself is small on either side."""
+    curve = fb.trace_boundary(fb.column("beck", "legendre"), "eta", 0.4, 0.6, modes=modes, tolerance=0.1)
+    (event,) = curve.events
+    assert event.what == "divergence to flutter" and event.value == pytest.approx(0.5, abs=1e-6)
+    assert curve.converged.all() and curve.error.max() < 1e-8
 
 
 def test_a_boundary_without_events() -> None:

@@ -1,0 +1,121 @@
+"""What a series' critical load is off by: the beam itself, as far as polynomials tell. Section 3.2.
+
+Values of a non-self-adjoint Ritz series are no bounds, and one that changes little with N may still be of another kind
+than the beam's. But series of polynomials converge exponentially, so that two of them which agree, at different N, are
+the beam's load to their difference and rounding.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.grids import Answers, solve_grid, solve_points
+from freebeam_sym.pencil import Kind, Real
+
+if TYPE_CHECKING:
+    from freebeam_sym.columns import Column
+
+__all__ = ["CONVERGED", "BeamLoss", "beam_losses", "digits_that_hold", "judge", "verdict"]
+
+CONVERGED = 1e-3
+"""Relative error, against the beam itself, up to which a critical load is called converged."""
+AGREE = 1e-10
+"""Relative change from N to more polynomials that is taken at once; else N grows as far as it may."""
+ENOUGH = 1e-4
+"""The same, that is taken where N may grow no more."""
+MODES = (12, 16, 20, 26, 34, 44)
+"""N of the polynomials that are compared, one after the other."""
+UNSEEN = 20
+"""N from which on two series that find no loss of stability are believed: fewer polynomials do not bend enough for the
+crossings at loads of some hundreds."""
+
+
+class BeamLoss(NamedTuple):
+    """First loss of stability of the beam itself up to the largest load asked for, nondimensional: `load` and
+    `frequency` None where `kind` is "none". `uncertainty` of the load, relative, estimated."""
+
+    load: float | None
+    kind: Kind
+    frequency: float | None
+    uncertainty: float
+
+
+def beam_losses(ask: Callable[[int, NDArray[np.intp]], Answers], points: int) -> tuple[Answers, Real]:
+    """First losses of the beam itself at so many points, and the relative change (points,) from N to more polynomials:
+    inf where they do not agree. ask: for N and the numbers of points, what a series of N polynomials answers there."""
+    best = Answers(np.full(points, np.nan), np.full(points, np.nan), np.zeros(points, dtype=np.int8))
+    change, left = np.full(points, np.inf), np.arange(points)
+    before = ask(MODES[0], left)
+    for fewer, modes in pairwise(MODES):
+        now = ask(modes, left)
+        with np.errstate(invalid="ignore"):
+            off = np.where(now.kind > 0, np.abs(now.load / before.load - 1), 0.0 if fewer >= UNSEEN else np.inf)
+        off = np.where(now.kind == before.kind, off, np.inf)
+        change[left] = off
+        best.load[left], best.frequency[left], best.kind[left] = now
+        more = off > AGREE
+        left, before = left[more], now.at(more)
+        if not len(left):
+            break
+    return best, np.where(change <= ENOUGH, change, np.inf)
+
+
+def judge(found: Answers, beam: Answers, uncertainty: Real) -> tuple[Real, NDArray[np.bool_]]:
+    """Estimated error of loads against the beam's, relative, nan where either has none or the beam's is not known; and
+    whether the beam loses stability alike, at a load that differs by CONVERGED at most. All of one shape."""
+    known = np.isfinite(uncertainty)
+    with np.errstate(invalid="ignore"):
+        error = np.where(known, np.abs(found.load - beam.load) / beam.load + uncertainty, np.nan)
+        alike = (found.kind == 0) | (error <= CONVERGED)
+    return error, np.asarray(known & (found.kind == beam.kind) & alike)
+
+
+def verdict(
+    column: Column,
+    axes: Mapping[str, Real],
+    fixed: Mapping[str, float],
+    load_max: float,
+    found: Answers,
+    step: Callable[[float], None] | None = None,
+) -> tuple[Real, NDArray[np.bool_]]:
+    """`judge` of the answers of a grid, as `solve_grid` gives them. step: told which part is done, 0 to 1."""
+    shape, size = found.load.shape, found.load.size
+    polynomials, done = column.polynomials, 0
+    if polynomials is None:
+        return np.full(shape, np.nan), np.zeros(shape, dtype=bool)
+    meshes = np.meshgrid(*axes.values(), indexing="ij")
+    points = {name: mesh.ravel() for name, mesh in zip(axes, meshes, strict=True)}
+    points |= {name: np.full(size, value) for name, value in fixed.items()}
+
+    def ask(modes: int, which: NDArray[np.intp]) -> Answers:
+        nonlocal done
+        if len(which) == size:
+            answers = solve_grid(polynomials, modes, axes, fixed, load_max).flat()
+        else:
+            answers = solve_points(polynomials, modes, {name: x[which] for name, x in points.items()}, load_max)
+        done += 1
+        if step is not None:
+            step(min(done / 4, 0.9))
+        return answers
+
+    beam, uncertainty = beam_losses(ask, size)
+    if step is not None:
+        step(1.0)
+    error, converged = judge(found.flat(), beam, uncertainty)
+    return error.reshape(shape), converged.reshape(shape)
+
+
+def digits_that_hold(value: float, error: float, most: int = 10) -> str:
+    """A value as text, to as many significant digits as its relative error leaves, two at least.
+
+    >>> digits_that_hold(9.8696044, 3e-4), digits_that_hold(20.050953619, 1e-14)
+    ('9.870', '20.05095362')
+    """
+    digits = most if error <= 10.0**-most else max(2, math.floor(-math.log10(min(error, 0.1))))
+    return f"{value:#.{min(digits, most)}g}".rstrip(".")
