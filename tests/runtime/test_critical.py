@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from fractions import Fraction
 from functools import cache
@@ -16,6 +17,7 @@ from freebeam_sym.counts import unstable_count
 from freebeam_sym.critical import critical_load
 from freebeam_sym.crossings import _Krylov, _Operator, first_crossing, first_loss
 from freebeam_sym.pencil import Damping, Pencil
+from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
 
@@ -504,3 +506,22 @@ def test_arnoldis_method_finds_all_eigenvalues_of_greater_modulus(floor: float) 
     assert all(np.abs(found - value).min() < 1e-7 for value in wanted)
     for value, vector in zip(found, vectors, strict=True):
         assert np.linalg.norm(A @ vector - value * vector) < 1e-7 * np.linalg.norm(vector)
+
+
+def test_random_questions_against_dense_eigenvalues_and_roots_at_200_bits() -> None:
+    """Every column, both bases, N to 24, all damping and its limits, many next to the touch at η = 1/2."""
+    wrong = [(case, why) for case in cases(150, 3, most=24) if (why := disagreement(case, answer(case))) is not None]
+    assert not wrong
+
+
+@pytest.mark.parametrize(
+    "case", [Case("beck", "legendre", 8, {}, 1e-3, 0.1, None), Case("beck", "modes", 6, {}, 0, 0, 0.0)]
+)
+def test_the_reference_sees_wrong_answers(case: Case) -> None:
+    found = answer(case)
+    assert disagreement(case, found) is None
+    off = disagreement(case, dataclasses.replace(found, load=found.load * (1 + 3e-8)))
+    later = disagreement(case, dataclasses.replace(found, load=found.load * 1.5))
+    none = disagreement(case, dataclasses.replace(found, load=None, frequency=None, mode=None, kind="none"))
+    assert off is not None and off[0] == "load off"
+    assert later is not None and none is not None and later[0] == none[0] == "grows below"

@@ -7,7 +7,6 @@ import json
 import math
 import sys
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam_sym as fb
-from freebeam_sym import cli, crossings, grids, pencil
+from freebeam_sym import cli, grids, pencil
 from freebeam_sym.critical import _settled
 from freebeam_sym.crossings import first_crossing
 from freebeam_sym.surface import leaves, surface_of
