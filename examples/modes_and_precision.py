@@ -108,7 +108,7 @@ with fb.figures.style():
 # %%
 order = np.polyfit(np.log(counts["modes"]), np.log(errors["modes"]), 1)[0]
 critical = fb.critical_load(column, modes=8)
-critical.load, critical.convergence, order
+critical.load, critical.error, critical.converged, order
 
 # %% [markdown]
 # And a number with a proof: the load of the series at $N = 8$, to 30 digits, in an interval that is certain to hold it.

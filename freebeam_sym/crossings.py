@@ -169,15 +169,18 @@ def first_loss(
     damping, limit = Damping.of(pencil.e, alpha, beta, kappa), kappa is not None
     touches: list[Crossing] = []
     stable = 0.0
-    for event, following in _in_order(pencil, damping, load_max):
+    events = _in_order(pencil, damping, load_max)
+    event = next(events, None)
+    while event is not None:
         crossing = event.crossing
-        ahead = following / crossing.load - 1
-        if not event.simple and (
-            ahead < 2 * NEAR or not unstable(pencil, damping, crossing.load * (1 + min(MARGIN, ahead / 2)), limit)
-        ):
-            touches.append(crossing)
-            stable = crossing.load if ahead >= 2 * NEAR else stable
-            continue
+        if not event.simple:
+            following = next(events, None)
+            ahead = math.inf if following is None else following.crossing.load / crossing.load - 1
+            beyond = crossing.load * (1 + min(MARGIN, ahead / 2))
+            if ahead < 2 * NEAR or not unstable(pencil, damping, beyond, limit):
+                touches.append(crossing)
+                event, stable = following, stable if ahead < 2 * NEAR else crossing.load
+                continue
         below = crossing.load * (1 - min(MARGIN, (1 - stable / crossing.load) / 2))
         if unstable(pencil, damping, below, limit):
             return FirstLoss(scan(pencil, damping, stable, below, limit), tuple(touches))
@@ -195,20 +198,17 @@ def first_crossing(
     return first_loss(pencil, alpha, beta, load_max, kappa).crossing
 
 
-def _in_order(pencil: Pencil, damping: Damping, load_max: float) -> Iterator[tuple[Event, float]]:
-    """Divergences, flutters and touches, ascending, each with the load of the one after it: up to `load_max` and the
-    first simple divergence, beyond which nothing can be the first loss."""
+def _in_order(pencil: Pencil, damping: Damping, load_max: float) -> Iterator[Event]:
+    """Divergences, flutters and touches, ascending, up to `load_max` and the first simple divergence, beyond which
+    nothing can be the first loss; found when they are asked for."""
     waiting = [event for event in pencil.divergences if event.crossing.load <= load_max * (1 + NEAR)]
     last = next((event.crossing.load for event in waiting if event.simple), load_max)
-    flutters = iter(()) if pencil.conservative or pencil.size < 2 else _flutters(pencil, damping, last)
-    flutter = next(flutters, None)
-    while waiting or flutter is not None:
-        if flutter is None or (waiting and waiting[0].crossing.load <= flutter.crossing.load):
-            event = waiting.pop(0)
-        else:
-            event, flutter = flutter, next(flutters, None)
-        loads = [x.crossing.load for x in (*waiting[:1], flutter) if x is not None]
-        yield event, min(loads, default=math.inf)
+    if not pencil.conservative and pencil.size > 1:
+        for flutter in _flutters(pencil, damping, last):
+            while waiting and waiting[0].crossing.load <= flutter.crossing.load:
+                yield waiting.pop(0)
+            yield flutter
+    yield from waiting
 
 
 def _flutters(pencil: Pencil, damping: Damping, bound: float) -> Iterator[Event]:
@@ -302,7 +302,7 @@ def scan(pencil: Pencil, damping: Damping, low: float, high: float, limit: bool,
 def rounding(pencil: Pencil, damping: Damping, crossing: Crossing) -> float:
     """By how much a crossing's load may be off, relative, for the rounding of E + P H, to first order.
 
-    With G = (E − ω² + iω C + P H) and its null vectors u and v, a change of G by g changes P and ω by
+    With G = (E − ω² + iω C + P H) and its null vectors u and v, a change of G by g, real, changes P and ω by
     uᴴ g v + (uᴴ H v) dP + (uᴴ G_ω v) dω = 0, of which both parts hold."""
     first, load, omega = math.sqrt(pencil.e[0]), crossing.load, crossing.frequency
     size = max(damping.size, LIGHTEST_SCAN * first)  # what is left of both parts as damping vanishes
@@ -314,5 +314,8 @@ def rounding(pencil: Pencil, damping: Damping, crossing: Crossing) -> float:
     u, v = left[:, -1].conj(), right[-1].conj()
     a, b = u @ pencil._relative @ v, u @ (slope * v)
     change = ROUNDING * (1 + load * pencil.norm)
-    moved = change / abs(a) if omega == 0 else change * abs(b) / abs((a * b.conjugate()).imag)
+    if omega == 0:
+        moved = change / abs(a)
+    else:
+        moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
     return float(min(moved / load, 1.0))

@@ -19,14 +19,14 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Complex, Crossing, Pencil, Real
+from freebeam_sym.pencil import Complex, Pencil, Real
 
 __all__ = ["FEW", "Surface", "leaves", "surface_of"]
 
@@ -255,11 +255,7 @@ class Surface:
         """The whole square, cut along χ, with what continuation from the limit of vanishing damping finds on a coarse
         grid as a first guess."""
         t = _gauss(_COARSE)
-        found = np.full((2, _COARSE), np.nan)
-        for k, chi in enumerate(t):
-            start = self._limit(chi)
-            if start is not None and start.frequency > 0:
-                found[:, k] = start.load, start.frequency**2
+        found = np.array([self._vanishing(chi) for chi in t]).T
         values, before = np.empty((2, _COARSE, _COARSE)), found
         for k, xi in enumerate(t):
             first = 2 * found - before if k > 1 else found
@@ -393,9 +389,36 @@ class Surface:
         a = np.abs(series) * weight[:, None, None]
         return float(a[:, -2:, :].max()), float(a[:, :, -2:].max())
 
-    def _limit(self, chi: float) -> Crossing | None:
-        """The first loss of stability of vanishing damping at this χ."""
-        return first_crossing(self.pencil, 0.0, 0.0, self.bound, self.kappa0 * chi / (1 - chi))
+    @cached_property
+    def _undamped(self) -> tuple[tuple[float, float], Real, Real, Real]:
+        """Where the undamped column flutters, load and ω² (inf, nan where it does not below the bound), and below that
+        load P (m,), squared frequencies s and P s′ − s, (m, N): a branch grows where that is above β/α of vanishing
+        damping."""
+        p = self.pencil
+        found = first_crossing(p, 0.0, 0.0, self.bound)
+        flutters = found is not None and found.kind == "flutter"
+        fold = (found.load, found.frequency**2) if found is not None and flutters else (math.inf, math.nan)
+        top = self.bound if found is None else found.load
+        P = top * (1 - (1 - np.linspace(0.02, 0.99, 48)) ** 2)  # closer together towards the coalescence
+        s, V = np.linalg.eig(np.diag(p.e) + P[:, None, None] * p.H)
+        slope = np.einsum("mij,jk,mki->mi", np.linalg.pinv(V), p.H, V).real
+        order = s.real.argsort(axis=1)
+        s, slope = np.take_along_axis(s.real, order, 1), np.take_along_axis(slope, order, 1)
+        return fold, P, s, P[:, None] * slope - s
+
+    def _vanishing(self, chi: float) -> tuple[float, float]:
+        """Load and ω² of the first flutter of vanishing damping at this χ, to some digits."""
+        fold, P, s, gain = self._undamped
+        kappa = self.kappa0 * chi / (1 - chi)
+        rows = np.flatnonzero((gain > kappa).any(axis=1))
+        if not len(rows):
+            return fold
+        k = int(rows[0])
+        j = int(gain[k].argmax())
+        if k == 0:
+            return float(P[0]), float(s[0, j])
+        t = float((kappa - gain[k - 1, j]) / (gain[k, j] - gain[k - 1, j]))
+        return float(P[k - 1] + t * (P[k] - P[k - 1])), float(s[k - 1, j] + t * (s[k, j] - s[k - 1, j]))
 
     # --- crossings in a batch ----------------------------------------------------------------------------------------
 
@@ -546,8 +569,7 @@ class Surface:
         top = min(self.bound, self.divergence)
         for t in _PROBED:
             chi = patch.low[1] + (patch.high[1] - patch.low[1]) * t
-            start = self._limit(chi)
-            first = math.inf if start is None else start.load
+            first, _ = self._vanishing(chi)
             here = math.inf
             if series is not None:
                 T = chebyshev(np.array([0.0, t]), series.shape[-1])
