@@ -6,9 +6,10 @@ import re
 from importlib.metadata import version as installed
 from typing import Any
 
-import latex2mathml.converter
 from docutils import nodes
 from sphinx.application import Sphinx
+
+from freebeam_sym.lesson.mathematics import mathml
 
 project = "freebeam"
 copyright = "2026, the freebeam developers"
@@ -36,7 +37,7 @@ python_use_unqualified_type_names = True
 
 html_theme = "furo"
 html_title = "freebeam"
-html_static_path = ["style"]
+html_static_path = ["style", "../freebeam_sym/lesson/font"]
 html_css_files = ["site.css"]
 html_extra_path = ["made"]
 html_math_renderer = "mathml"
@@ -49,12 +50,12 @@ copybutton_prompt_is_regexp = True
 
 
 def _inline(translator: Any, node: nodes.math) -> None:
-    translator.body.append(latex2mathml.converter.convert(node.astext()))
+    translator.body.append(mathml(node.astext()))
     raise nodes.SkipNode
 
 
 def _block(translator: Any, node: nodes.math_block) -> None:
-    translator.body.append(f'<div class="math">{latex2mathml.converter.convert(node.astext(), display="block")}</div>')
+    translator.body.append(f'<div class="math">{mathml(node.astext(), True)}</div>')
     raise nodes.SkipNode
 
 

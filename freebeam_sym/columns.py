@@ -55,7 +55,7 @@ class Column:
     @property
     def title(self) -> str:
         """What the column is, in one line."""
-        return str(self.kernel.COLUMN["title"])
+        return " ".join(str(self.kernel.COLUMN["title"]).split())
 
     @property
     def ends(self) -> tuple[str, str]:

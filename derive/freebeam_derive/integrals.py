@@ -15,6 +15,8 @@ from sympy import (
     QQ,
     Add,
     Expr,
+    Function,
+    Integral,
     Mul,
     Poly,
     S,
@@ -278,13 +280,15 @@ def orthogonality(beam: ComparisonBeam) -> tuple[Step, ...]:
     ratio = cancel(integral_same(beam, 0, 2, 2) / integral_same(beam, 0, 0, 0) / gamma_i**4)
     if any((*mass, *bending, *against_rigid)) or ratio != 1:
         raise AssertionError(f"the modes of {beam.ends} are not orthogonal")
+    phi_i, phi_j = (Function(f"phi_{letter}", real=True)(x) for letter in "ij")
     return (
         Step(
             "integrals",
             "Integrate products of two modes",
             "the products span a space that d/dx maps into itself, so an "
-            "antiderivative is a linear solve; the end conditions strike out what is left",
-            Symbol("M_ij"),
+            "antiderivative is a linear solve; the end conditions strike out what is left; "
+            "i and j are different modes",
+            tuple(Integral(phi_i.diff(x, p) * phi_j.diff(x, p), (x, 0, 1)) for p in (0, 2)),
             (assembled(mass), assembled(bending), integral_same(beam, 0, 0, 0), integral_same(beam, 0, 2, 2)),
             "Eq. (11)",
             "zero for i ≠ j in mass and in bending; for i = j the ratio is γ⁴",

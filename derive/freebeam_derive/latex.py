@@ -33,7 +33,7 @@ from sympy.printing.latex import LatexPrinter
 
 from freebeam_derive import modes
 from freebeam_derive.notation import NOTATION, P, alpha, beta, gamma, t, x
-from freebeam_derive.statement import Column
+from freebeam_derive.statement import Column, Parameter
 
 WIDTH = 76
 """Characters of a line of mathematics; a longer sum is broken."""
@@ -48,8 +48,8 @@ _NAMES = {
     "ddq_next^T": r"\ddot{q}_{+}^{\mathsf{T}}",
 }  # fmt: skip
 _FIELDS = {
-    "phi_i": r"\varphi_{i}", "phi_j": r"\varphi_{j}", "phi": r"\varphi", "q_i": "q_{i}", "q_j": "q_{j}", "q": "q",
-    "u": "u", "v": "v", "tau": r"\tau", "F": "F", "M": "M",
+    "phi_i": r"\varphi_{i}", "phi_j": r"\varphi_{j}", "phi_d": r"\varphi_{d}", "phi": r"\varphi",
+    "q_i": "q_{i}", "q_j": "q_{j}", "q": "q", "u": "u", "v": "v", "tau": r"\tau", "F": "F", "M": "M",
 }  # fmt: skip
 """Functions of place and time that NOTATION has not; their arguments are left out."""
 _ORDERS = ("deflection", "slope", "moment", "shear")
@@ -102,12 +102,16 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             orders = {variable: int(n) for variable, n in expr.variable_count}
             if known or len(inner.args) == 1:
                 text = self._derivative(letter, orders)
-                return text if known else f"{text}({self._print(inner.args[0])})"
+                return self._placed(text, inner.args[0]) if known else f"{text}({self._print(inner.args[0])})"
             if len(inner.args) == 2 and len(orders) == 1 and next(iter(orders)).is_Symbol and letter == "D":
                 return rf"\frac{{\partial {letter}}}{{\partial {self._print(next(iter(orders)))}}}"
             if letter == "P":  # Legendre's polynomials
                 return rf"P_{{{self._print(inner.args[0])}}}^{{\prime}}"
         return str(super()._print_Derivative(expr))
+
+    def _placed(self, text: str, place: Any) -> str:
+        """A field's letter, and its place where that is one: x and t are left out."""
+        return text if place in (x, t) else f"{text}({self._print(place)})"
 
     def _print_Subs(self, expr: Any) -> str:
         inner, _, (place,) = expr.args
@@ -119,8 +123,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             if letter == "P" and len(expr.args) == 2:
                 text = f"P_{{{self._print(expr.args[0])}}}"
             elif known:
-                place = expr.args[0]
-                text = letter if place in (x, t) else f"{letter}({self._print(place)})"
+                text = self._placed(letter, expr.args[0])
             else:
                 text = f"{letter}({', '.join(self._print(a) for a in expr.args)})"
             return f"{{{text}}}^{{{exp}}}" if exp else text
@@ -278,7 +281,16 @@ class Printer(LatexPrinter):  # type: ignore[misc]
 
 def printer(column: Column) -> Printer:
     """The printer of a column, which knows its own parameters."""
-    return Printer({p.name: p.latex or p.name for p in column.parameters})
+    return Printer({p.name: letter(p) for p in column.parameters})
+
+
+def letter(parameter: Parameter) -> str:
+    """LaTeX of a parameter: what it states, or its name as SymPy reads names, such as k_{wall} of k_wall.
+
+    >>> letter(Parameter(Symbol("mu_tip"), "mass at the tip", 0.5, 0.0, 1.0))
+    '\\\\mu_{tip}'
+    """
+    return parameter.latex or str(LatexPrinter().doprint(parameter.symbol))
 
 
 def _parts(item: Any) -> list[Any]:
@@ -354,11 +366,12 @@ def _matrix_rank(term: Any) -> int:
 def _rank(term: Any) -> tuple[Any, ...]:
     """Inertia, external damping, internal damping, bending, load, force; integrals before values at points."""
     orders = [sum(int(n) for variable, n in d.variable_count if variable == t) for d in term.atoms(Derivative)]
-    names = {a.func.__name__ for a in term.atoms(AppliedUndef)}
+    applied = term.atoms(AppliedUndef)
+    names = {a.func.__name__ for a in applied}
     highest = max(orders, default=0)
     return (
         not names.isdisjoint({"F", "F_0"}),
-        not term.has(Integral) and bool(term.atoms(Subs)),
+        not term.has(Integral) and (bool(term.atoms(Subs)) or any(a.args[0] not in (x, t) for a in applied)),
         term.has(P),
         -2 if highest == 2 else 0,
         -1 if term.has(beta) else 0,

@@ -18,6 +18,7 @@ from functools import cache
 
 from sympy import (
     QQ,
+    Add,
     Expr,
     Function,
     Integral,
@@ -25,6 +26,8 @@ from sympy import (
     Poly,
     Rational,
     S,
+    Subs,
+    Sum,
     Symbol,
     cancel,
     expand,
@@ -184,15 +187,23 @@ def series(polynomial: Expr) -> tuple[Rational, ...]:
 
 
 def _steps(basis: Polynomials) -> tuple[Step, ...]:
-    phi, P = Function("phi")(x), Function("P")(d, x)
-    held = tuple(equal(Function(f"phi^({c.order})")(c.end), 0) for c in basis.conditions)
+    phi, P = Function("phi_d")(x), Function("P")
+    held = tuple(
+        equal(Subs(phi.diff(x, c.order), x, c.end) if c.order else phi.subs(x, c.end), 0) for c in basis.conditions
+    )
+    weights = tuple(equal(Symbol(f"nu_{n}"), c.weight) for n, c in enumerate(basis.conditions, 1))
+    lacking = Add(
+        *(w.lhs * c.of * (1 if c.end else (-1) ** (d + k)) for w, c in zip(weights, basis.conditions, strict=True))
+    )
+    series_of = P(d, x) - (Sum((2 * k + 1) * lacking * P(k, x), (k, 0, d - 1)) if held else 0)
     return (
         Step(
             STAGE,
             "Take a polynomial of each degree that meets the geometric conditions",
-            "each orthogonal to all of lower degree; natural conditions are the energies' own and need not be met",
+            "each orthogonal to all of lower degree, made of Legendre's polynomials of 2x − 1; natural conditions are "
+            "the energies' own and need not be met",
             held,
-            equal(phi, P) if not held else tuple(c.weight for c in basis.conditions),
+            (equal(phi, series_of), *weights),
             "Eq. (9)",
             "the conditions vanish identically in the degree",
         ),

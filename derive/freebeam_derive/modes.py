@@ -481,11 +481,11 @@ def damped_modes(motion: EquationOfMotion) -> DampedModes | None:
     conditions = tuple(
         equal(
             expand(
-                e.subs(P, 0).xreplace({j: lambda_ ** int(j.args[2]) * chi.diff(x, int(j.args[1])) for j in jets(e)})
+                e.subs(P, 0).xreplace({j: lambda_ ** int(j.args[2]) * _at_end(int(j.args[1]), end) for j in jets(e)})
             ),
             0,
         )
-        for e in (factor_ for _, factor_ in sorted(motion.natural.items()))
+        for (end, _), e in sorted(motion.natural.items())
     )
     steps = (
         Step(

@@ -16,6 +16,7 @@ from sympy import Expr, Inverse, MatMul, Piecewise, S, Symbol, cse, numbered_sym
 from sympy.printing.pycode import PythonCodePrinter
 
 from freebeam_derive.kernel import Kernel, MatrixProgram, SeriesProgram
+from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION
 from freebeam_derive.statement import StatementError
 
@@ -215,10 +216,10 @@ def _packed(pieces: list[str], width: int) -> list[str]:
 def _groups(text: str) -> list[tuple[int, int]]:
     """Where the outermost pairs of brackets open and close."""
     found, depth, start = [], 0, 0
-    for n, letter in enumerate(text):
-        if letter in "([{":
+    for n, sign in enumerate(text):
+        if sign in "([{":
             start, depth = (start if depth else n), depth + 1
-        elif letter in ")]}":
+        elif sign in ")]}":
             depth -= 1
             if not depth:
                 found.append((start, n))
@@ -324,7 +325,7 @@ def metadata(kernel: Kernel, names: tuple[str, ...], more: dict[str, str]) -> st
     own = [
         {
             "name": p.name,
-            "latex": p.latex or p.name,
+            "latex": letter(p),
             "meaning": p.meaning,
             "default": float(p.default),
             "low": float(p.low),

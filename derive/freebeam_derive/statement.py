@@ -58,6 +58,16 @@ KEYWORDS = frozenset(
 MAPS = frozenset("frequency kind converged title column_title fixed units source".split())
 MAPS |= {"bending_stiffness", "mass_per_length", "length"}
 
+# LaTeX of a parameter, as every page and picture can show it: letters with marks, in roman or not, and their scripts.
+_GREEK = (
+    "alpha beta gamma delta epsilon varepsilon zeta eta theta vartheta iota kappa lambda mu nu xi pi rho sigma tau "
+    "upsilon phi varphi chi psi omega Gamma Delta Theta Lambda Xi Pi Sigma Phi Psi Omega ell"
+)
+_PLAIN = rf"[A-Za-z0-9 ]|\\(?:{_GREEK.replace(' ', '|')})(?![A-Za-z])"
+_MARKED = rf"{_PLAIN}|\\(?:mathrm|mathsf|mathbf|hat|bar|tilde|dot|ddot)\{{(?:{_PLAIN})+\}}"
+_SCRIPT = rf"(?:{_MARKED}|\{{(?:{_MARKED}|,)+\}})"
+_LETTER = re.compile(rf"(?:(?:{_MARKED})(?:_{_SCRIPT})?(?:\^{_SCRIPT})?|/)+")
+
 ALONG = Symbol("along")  # the place of a jet that is a function of x
 jet = Function("jet")
 
@@ -332,6 +342,11 @@ def _refuse_unknown(column: Column) -> None:
             raise StatementError(f"{name}: the symbol {symbol} is not known; {cure}")
     for parameter in column.parameters:
         _refuse_name(parameter.name)
+        if parameter.latex and not (isinstance(parameter.latex, str) and _LETTER.fullmatch(parameter.latex)):
+            raise StatementError(
+                f"parameter {parameter.name}: latex {parameter.latex!r} is no letter with marks and scripts in LaTeX, "
+                r"without dollars, such as '\\mu' or 'k_{\\mathrm{w}}'; leave it out and the name is shown"
+            )
         if [p.name for p in column.parameters].count(parameter.name) > 1:
             raise StatementError(f"parameter {parameter.name}: declared twice; declare it once")
         if not all(isinstance(v, int | float) and math.isfinite(v) for v in _range(parameter)):

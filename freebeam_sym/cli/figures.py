@@ -32,34 +32,47 @@ def figures(
     if format not in FORMATS:
         raise InputError(f"--format {format}: must be one of {', '.join(FORMATS)}")
     wanted = dict.fromkeys(_number(text, published.NUMBERS) for text in number or map(str, published.NUMBERS))
-    files = {n: [output / f"figure-{n:02}.{kind}" for kind in (format, "csv")] for n in wanted}
     done: list[dict[str, Any]] = []
+    made: dict[Path, bytes] = {}
     with style(), working("figures") as report:
-        # What is in the way is said before the work, not after it.
         try:
             output.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
-        kept = [file for pair in files.values() for file in pair if file.exists() and not force]
-        if kept:
-            more = f" (and {len(kept) - 1} more)" if kept[1:] else ""
-            raise InputError(f"{kept[0]}{more}: exists and is kept; give another folder, or --force to replace it")
         for count, n in enumerate(wanted, 1):
             report(f"Fig. {n} ({count} of {len(wanted)})")
             found = published.picture(n)
-            image = image_of(found.draw(), format, f"Fig. {n}. {found.title}")
-            for file, content in zip(files[n], (image, csv_of(found).encode()), strict=True):
-                with written(file, force) as stream:
-                    stream.write(content)
+            picture, data = (output / f"figure-{n:02}.{kind}" for kind in (format, "csv"))
+            made[picture] = image_of(found.draw(), format, f"Fig. {n}. {found.title}")
+            made[data] = csv_of(found).encode()
             done.append({
                 "number": n, "title": found.title, "caption": found.caption, "settings": found.settings,
-                "marks": found.marks, "picture": files[n][0], "data": files[n][1],
+                "marks": found.marks, "picture": picture, "data": data,
             })  # fmt: skip
+        # a figure's data are the same beside each kind of picture: what is there already is not in the way
+        new = {file: content for file, content in made.items() if not _holds(file, content)}
+        kept = [str(file) for file in new if file.exists() and not force]
+        if kept:
+            raise InputError(
+                f"{', '.join(kept)}: exists with other content and is kept; give another folder, or --force to replace "
+                f"{'them' if kept[1:] else 'it'}"
+            )
+        for file, content in new.items():
+            with written(file, force) as stream:
+                stream.write(content)
     if as_json:
         print_json({"output": output, "format": format, "figures": done})
         return
     for entry in done:
         typer.echo(f"{entry['picture']}: {entry['title']}")
+
+
+def _holds(file: Path, content: bytes) -> bool:
+    """Whether a file is there with this content."""
+    try:
+        return file.read_bytes() == content
+    except OSError:
+        return False
 
 
 def _number(text: str, known: tuple[int, ...]) -> int:

@@ -72,7 +72,7 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     say("Newmark's method")
     blocks += newmark_chapter(chapter)
     blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
-    made = Lesson(stated.title, _subtitle(facts), stated.name, tuple(blocks))
+    made = Lesson(facts.column.title, _subtitle(facts), stated.name, tuple(blocks))
     count = len(made.checks)
     closing = Prose(
         f"*{count} checks were run when this lesson was made, and all of them passed.* Steps in exact arithmetic left "

@@ -119,7 +119,7 @@ Block = Heading | Prose | Equation | Check | Folded | Erratum | Figure | Table |
 
 @dataclass(frozen=True)
 class Lesson:
-    """A lesson on one column."""
+    """A lesson on one column. title, subtitle: words in which no sign has a meaning."""
 
     title: str
     subtitle: str

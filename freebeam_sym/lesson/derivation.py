@@ -19,7 +19,11 @@ __all__ = ["Chapter", "derivation_chapters", "newmark_chapter"]
 # What the parts of a result are called, where the record holds expressions without a left side.
 NAMES: dict[str, tuple[str, ...]] = {
     "Solve for the eigenvalues": (r"\lambda_{0}^{(1)}", r"\lambda_{0}^{(2)}"),
-    "Integrate products of two modes": ("M_{ij}", "E_{ij}", "M_{ii}", "E_{ii}"),
+    "Integrate products of two modes": tuple(
+        rf"\int_{{0}}^{{1}} \varphi_{{i}}{primes} \varphi_{{{j}}}{primes}\,dx"
+        for j in "ji"
+        for primes in ("", r"^{\prime\prime}")
+    ),
     "Integrate their squares": (r"\int_{0}^{1} \varphi_{d}^{2}\,dx",),
     "Newmark's two assumptions": (r"q_{+}", r"\dot{q}_{+}"),
     "the equation of motion at the end of the step": ("0",),
@@ -299,8 +303,9 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
     blocks += chapter.section(
         "modes",
         "Shapes to build with: the comparison beam",
-        "Which shapes? Those of the same beam without its load: they meet the end conditions, are orthogonal, and "
-        "there is one for every frequency. Damping changes their frequencies and leaves the shapes alone.",
+        "Which shapes? Those of a uniform beam with the same ends, without load and with nothing attached to it: they "
+        "meet its end conditions, are orthogonal, and there is one for every frequency. Damping changes their "
+        "frequencies and leaves the shapes alone.",
     )
     blocks += _admissible(chapter, "modes", "section 3.1 asks four things of a trial function; the modes meet each:")
     blocks += chapter.errata("Section 3.1")

@@ -1,7 +1,8 @@
-"""The lesson as one page of HTML: offline, MathML, SVG; no script, nothing fetched."""
+"""The lesson as one page of HTML: offline, MathML with its own letters, SVG; no script, nothing fetched."""
 
 from __future__ import annotations
 
+from base64 import b64encode
 from functools import partial
 from html import escape
 from pathlib import Path
@@ -24,7 +25,9 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
         for block in lesson.blocks
         if isinstance(block, blocks.Heading) and block.level == 2
     )
-    style = Path(__file__).with_name("page.css").read_text(encoding="utf-8")
+    here = Path(__file__).parent
+    letters = b64encode((here / "font" / "math.woff2").read_bytes()).decode()
+    style = (here / "page.css").read_text(encoding="utf-8").replace("math.woff2", f"data:font/woff2;base64,{letters}")
     text = f"""<!DOCTYPE html>
 <html lang="en">
 <head>
@@ -39,8 +42,8 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
 <body>
 <header>
 <p class="kicker">A lesson that derives itself</p>
-<h1>{page.inline(lesson.title)}</h1>
-<p class="subtitle">{page.inline(lesson.subtitle)}</p>
+<h1>{page.plain(lesson.title)}</h1>
+<p class="subtitle">{page.plain(lesson.subtitle)}</p>
 </header>
 <nav aria-label="Contents">
 <details open>

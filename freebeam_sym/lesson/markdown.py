@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from freebeam_sym.lesson import blocks
@@ -13,7 +14,7 @@ __all__ = ["Markdown", "files"]
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The text, and its drawings in a folder named after it."""
     page = Markdown(output.with_name(f"{output.stem}_files"))
-    text = f"# {lesson.title}\n\n*{lesson.subtitle}*\n\n{page.joined(lesson.blocks)}\n"
+    text = f"{page.opening(lesson)}\n\n{page.joined(lesson.blocks)}\n"
     return {output: text.encode(), **page.pictures}
 
 
@@ -22,6 +23,13 @@ class Markdown(Writer):
 
     def inline(self, text: str) -> str:
         return text
+
+    def plain(self, text: str) -> str:
+        """What Markdown, HTML or a renderer of mathematics would take for a mark is given by its number."""
+        return re.sub(r"[\\`*_{}\[\]<>&$#~|^@]", lambda found: f"&#{ord(found[0])};", text)
+
+    def opening(self, lesson: blocks.Lesson) -> str:
+        return f"# {self.plain(lesson.title)}\n\n*{self.plain(lesson.subtitle)}*"
 
     def heading(self, block: blocks.Heading) -> str:
         return f"{'#' * block.level} {block.text}"
@@ -53,4 +61,5 @@ class Markdown(Writer):
         return f"**Exercise {self.count['exercise']}.** {block.question}\n\n{answer}"
 
     def listing(self, block: blocks.Listing) -> str:
-        return f"```python\n{block.code}\n```"
+        fence = "`" * max(3, *(len(ticks) + 1 for ticks in re.findall("`+", block.code + "`")))
+        return f"{fence}python\n{block.code}\n{fence}"

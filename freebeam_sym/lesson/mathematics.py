@@ -12,7 +12,6 @@ __all__ = ["mathml", "typst"]
 
 _FUNCTIONS = {"sin", "cos", "sinh", "cosh", "ln", "det"}
 _PRIME = {"lspace": "0", "rspace": "0", "class": "prime"}
-_PRIMES = {1: "′", 2: "″", 3: "‴", 4: "⁗"}
 
 
 @lru_cache(maxsize=4096)
@@ -24,11 +23,13 @@ def mathml(latex: str, block: bool = False) -> str:
         raise InputError("lessons need latex2mathml, which is not installed: pip install 'freebeam[lesson]'") from None
     root = convert_to_element(latex, display="block" if block else "inline")
     for parent in root.iter():
+        if parent.tag == "mi" and re.fullmatch("&#x0*[0-7][0-9A-F];", parent.text or ""):
+            parent.set("mathvariant", "normal")  # a single letter in roman, which a browser would slant
         primes = [child for child in parent if child.tag == "mi" and _text(child) == "′"]
-        if primes and len(primes) == len(parent) and len(parent) <= 4:
+        if primes and len(primes) == len(parent):  # each for itself: ‴ and ⁗ can hardly be told apart
             for child in list(parent):
                 parent.remove(child)
-            ElementTree.SubElement(parent, "mo", _PRIME).text = _PRIMES[len(primes)]
+            ElementTree.SubElement(parent, "mo", _PRIME).text = "′" * len(primes)
         if parent.tag == "mi" and _text(parent) == "′":
             parent.tag = "mo"
             parent.attrib.update(_PRIME)
@@ -50,7 +51,7 @@ def _text(element: ElementTree.Element) -> str:
 _ACCENTS = {"˙": "dot", "¨": "dot.double", "^": "hat", "¯": "macron", "ˉ": "macron", "_": "macron", "‾": "overline"}
 _OPERATORS = {
     "−": "-", "-": "-", "∫": "integral", "∑": "sum", "∂": "partial", "∞": "infinity", "≥": ">=", "≤": "<=",
-    "≠": "!=", "→": "->", "∮": "integral.cont", "′": "'", "″": "''", "‴": "'''", "⁗": "''''", "⋅": "dot.op",
+    "≠": "!=", "→": "->", "∮": "integral.cont", "⋅": "dot.op",
     "/": "\\/", "×": "times", "≈": "approx", "∈": "in", "±": "plus.minus", "…": "dots.h", "\u2061": "",
 }  # fmt: skip
 
@@ -117,6 +118,8 @@ def _typst(element: ElementTree.Element) -> str:
     if tag == "mspace":
         return {"1em": "quad", "0.167em": "thin"}.get(element.get("width", ""), "space")
     if tag == "mo":
+        if text.strip("′") == "":
+            return "'" * len(text)
         if text in _OPERATORS:
             return _OPERATORS[text]
         if text in ("(", ")", "[", "]", "{", "}", "|"):

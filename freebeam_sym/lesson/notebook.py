@@ -30,7 +30,8 @@ HINT = (
 
 def unexecuted(lesson: Lesson) -> list[tuple[str, str]]:
     """The notebook's cells, ("markdown" | "code", source), before they are run."""
-    page, cells, text = Markdown(), [], [f"# {lesson.title}\n\n*{lesson.subtitle}*", HINT]
+    page, cells = Markdown(), []
+    text = [page.opening(lesson), HINT]
     cells.append(("code", IMPORTS))
     for block in lesson.blocks:
         if isinstance(block, Cell):

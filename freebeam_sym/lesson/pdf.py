@@ -62,7 +62,7 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
 def source(lesson: blocks.Lesson) -> tuple[str, dict[Path, bytes]]:
     """Typst's source, and the drawings that it needs by name."""
     page = _Page()
-    title = f'#text(size: 9pt, fill: grey)[A LESSON THAT DERIVES ITSELF]\n\n#text(size: 22pt, weight: "bold")[{page.inline(lesson.title)}]\n\n#text(fill: grey)[{page.inline(lesson.subtitle)}]\n\n#v(0.5em)\n#outline(depth: 1, title: none)\n#pagebreak()\n'  # noqa: E501
+    title = f'#text(size: 9pt, fill: grey)[A LESSON THAT DERIVES ITSELF]\n\n#text(size: 22pt, weight: "bold")[{page.plain(lesson.title)}]\n\n#text(fill: grey)[{page.plain(lesson.subtitle)}]\n\n#v(0.5em)\n#outline(depth: 1, title: none)\n#pagebreak()\n'  # noqa: E501
     document = f"#set document(title: {_quoted(lesson.title)}, date: none)\n"
     return document + HEAD + title + page.joined(lesson.blocks) + "\n", page.pictures
 
@@ -72,7 +72,7 @@ def _quoted(text: str) -> str:
 
 
 def _escape(text: str) -> str:
-    return re.sub(r"([\\#$*_`@<>~\[\]/=+-])", r"\\\1", text)
+    return re.sub(r"([!#-&(-/:-@\[-`{-~])", r"\\\1", text)  # all signs of ASCII but quotation marks
 
 
 class _Page(Writer):

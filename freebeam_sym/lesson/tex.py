@@ -14,6 +14,7 @@ __all__ = ["files"]
 _ESCAPES = {
     "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
     "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "“": "``", "”": "''", "—": "---", "…": r"\dots{}",
+    "`": r"\textasciigrave{}",
 }  # fmt: skip
 _LETTERS = {
     "α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "ε": "varepsilon", "η": "eta", "κ": "kappa", "λ": "lambda",
@@ -39,7 +40,7 @@ def text_of(text: str) -> str:
             parts.append(f"${found.strip()}$")
         else:
             parts.append("".join(_ESCAPES.get(c, c) for c in run))
-    return "".join(parts).replace("$$", "")
+    return "".join(parts)
 
 
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
@@ -58,9 +59,9 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
 \newsavebox{{\formula}}
 \newcommand{{\fitted}}[1]{{\sbox{{\formula}}{{$\displaystyle #1$}}%
   \ifdim\wd\formula>0.9\linewidth\resizebox{{0.9\linewidth}}{{!}}{{\usebox{{\formula}}}}\else\usebox{{\formula}}\fi}}
-\title{{{page.inline(lesson.title)}}}
+\title{{{page.plain(lesson.title)}}}
 \author{{}}
-\date{{{page.inline(lesson.subtitle)}}}
+\date{{{page.plain(lesson.subtitle)}}}
 \begin{{document}}
 \maketitle
 \tableofcontents
@@ -127,6 +128,6 @@ class _Page(Writer):
 
 
 def _ascii(code: str) -> str:
-    """Source as it is, with what a plain LaTeX cannot set verbatim left out."""
+    """Source as it is, with what a plain LaTeX cannot set verbatim left out, and what would end it apart."""
     code = "\n".join(line if len(line) <= 100 else line[:100] + "\n        " + line[100:] for line in code.split("\n"))
-    return code.encode("ascii", "replace").decode()
+    return code.replace(r"\end{verbatim}", r"\end {verbatim}").encode("ascii", "replace").decode()

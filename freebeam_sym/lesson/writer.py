@@ -44,6 +44,10 @@ class Writer(ABC):
             self.spans[kind](self.inline(piece) if kind in nested else piece) for kind, piece in blocks.spans(text)
         )
 
+    def plain(self, text: str) -> str:
+        """A text without marks: whatever stands in it is shown."""
+        return self.spans["text"](text)
+
     def picture(self, figure: blocks.Figure, format: str) -> Path:
         """Draw a figure into a file of `pictures`."""
         path = self.folder / f"{figure.key}.{format}"

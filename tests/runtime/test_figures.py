@@ -540,10 +540,28 @@ def test_what_exists_is_kept_unless_forced(capsys, tmp_path):
     (tmp_path / "figure-01.csv").write_text("mine")
     status, out, err = run(capsys, 1, "--output", tmp_path)
     assert (status, out) == (2, "")
-    assert err.count("\n") == 1 and "figure-01.csv: exists and is kept" in err
+    assert err.count("\n") == 1 and "figure-01.csv: exists with other content and is kept" in err
     assert [file.name for file in tmp_path.iterdir()] == ["figure-01.csv"]
     assert run(capsys, 1, "--output", tmp_path, "--force")[0] == 0
     assert (tmp_path / "figure-01.csv").read_text(encoding="utf-8").startswith("# Fig. 1.")
+
+
+def test_a_folder_that_has_figures_takes_another_kind_of_picture(capsys, tmp_path):
+    """The guide's order. Data that are there already stay as they are; each file that would be replaced is named."""
+    assert run(capsys, 1, 5, "--output", tmp_path)[0] == 0
+    before = {file: (file.read_bytes(), file.stat().st_mtime_ns) for file in tmp_path.iterdir()}
+    assert run(capsys, 1, 5, "--output", tmp_path, "--format", "pdf")[0] == 0
+    assert {file.name for file in tmp_path.iterdir()} - {file.name for file in before} == {
+        "figure-01.pdf", "figure-05.pdf",
+    }  # fmt: skip
+    assert {file: (file.read_bytes(), file.stat().st_mtime_ns) for file in before} == before
+    (tmp_path / "figure-01.csv").write_text("mine")
+    (tmp_path / "figure-05.pdf").write_text("mine too")
+    here = {file: file.read_bytes() for file in tmp_path.iterdir()}
+    status, _, err = run(capsys, "--output", tmp_path, "--format", "pdf", 1, 5, 8)
+    assert status == 2 and err.count("\n") == 1 and "figure-01.csv, " in err and "figure-05.pdf: exists" in err
+    assert "figure-05.csv" not in err and "figure-01.pdf" not in err and "--force to replace them" in err
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == here
 
 
 @pytest.mark.parametrize(
