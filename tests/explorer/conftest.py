@@ -1,6 +1,5 @@
-"""Pages of the explorer in a headless Chromium, one browser and one page of each column for all tests."""
+"""Pages of the explorer in a headless Chromium, one page of each column for all tests."""
 
-import shutil
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -10,9 +9,6 @@ import pytest
 import freebeam_sym as fb
 from freebeam_sym import explorer
 
-CHROMIUM = next(
-    (found for name in ("chromium", "chromium-browser", "google-chrome") if (found := shutil.which(name))), None
-)
 SETTLED = "() => window.freebeam && freebeam.settled()"
 
 
@@ -57,17 +53,6 @@ class Opened:
     def values(self) -> dict[str, float]:
         found: dict[str, float] = self.ask("freebeam.values()")
         return found
-
-
-@pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    if CHROMIUM is None:
-        pytest.skip("no Chromium on the path: install chromium to drive the explorer's page")
-    sync_api = pytest.importorskip("playwright.sync_api", reason="playwright drives the explorer's page")
-    with sync_api.sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
-        yield browser
-        browser.close()
 
 
 @pytest.fixture(scope="session")

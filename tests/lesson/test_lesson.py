@@ -5,13 +5,18 @@ from __future__ import annotations
 import dataclasses
 import json
 import re
+import unicodedata
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any, get_args
 
 import html5lib
 import pytest
 import sympy as sp
+from fontTools.ttLib import TTFont
+from markdown_it import MarkdownIt
+from matplotlib.mathtext import MathTextParser
 
 import freebeam_sym as fb
 from freebeam_derive import emit, latex, legendre, pipeline, proofs, statement, verify
@@ -29,23 +34,28 @@ from freebeam_sym.lesson.blocks import (
     Figure,
     Heading,
     Lesson,
+    Listing,
     Prose,
+    spans,
     walk,
 )
 from freebeam_sym.lesson.errata import entries
 from freebeam_sym.lesson.facts import Facts
 from freebeam_sym.lesson.mathematics import mathml, typst
 from freebeam_sym.lesson.notebook import unexecuted
-from freebeam_sym.lesson.tex import text_of
+from freebeam_sym.lesson.pdf import source as typeset
+from freebeam_sym.lesson.tex import _ESCAPES, text_of
 from freebeam_sym.lesson.writer import Writer
 
 ROOT = Path(__file__).parents[2]
 OWN = ROOT / "tests" / "derive" / "columns"
-COLUMNS = ("free-free", "euler-pinned", "hauger")
+TIP = ROOT / "tests" / "explorer" / "tip_mass.py"
+COLUMNS = ("free-free", "euler-pinned", "hauger", "panel", "tip-mass")
 
 
 def file_of(name: str) -> Path:
-    return {**statement.columns(), "hauger": OWN / "hauger.py"}[name]
+    own = {"hauger": OWN / "hauger.py", "panel": OWN / "panel.py", "tip-mass": TIP}
+    return {**statement.columns(), **own}[name]
 
 
 @cache
@@ -91,7 +101,7 @@ def blocks_of(name: str, kind: type) -> list[Any]:
 
 def test_every_step_is_proven_by_another_route(name: str) -> None:
     """Exact steps leave nothing; those with 40 digits leave less than 10^-20."""
-    assert len(residuals(name)) > 50
+    assert len(residuals(name)) >= 50
     assert all(left < 1e-20 for left in residuals(name).values())
     assert sum(left == 0 for left in residuals(name).values()) > 30
     assert all(step.check for step in derived(name).steps)
@@ -133,6 +143,18 @@ def test_a_wrong_form_is_not_proven() -> None:
     (proven,) = proofs.attach(wrong, [dataclasses.replace(step, proof=None)])
     with pytest.raises(AssertionError, match="leaves"):
         proven.residual()
+
+
+def test_a_panel_of_any_ends_is_proven() -> None:
+    """The load's matrix is skew where both ends hold the beam, its diagonal zero: nothing is divided by it."""
+    stated = dataclasses.replace(statement.load_column(file_of("panel")), ends=("clamped", "clamped"))
+    skew = pipeline.derive(stated)
+    (step,) = (step for step in skew.steps if step.what == "Write the load's matrix in closed form")
+    assert step.residual() < 1e-30 and step.after[1].rhs == 0
+    bad = dataclasses.replace(step, after=(sp.Eq(step.after[0].lhs, 2 * step.after[0].rhs), step.after[1]), proof=None)
+    (wrong,) = proofs.attach(skew, [bad])
+    with pytest.raises(AssertionError, match="leaves"):
+        wrong.residual()
 
 
 def test_a_step_without_proof_is_refused() -> None:
@@ -181,6 +203,35 @@ def test_every_equation_is_printed_from_the_record(name: str) -> None:
         for right in rights:
             kept = re.sub(r"[&\s]|\\quad", "", right).lstrip("-+")
             assert len(kept) < 30 or kept in whole, f"{kept} of {text[:80]}"
+
+
+def test_a_value_at_a_place_says_where(name: str) -> None:
+    """Outside integrals each letter of a field is followed by its place; end conditions are nothing else."""
+    seen = 0
+    for block in blocks_of(name, Equation):
+        if block.number not in ("7", "8", "15", "17", "18", "20"):
+            continue
+        for line in block.lines[block.number == "17" :]:  # whose first line is the equation along the beam
+            points = re.sub(r"\\int.*?\\,dx", "", line)
+            points = re.sub(r"\\d+ot\{y\}", "y", re.sub(r"\^\{(?:\\prime)+\}", "", points))
+            assert not re.search(r"(?<![a-zA-Z])y(?!\((?:[01]|x_F)\))|\\chi(?!\([01]\))", points), line
+            seen += 1
+    assert seen > 8
+
+
+def test_formulas_have_no_words_of_code(name: str) -> None:
+    """Beside commands, subscripts and what is said to be text, a formula has single letters, EI and dx."""
+    for block in blocks_of(name, Equation):
+        plain = re.sub(r"\\(?:begin|end|mathrm|text|operatorname)\{[^}]*\}|_\{[^}]*\}", " ", block.latex)
+        words = set(re.findall(r"[A-Za-z]{2,}", re.sub(r"\\[A-Za-z]+", " ", plain)))
+        assert words <= {"EI", "dx"} and "^(" not in plain, block.latex
+
+
+def test_modes_of_a_beam_that_carries_a_mass_are_not_called_orthogonal_in_its_mass() -> None:
+    """What is proven of the integrals is not said of the column's matrices."""
+    lines = [line for block in blocks_of("tip-mass", Equation) for line in block.lines]
+    assert any(line.startswith("M_{ij} &= ") and r"\mu \varphi_{i}(1) \varphi_{j}(1)" in line for line in lines)
+    assert not any(re.match(r"M_\{ij\} &= 0|M_\{ii\}", line) for line in lines)
 
 
 def test_numbers_of_the_paper_are_in_the_index(name: str) -> None:
@@ -271,7 +322,7 @@ def test_html_is_valid_and_alone() -> None:
     text = page("free-free")
     html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(text)
     assert "://" not in text and "<script" not in text and not re.search(r'(src|href)="(?!#)', text)
-    assert not re.search(r"url\((?!#)|@import", text)
+    assert not re.search(r"url\((?!#|data:font/woff2;base64,)|@import", text)
     ids = re.findall(r'\bid="([^"]+)"', text)
     assert len(ids) == len(set(ids))
     links = set(re.findall(r'href="#([^"]+)"', text))
@@ -353,6 +404,156 @@ def test_notebook_runs_when_the_statement_is_changed(monkeypatch: pytest.MonkeyP
     assert space["found"].load == pytest.approx(fb.critical_load(kernels).load)
     assert len(seen) > 60
     assert len(legendre.polynomials(space["column"].ends).steps) > 4
+
+
+# --- letters ------------------------------------------------------------------------------------------------------
+
+FONT = ROOT / "freebeam_sym" / "lesson" / "font" / "math.woff2"
+
+
+def slanted(letter: str) -> str:
+    """What a browser shows for a single letter that is not said to be upright."""
+    if letter == "h":
+        return "ℎ"
+    words = unicodedata.name(letter).removeprefix("LATIN ").removeprefix("GREEK ").replace("LETTER ", "")
+    try:
+        return unicodedata.lookup(f"MATHEMATICAL ITALIC {words}")
+    except KeyError:
+        return letter
+
+
+def test_the_font_has_every_letter_of_the_formulas() -> None:
+    known = set(map(chr, TTFont(FONT).getBestCmap()))
+    formulas = {block.latex for name in COLUMNS for block in blocks_of(name, Equation)}
+    texts = {block.text for name in COLUMNS for block in blocks_of(name, Prose)}
+    formulas |= {piece for text in texts for kind, piece in spans(text) if kind in ("math", "display")}
+    formulas |= {rf"\{command}" for command in statement._GREEK.split()}
+    assert len(formulas) > 150
+    wanted: set[str] = set()
+    for formula in formulas:
+        root = html5lib.parse(mathml(formula), namespaceHTMLElements=False)
+        for element in root.iter():
+            text = "".join((element.text or "").split())
+            single = element.tag.endswith("mi") and len(text) == 1 and element.get("mathvariant") != "normal"
+            wanted |= set(slanted(text) if single else text)
+    wanted.discard("\N{FUNCTION APPLICATION}")  # which is not shown
+    assert wanted > {"𝜒", "𝑦", "′", "∫", "G"} and wanted <= known, wanted - known
+
+
+def test_primes_can_be_counted(browser: Any, tmp_path: Path) -> None:
+    """The page's own font is in use, and each prime takes its width: four are a third wider than three."""
+    file = tmp_path / "a.html"
+    equation = Equation((r"\chi^{\prime\prime\prime} + \chi^{\prime\prime\prime\prime}",))
+    (data,) = printed(Lesson("T", "S", "free-free", (equation,)), "html", file).values()
+    file.write_bytes(data)
+    shown = browser.new_page()
+    shown.goto(file.as_uri())
+    fonts = shown.evaluate("document.fonts.ready.then((all) => [...all].map((font) => [font.family, font.status]))")
+    assert [[family.strip('"'), status] for family, status in fonts] == [["Freebeam Math", "loaded"]]
+    three, four = shown.evaluate("[...document.querySelectorAll('.prime')].map((e) => e.getBoundingClientRect().width)")
+    assert four / three == pytest.approx(4 / 3, rel=0.02) and three > 9
+    shown.close()
+
+
+# --- words of a column --------------------------------------------------------------------------------------------
+
+HOSTILE = (
+    "<script>document.title='ran'</script></script><img src=x onerror=\"document.title='ran'\"> $\\input{/etc/passwd}$ "
+    "$$x$$ $α `rm` ``` # * _a_ **b** [l](javascript:alert(1)) ]]> --> & &lt; \"q\" 'p' %c {d} ~ ^ | @COLUMN@ #eval(1) "
+    "1. \\end{document} \\"
+)
+CODE = f"# {HOSTILE}\n```\n</code></pre>\n\\end{{verbatim}}\\input{{a}}\n]]>"
+WORDS = Lesson(HOSTILE, HOSTILE, "free-free", (Heading("H", 2, "h"), Prose("P"), Listing(CODE)))
+
+
+def test_a_title_is_one_line() -> None:
+    kernel: Any = SimpleNamespace(COLUMN={"title": f"  a\n\n= {HOSTILE}\tb \n"})
+    assert Column(kernel).title == f"a = {HOSTILE} b"
+    assert made("hauger").title == derived("hauger").column.title
+
+
+def test_words_in_html(browser: Any, tmp_path: Path) -> None:
+    (data,) = printed(WORDS, "html", tmp_path / "a.html").values()
+    tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse(data.decode())
+    assert tree.find(".//title").text == tree.find(".//h1").text == HOSTILE
+    assert tree.find(".//pre/code").text == CODE
+    assert not [element for element in tree.iter() if element.tag in ("script", "img", "iframe")]
+    (tmp_path / "a.html").write_bytes(data)
+    shown = browser.new_page()
+    shown.goto((tmp_path / "a.html").as_uri())
+    assert shown.title() == shown.text_content("h1") == HOSTILE
+    assert shown.evaluate("document.scripts.length + document.images.length") == 0
+    shown.close()
+
+
+def test_words_in_markdown_and_notebooks() -> None:
+    (data,) = printed(WORDS, "md", Path("a.md")).values()
+    text = data.decode()
+    opening = next(source for kind, source in unexecuted(WORDS) if kind == "markdown")
+    title, subtitle = text.split("\n\n")[:2]
+    assert opening.startswith(f"{title}\n\n{subtitle}\n\n")
+    for line in (title, subtitle):  # what readers of Markdown know beside the standard: mathematics, tables, mentions
+        assert not set("$|~^@<>") & set(line)
+    tree = html5lib.parse(MarkdownIt("commonmark").render(text), namespaceHTMLElements=False)
+    assert tree.find(".//h1").text == tree.find(".//p/em").text == HOSTILE
+    assert tree.find(".//pre/code").text == f"{CODE}\n"
+    assert not [element for element in tree.iter() if element.tag in ("script", "img", "a", "math")]
+
+
+def test_words_in_tex() -> None:
+    (data,) = printed(WORDS, "tex", Path("a.tex")).values()
+    text = data.decode()
+    title = re.search(r"^\\title\{(.*)\}$", text, re.MULTILINE)
+    assert title is not None
+    plain = title[1].replace(r"$\alpha$", "α").replace(r"\textbackslash{}", "\0")
+    for sign, command in _ESCAPES.items():
+        if command.startswith(r"\text"):
+            plain = plain.replace(command, sign)
+    assert not re.search(r"(?<!\\)[{}$&%#_]", plain)
+    plain = re.sub(r"\\([{}$&%#_])", r"\1", plain)
+    assert "\\" not in plain and plain.replace("\0", "\\") == HOSTILE
+    outside = re.sub(r"\\begin\{verbatim\}.*?\\end\{verbatim\}", "", text, flags=re.DOTALL)
+    assert r"\input" not in outside and "verbatim" not in outside
+
+
+def test_words_in_typst(tmp_path: Path) -> None:
+    text, _ = typeset(WORDS)
+    (title,) = re.findall(r'weight: "bold"\)\[(.*)\]$', text, re.MULTILINE)
+    assert re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", title) == HOSTILE
+    assert not re.search(r"(?<!\\)(?:\\\\)*[][#$*_`<>@]", title)
+    (data,) = printed(WORDS, "pdf", tmp_path / "a.pdf").values()
+    assert data.startswith(b"%PDF")
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [r"\input{/etc/passwd}", "$", "k$", r"\mu$x$", "<b>", "k & l", "`", "#", "a\nb", r"\write18{rm}", "{", "k_", "\\",
+     "%", '"', r"\mathrm{\input}", "~", r"\mu\begin", "]]>", 5],
+)  # fmt: skip
+def test_latex_of_a_parameter_that_is_no_letter_is_refused(formula: Any) -> None:
+    tip = statement.load_column(TIP)
+    with pytest.raises(statement.StatementError, match=r"^parameter mu: latex .* leave it out") as caught:
+        dataclasses.replace(tip, parameters=(dataclasses.replace(tip.parameters[0], latex=formula),))
+    assert "\n" not in str(caught.value)
+
+
+def test_latex_of_a_parameter_is_shown_in_every_format(tmp_path: Path) -> None:
+    """What a statement may use, and names without LaTeX, in mathtext, MathML and Typst; no name has two subscripts."""
+    marks = ("mathrm", "mathsf", "mathbf", "hat", "bar", "tilde", "dot", "ddot")
+    shown = [rf"\{name}" for name in statement._GREEK.split()]
+    shown += [rf"\{mark}{{k}}_{{\mathrm{{w}},2}}^2" for mark in marks]
+    shown += ["k_w", "K_1/K_2", r"\mu_{tip}"]
+    assert all(statement._LETTER.fullmatch(formula) for formula in shown)
+    for name in ("k_wall", "a_b_c", "mu", "kappa_2", "stiffness", "x__y", "μ_w"):
+        parameter = statement.Parameter(sp.Symbol(name, real=True), "", 1.0, 0.0, 2.0)
+        shown.append(latex.letter(parameter))
+        assert shown[-1].count("_") <= 1
+    for formula in shown:
+        MathTextParser("path").parse(f"${formula}$")
+        assert "\\" not in mathml(formula)
+    pieces = Prose("; ".join(f"${formula}$" for formula in shown))
+    (data,) = printed(Lesson("T", "S", "free-free", (pieces,)), "pdf", tmp_path / "a.pdf").values()
+    assert data.startswith(b"%PDF")
 
 
 # --- command line -----------------------------------------------------------------------------------------------------
