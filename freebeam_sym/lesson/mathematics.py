@@ -11,6 +11,8 @@ from freebeam_sym.checks import InputError
 __all__ = ["mathml", "typst"]
 
 _FUNCTIONS = {"sin", "cos", "sinh", "cosh", "ln", "det"}
+_PRIMES = {"′": 1, "″": 2, "‴": 3, "⁗": 4}
+"""Signs for so many primes; each is written for itself, because ‴ and ⁗ can hardly be told apart."""
 _PRIME = {"lspace": "0", "rspace": "0", "class": "prime"}
 
 
@@ -25,13 +27,14 @@ def mathml(latex: str, block: bool = False) -> str:
     for parent in root.iter():
         if parent.tag == "mi" and re.fullmatch("&#x0*[0-7][0-9A-F];", parent.text or ""):
             parent.set("mathvariant", "normal")  # a single letter in roman, which a browser would slant
-        primes = [child for child in parent if child.tag == "mi" and _text(child) == "′"]
-        if primes and len(primes) == len(parent):  # each for itself: ‴ and ⁗ can hardly be told apart
+        primes = "".join(_text(child) for child in parent if child.tag == "mi" and _text(child) in _PRIMES)
+        if primes and len(primes) == len(parent):
             for child in list(parent):
                 parent.remove(child)
-            ElementTree.SubElement(parent, "mo", _PRIME).text = "′" * len(primes)
-        if parent.tag == "mi" and _text(parent) == "′":
+            parent.tag, parent.text = "mi", primes
+        if parent.tag == "mi" and _text(parent) and set(_text(parent)) <= set(_PRIMES):
             parent.tag = "mo"
+            parent.text = "".join("′" * _PRIMES[sign] for sign in _text(parent))
             parent.attrib.update(_PRIME)
         for k in reversed(range(len(parent) - 1)):  # a function and its argument stand apart
             function = parent[k].tag == "mi" and _text(parent[k]) in _FUNCTIONS

@@ -443,15 +443,19 @@ def test_the_font_has_every_letter_of_the_formulas() -> None:
 def test_primes_can_be_counted(browser: Any, tmp_path: Path) -> None:
     """The page's own font is in use, and each prime takes its width: four are a third wider than three."""
     file = tmp_path / "a.html"
-    equation = Equation((r"\chi^{\prime\prime\prime} + \chi^{\prime\prime\prime\prime}",))
-    (data,) = printed(Lesson("T", "S", "free-free", (equation,)), "html", file).values()
+    equation = Equation((r"\chi^{\prime\prime\prime} + \chi^{\prime\prime\prime\prime} = 0",))
+    same = Prose(r"$\chi''' + \chi'''' = 0$")
+    (data,) = printed(Lesson("T", "S", "free-free", (equation, same)), "html", file).values()
     file.write_bytes(data)
     shown = browser.new_page()
     shown.goto(file.as_uri())
     fonts = shown.evaluate("document.fonts.ready.then((all) => [...all].map((font) => [font.family, font.status]))")
     assert [[family.strip('"'), status] for family, status in fonts] == [["Freebeam Math", "loaded"]]
-    three, four = shown.evaluate("[...document.querySelectorAll('.prime')].map((e) => e.getBoundingClientRect().width)")
+    three, four, *again = shown.evaluate(
+        "[...document.querySelectorAll('.prime')].map((e) => e.getBoundingClientRect().width)"
+    )
     assert four / three == pytest.approx(4 / 3, rel=0.02) and three > 9
+    assert again == pytest.approx([three, four], rel=0.1)  # within a line of text
     shown.close()
 
 
