@@ -30,7 +30,7 @@ def explore(
         from freebeam_sym.explorer import page
 
         chosen = fb.column(column, basis)
-        text = page(chosen).encode()
+        text = page(chosen, column).encode()
         stream.write(text)
     if as_json:
         print_json({"output": output, "column": chosen.name, "basis": chosen.basis_name, "bytes": len(text)})

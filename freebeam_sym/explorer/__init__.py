@@ -9,6 +9,7 @@ from __future__ import annotations
 import html
 import json
 import re
+import shlex
 from importlib.resources import files
 from typing import TYPE_CHECKING
 
@@ -25,18 +26,18 @@ PAGE = ("motion", "words", "state", "controls", "colours", "beam", "plots", "map
 """Scripts that show."""
 
 
-def page(column: Column) -> str:
+def page(column: Column, given: str = "") -> str:
     """The page of a column, as HTML that refers to nothing outside itself.
 
+    given: what a command takes for the column, such as the path of its file; its name where that is enough.
     Raises InputError where the column is not stable without load, or depends on its parameters in a way that the page
     cannot hold.
     """
-    held = content(column)
+    held = content(column) | {"given": shlex.quote(given or column.name)}
     title = html.escape(column.title)
     parts = {
         "TITLE": title,
         "SUBTITLE": html.escape(f"Column {column.name} · ends {', '.join(column.ends)}"),
-        "NAME": html.escape(column.name),
         "BASIS": column.basis_name,
         "FORMS": html.escape("; ".join(f"{name}: {form}" for name, form in column.kernel.COLUMN["forms"].items())),
         "LOADMAX": f"{LOAD_MAX:g}",

@@ -27,6 +27,10 @@ __all__ = [
 
 GREEK = {"alpha": r"internal damping $\alpha$", "beta": r"external damping $\beta$", "eta": r"$\eta$"}
 """What a map's dimensions are called."""
+NONE = "#D9D9D9"
+"""Colour of places without a critical load."""
+FLAT = 1e-6
+"""A map whose loads differ by no more, relative to their mean, is even: its labels have six digits."""
 
 
 def frequency_load(
@@ -337,7 +341,8 @@ def stability_map(
     loads: an xarray Dataset with a variable `load` (and `kind`, so that divergence is hatched), a DataArray, both with
     two dimensions, of which the first is drawn along x, and their attributes `units` ("1" where nondimensional) after
     the names; or an array of shape (len(x), len(y)) with the values x, y.
-    NaN, no critical load, stays grey. Raises InputError where that does not fit together.
+    NaN, no critical load, stays grey. A map that is even to six digits, which the labels have, shows one value.
+    Raises InputError where that does not fit together.
     """
     kinds, units = None, [""] * 3
     if hasattr(loads, "data_vars"):
@@ -371,14 +376,19 @@ def stability_map(
         size, units[2] = 1000.0**power, f", {('', 'k', 'M', 'G')[power]}N"
         values = values / size
     with drawing(ax, (5.4, 4.0)) as ax:
+        from matplotlib.patches import Patch
         from matplotlib.ticker import MaxNLocator
 
         steps: Any = levels
+        mean = float(np.nanmean(values))
+        flat = not np.ndim(levels) and np.nanmax(np.abs(values - mean)) <= FLAT * abs(mean)
         if np.ndim(levels):
             steps = np.asarray(levels) / size
+        elif flat:
+            steps = mean + np.array([-0.5, 0.5]) * abs(mean or 1.0)
         else:
             steps = MaxNLocator(steps).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
-        ax.set_facecolor("#D9D9D9")
+        ax.set_facecolor(NONE)
         shown = np.ma.masked_invalid(values.T)
         for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
             if geometric(where):
@@ -388,10 +398,16 @@ def stability_map(
         inks = ["white" if k < light else INK for k in range(len(steps))]
         lines = ax.contour(across, up, shown, steps, colors=inks, linewidths=0.6)
         texts_on_lines = ax.clabel(lines, fontsize=8, fmt="%g")
+        keys = []
         if kinds is not None:
             still = np.asarray(np.asarray(kinds) == "divergence").T
             if still.any():
                 ax.contourf(across, up, still.astype(float), [0.5, 1.5], colors="none", hatches=["////"])
+                keys.append(Patch(facecolor="none", edgecolor=INK, hatch="////", label="divergence"))
+        if not np.isfinite(values).all():
+            keys.append(Patch(facecolor=NONE, edgecolor=MUTED, label="none found"))
+        if keys:
+            legend(ax, handles=keys, loc="upper left")
         for text in texts_on_lines:  # none that the frame would cut
             spot = ax.transAxes.inverted().transform(ax.transData.transform(text.get_position()))
             text.set_visible(bool((np.abs(spot - 0.5) < 0.45).all()))
@@ -402,6 +418,8 @@ def stability_map(
         ax.set_xlabel(texts[0] or "")
         ax.set_ylabel(texts[1] or "")
         bar = ax.figure.colorbar(filled, ax=ax, pad=0.02)
+        if flat:
+            bar.set_ticks([mean], labels=[digits(mean)])
         bar.set_label(r"critical load $P_{\mathrm{cr}}$" + units[2])
         bar.outline.set_visible(False)
     return ax

@@ -4,6 +4,7 @@ import inspect
 import json
 import math
 import re
+import shlex
 from html.parser import HTMLParser
 from types import SimpleNamespace
 
@@ -143,6 +144,14 @@ def test_words_of_a_column_cannot_break_the_page(monkeypatch):
     assert "<script>alert" not in text
     held = re.search(r'<script type="application/json" id="column">(.*?)</script>', text, re.DOTALL)
     assert json.loads(held[1])["title"] == kernel.COLUMN["title"]
+
+
+def test_a_users_column_is_named_by_its_file(own_column, tmp_path, capsys):
+    file = tmp_path / "own.html"
+    assert cli.main(["explore", "--column", own_column, "--output", str(file)]) == 0
+    capsys.readouterr()
+    held = re.search(r'<script type="application/json" id="column">(.*?)</script>', file.read_text(), re.DOTALL)
+    assert shlex.split(json.loads(held[1])["given"]) == [own_column]
 
 
 def test_command(tmp_path, capsys):

@@ -3,6 +3,7 @@
 import json
 import random
 import re
+import shlex
 from types import SimpleNamespace
 
 import numpy as np
@@ -206,6 +207,65 @@ def test_keyboard_moves_sliders_and_reaches_everything(opened):
     controls = {f"{kind}-{key}" for kind in ("box", "slider") for key in before} - {"box-P"}
     assert controls | {"motion", "near"} <= reached | {"box-P", "motion", "near"} and {"slider-P", "box-N"} <= reached
     assert page.ask("[...document.querySelectorAll('input')].every(i => i.labels.length || i.ariaLabel)")
+
+
+@pytest.mark.parametrize("basis", [None, "legendre"])
+def test_command_of_the_footer_computes_what_the_page_shows(opened, capsys, basis):
+    page = opened("beck", "#alpha=0.02&beta=0.3&N=6&eta=0.83", basis=basis)
+    words = shlex.split(page.text("command"))
+    assert words[0] == "freebeam" and cli.main([*words[1:], "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert float(page.page.get_attribute("#critical", "data-value")) == pytest.approx(said["load"], abs=1e-8)
+    page.page.click("#reset")
+    page.settle()
+    assert "--alpha 0.001 --beta 0.1" in page.text("command") and "--set eta=1" in page.text("command")
+
+
+def test_keyboard_reaches_a_parameters_start_again(opened):
+    """Even steps from the low end miss it; the place nearest to it is taken for it, and no value is passed over."""
+    page = opened("beck")
+    for away, back in (("ArrowRight", "ArrowLeft"), ("ArrowLeft", "ArrowRight")):
+        for key in ("eta", "P", "alpha", "beta", "sensor"):
+            start = page.values()[key]
+            for press, count in ((away, 7), (back, 6)):
+                for _ in range(count):
+                    page.page.locator(f"#slider-{key}").press(press)
+            assert page.values()[key] != start
+            for _ in range(2):
+                page.page.locator(f"#slider-{key}").press(back)
+                if page.values()[key] == start:
+                    break
+            assert page.values()[key] == start, key
+    page.page.locator("#slider-eta").press("Home")
+    assert page.values()["eta"] == 0
+    page.page.locator("#slider-eta").press("End")
+    assert page.values()["eta"] == 1.5
+
+
+def test_reset_takes_back_what_was_complained_of(opened):
+    page = opened("free-free", "#P=nonsense")
+    page.type("alpha", "much")
+    assert page.text("address") and page.text("why-alpha")
+    page.page.click("#reset")
+    page.settle()
+    assert page.text("address") == page.text("why-alpha") == ""
+    assert page.page.get_attribute("#box-alpha", "aria-invalid") == "false"
+
+
+def test_words_of_a_column_are_shown_as_they_are(opened):
+    """No mark in a title or a meaning acts in the page."""
+    real = fb.column("beck")
+    hostile = (
+        "</script><script>document.title='ran'</script><img src=x onerror=alert(1)> $x$ `b` & &lt; ]]> \"q\" @COLUMN@\\"
+    )
+    (eta,) = real.kernel.COLUMN["parameters"]
+    more = {"title": f"{hostile}\n\nmore", "parameters": [{**eta, "meaning": hostile}]}
+    kernel = SimpleNamespace(**{**vars(real.kernel), "COLUMN": {**real.kernel.COLUMN, **more}})
+    page = opened(fb.Column(kernel))
+    assert page.page.text_content("h1") == f"{hostile} more"
+    assert page.page.title() == f"{hostile} more · freebeam explorer"
+    assert page.page.get_attribute("label[for=box-eta]", "title") == hostile
+    assert page.ask("document.images.length") == 0
 
 
 def test_map_is_a_control(opened):

@@ -483,6 +483,38 @@ def test_a_map_is_drawn_from_an_xarray_too(ax):
         fb.figures.stability_map(data.drop_vars("load"))
 
 
+def test_a_map_that_is_even_shows_one_value(ax):
+    """Rounding is no structure: one shade, no lines of equal load, one number, the load's, on the bar."""
+    noise = np.random.default_rng(1).uniform(-1e-9, 1e-9, (6, 5))
+    for unit in (9.8696, 9.8696e6, 0.0):
+        fb.figures.stability_map(unit * (1 + noise), np.arange(6.0), np.arange(5.0), ax=ax)
+        bar = ax.figure.axes[-1]
+        shades, lines = ax.collections
+        assert len(shades.get_paths()) == 1 and not any(len(path) for path in lines.get_paths())
+        assert [float(tick.get_text()) for tick in bar.get_yticklabels()] == [pytest.approx(unit, rel=1e-4)]
+        bar.remove()
+        ax.clear()
+    fb.figures.stability_map(9.8696 * (1 + 1e4 * noise), np.arange(6.0), np.arange(5.0), ax=ax)  # what labels can tell
+    assert len(ax.figure.axes[-1].get_yticklabels()) > 2
+
+
+def test_what_a_map_hatches_or_leaves_grey_is_explained(ax):
+    xarray = pytest.importorskip("xarray")
+    loads, kinds = 10.0 + np.arange(20.0).reshape(5, 4), np.full((5, 4), "divergence")
+
+    def said(loads, kinds):
+        ax.clear()
+        coords = {"alpha": np.arange(5.0), "beta": np.arange(4.0)}
+        both = {"load": (("alpha", "beta"), loads), "kind": (("alpha", "beta"), kinds)}
+        fb.figures.stability_map(xarray.Dataset(both, coords), ax=ax)
+        box = ax.get_legend()
+        return [] if box is None else [text.get_text() for text in box.get_texts()]
+
+    assert said(loads, kinds) == ["divergence"] and said(loads, np.full((5, 4), "flutter")) == []
+    loads[4, 3] = np.nan
+    assert said(loads, np.full((5, 4), "flutter")) == ["none found"]
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [

@@ -90,6 +90,7 @@ function settle(view) {
   for (const { key } of view.parameters) showValue(controls[key], values[key], view.range);
   const own = ownOf(view.parameters, values);
   const question = { N: values.N, own, alpha: values.alpha ?? 0, beta: values.beta ?? 0, range: view.range };
+  view.part.command.textContent = commandOf(column, question);
   const keys = { map: JSON.stringify([values.N, own]), question: JSON.stringify(question) };
   if (keys.map !== view.mapKey) {
     view.pencil = pencilOf(column, values.N, own);
@@ -285,7 +286,11 @@ function wireButtons(view) {
     part.near.setAttribute("aria-pressed", String(view.near));
     view.plots.frequency.setData(view.plots.frequency.data);
   });
-  part.reset.addEventListener("click", () => change(view, startOf(view.parameters), true));
+  part.reset.addEventListener("click", () => {
+    part.address.textContent = "";
+    for (const control of Object.values(view.controls)) complain(control, "");
+    change(view, startOf(view.parameters), true);
+  });
   part.link.addEventListener("click", () => copyLink(view));
   part.theme.addEventListener("click", () => {
     const dark = getComputedStyle(document.documentElement).colorScheme.startsWith("dark");

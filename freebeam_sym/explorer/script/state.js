@@ -97,7 +97,9 @@ function sliderOf(parameter, range) {
   const [low, high] = parameter.scale === "load" ? [0, range] : [parameter.low, parameter.high];
   const step = parameter.scale === "load" ? range / 1000 : (high - low) / 200;
   const digits = Math.max(0, 2 - Math.floor(Math.log10(step)));
-  return { min: low, max: high, step, to: (v) => v, from: (s) => Number(s.toFixed(digits)) };
+  // the place nearest to the start is the start itself, which even steps may miss
+  const from = (s) => (Math.abs(s - parameter.start) < step / 2 ? parameter.start : Number(s.toFixed(digits)));
+  return { min: low, max: high, step, to: (v) => v, from };
 }
 
 /** Zero at the left end, then 60 places a decade. */

@@ -49,6 +49,16 @@ function remarkOf({ growing }, critical, P, limit) {
   return `At ${shown((100 * P) / critical.load, 3)} % of the critical load, where ${critical.kind} begins.`;
 }
 
+/** What computes the critical load of a case in a terminal. */
+function commandOf({ given, basis, damping, parameters }, { N, own, alpha, beta }) {
+  const dampings = Object.entries({ alpha, beta }).filter(([key]) => damping.includes(key));
+  return [
+    `freebeam critical --column ${given} --basis ${basis} --modes ${N}`,
+    ...parameters.map(({ name }) => `--set ${name}=${exact(own[name])}`),
+    ...dampings.map(([key, value]) => `--${key} ${exact(value)}`),
+  ].join(" ");
+}
+
 function criticalOf(critical, limit) {
   if (!critical) return `none up to ${limit}`;
   return `${exact(Number(critical.load.toPrecision(10)))}`;
