@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import dataclasses
 import json
 import re
@@ -438,6 +439,19 @@ def test_the_font_has_every_letter_of_the_formulas() -> None:
             wanted |= set(slanted(text) if single else text)
     wanted.discard("\N{FUNCTION APPLICATION}")  # which is not shown
     assert wanted > {"𝜒", "𝑦", "′", "∫", "G"} and wanted <= known, wanted - known
+
+
+def test_the_documentation_has_the_same_letters() -> None:
+    docs = ROOT / "docs"
+    settings = (docs / "conf.py").read_text(encoding="utf-8")
+    folders = ast.literal_eval(re.search(r"^html_static_path = (.*)$", settings, re.MULTILINE)[1])  # type: ignore[index]
+    style = (docs / "style" / "site.css").read_text(encoding="utf-8")
+    (named,) = re.findall(r"url\((.*?)\)", style)
+    assert [docs / folder / named for folder in folders if (docs / folder / named).is_file()] == [
+        docs / "../freebeam_sym/lesson/font" / FONT.name
+    ]
+    for family in (style, (ROOT / "freebeam_sym" / "lesson" / "page.css").read_text(encoding="utf-8")):
+        assert family.count('"Freebeam Math"') == 2
 
 
 def test_primes_can_be_counted(browser: Any, tmp_path: Path) -> None:
