@@ -60,7 +60,7 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
                 "file"
             ) from None
         raise InputError(str(error)) from error
-    facts = Facts(facts.column, column_of(column, "legendre"))
+    facts = Facts(column_of(column, "modes"), column_of(column, "legendre"))
     say("derivation")
     derived = pipeline.derive(stated)
     chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
