@@ -1,8 +1,8 @@
 """Certified critical loads: intervals that are proven to hold them. The way from the runtime to the provers.
 
 The runtime's critical load is the candidate; the proof is ball arithmetic from there, see
-`freebeam_derive.certify`. Inputs are exact: fractions as they are, floats the binary numbers that they are, text the
-decimal that it says.
+`freebeam_derive.certify`. Inputs are exact: fractions as they are, text the decimal that it says, floats the shortest
+decimals that stand for them (0.01 is 1/100), defaults of a column's parameters too. `inputs` says what was taken.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from freebeam_sym.checks import InputError, count, nonnegative, positive
+from freebeam_sym.checks import InputError, _error, count, nonnegative, positive
 from freebeam_sym.convergence import CONVERGED
 from freebeam_sym.critical import CriticalLoad, critical_load
 
 if TYPE_CHECKING:
+    from freebeam_derive.certify.verifier import Statement
     from freebeam_sym.columns import Column
 
 __all__ = [
@@ -26,15 +27,16 @@ __all__ = [
 ]  # fmt: skip
 
 MOST_DIGITS = 10_000
+LOAD_MAX = Fraction(1000)  # nondimensional, where none is given
 
 
 @dataclass(frozen=True)
 class Certified:
-    """A critical load with its proof, nondimensional.
+    """A critical load with its proof, nondimensional, or in N and rad/s where a beam in SI units was given.
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). inputs: what each input was taken for. certificate: the data that
-    prove it, for a file.
+    prove it, for a file; None of the beam itself and in SI units.
     """
 
     load: tuple[str, str] | None
@@ -48,7 +50,7 @@ class Certified:
 
 @dataclass(frozen=True)
 class CertifiedCrossing:
-    """A load at which an eigenvalue or a pair of them passes the imaginary axis; nondimensional.
+    """A load at which an eigenvalue or a pair of them passes the imaginary axis; units as of `Certified`.
 
     load and frequency: (lower, upper) as decimal text, rounded outwards. unstable_below, unstable_above: how many
     eigenvalues have a positive real part next to it. stability: "lost", "regained", or "unchanged" where the column
@@ -81,7 +83,7 @@ class ExactSpectrum:
 
 @dataclass(frozen=True)
 class Truncation:
-    """What a Ritz series is off by: its critical load less the beam's own, nondimensional, (lower, upper) as text.
+    """What a Ritz series is off by: its critical load less the beam's own, (lower, upper) as text; units of its proofs.
 
     relative: the difference in parts of the beam's load, as a float. series, beam: the two enclosures that it is from.
     """
@@ -94,68 +96,65 @@ class Truncation:
 
 def rational(name: str, value: object) -> tuple[Fraction, str]:
     """A number as an exact fraction, and what it was taken for. Raises InputError where it is none."""
+    from freebeam_derive.certify.decimals import read, said
+
     try:
-        if isinstance(value, str):
-            return Fraction(value.strip()), f"the decimal {value.strip()}"
         if isinstance(value, bool):
             raise ValueError
-        if isinstance(value, float):
-            exact = Fraction(value)
-            whole = exact.denominator == 1 or Fraction(repr(value)) == exact
-            return exact, str(value) if whole else f"the binary number {exact.numerator}/{exact.denominator}"
-        exact = Fraction(value)  # type: ignore[call-overload]
-        return exact, str(exact)
-    except (TypeError, ValueError, ZeroDivisionError, OverflowError):
-        raise InputError(f"{name} = {value!r}: must be a finite number, a fraction, or a decimal as text") from None
-
-
-def outward(low: Fraction, high: Fraction, digits: int) -> tuple[str, str]:
-    """Decimals of so many significant digits, rounded down and up."""
-    size = max(abs(low), abs(high))
-    places = digits - 1 - _exponent(size) if size else digits
-    unit = Fraction(10) ** places
-    return _decimal(math.floor(low * unit), places), _decimal(math.ceil(high * unit), places)
-
-
-def _decimal(scaled: int, places: int) -> str:
-    if places <= 0:
-        return str(scaled * 10**-places)
-    text = str(abs(scaled)).rjust(places + 1, "0")
-    return f"{'-' if scaled < 0 else ''}{text[:-places]}.{text[-places:]}"
-
-
-def _exponent(value: Fraction) -> int:
-    """About floor(log10(value)), for any size of the value; at most one too low or high."""
-    return math.floor((value.numerator.bit_length() - value.denominator.bit_length()) * math.log10(2))
-
-
-def _root(value: Fraction, up: bool, bits: int) -> Fraction:
-    """Square root of a fraction, rounded down or up to so many bits after the point."""
-    scaled = value.numerator * 4**bits // value.denominator
-    return Fraction(math.isqrt(scaled) + (1 if up else 0), 2**bits)
+        if isinstance(value, str | float) or hasattr(value, "dtype"):
+            # floats, of Python or NumPy, print as the shortest decimal that is read as them again
+            text = str(value).strip()
+            exact, taken = read(text), text
+        else:
+            exact = Fraction(value)  # type: ignore[call-overload]
+            taken = said(exact)
+        float(exact)  # the candidate of a proof is one
+    except (TypeError, ValueError, ZeroDivisionError):
+        raise _error(name, value, "must be a finite number, a fraction, or a decimal as text", "") from None
+    except OverflowError:
+        raise _error(name, value, "is beyond the range of a float", "") from None
+    return exact, taken
 
 
 @dataclass(frozen=True)
 class _Asked:
-    """What was asked of a proof: exact values, what they were taken for, and the candidate of the runtime."""
+    """What was asked of a proof: exact nondimensional values, what they were taken for, and the runtime's candidate.
+
+    squares: of the SI sizes of one nondimensional unit of each quantity; empty where all is nondimensional.
+    """
 
     column: Column
     modes: int
-    exact: Mapping[str, Fraction]
+    exact: Mapping[str, Any]
     own: Mapping[str, Fraction]
     inputs: Mapping[str, str]
+    squares: Mapping[str, Fraction]
 
     @staticmethod
     def of(
-        column: Column, modes: int, parameters: Mapping[str, object], kappa: object = None, **given: object
+        column: Column,
+        modes: int,
+        parameters: Mapping[str, object],
+        kappa: object = None,
+        beam: tuple[object, object, object] | None = None,
+        **given: object,
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         modes = count("modes", modes, hint="elastic functions in the series")
-        limit = {} if kappa is None else {"kappa": kappa}
-        taken = {name: rational(name, value) for name, value in (given | limit | dict(parameters)).items()}
+        given = {name: value for name, value in (given | {"kappa": kappa}).items() if value is not None}
+        taken = {name: rational(name, value) for name, value in given.items()}
+        column.own_parameters(dict.fromkeys(parameters, 0))  # refuses what is not known
         exact = {name: value for name, (value, _) in taken.items()}
-        own = {name: exact[name] for name in parameters}
-        return _Asked(column, modes, exact, own, {name: text for name, (_, text) in taken.items()})
+        inputs, own = {name: text for name, (_, text) in taken.items()}, {}
+        for p in column.parameters:
+            own[p.name], text = rational(p.name, parameters.get(p.name, p.default))
+            inputs[p.name] = text if p.name in parameters else f"{text} (default)"
+        squares: dict[str, Fraction] = {}
+        if beam is not None:
+            squares = _squares(beam, inputs)
+            exact = _nondimensional(exact, squares)
+        exact.setdefault("load_max", LOAD_MAX)
+        return _Asked(column, modes, exact, own, inputs, squares)
 
     def candidate(self, modes: int | None = None) -> CriticalLoad:
         """The runtime's critical load. Raises InputError for values out of range."""
@@ -176,6 +175,50 @@ class _Asked:
         exact = self.exact
         return Question(self.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
 
+    def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+        """An interval of loads in the units asked in: N where a beam was given."""
+        return self._scaled(interval, "load")
+
+    def frequency(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+        """An interval of frequencies in the units asked in: rad/s where a beam was given."""
+        return self._scaled(interval, "frequency")
+
+    def _scaled(self, interval: tuple[Fraction, Fraction], quantity: str) -> tuple[Fraction, Fraction]:
+        from freebeam_derive.certify.balls import root
+        from freebeam_derive.certify.decimals import roots
+
+        if not self.squares:
+            return interval
+        size, (low, high) = root(self.squares[quantity]), interval
+        if isinstance(size, Fraction):
+            return low * size, high * size
+        return roots(low**2 * size.square, high**2 * size.square)
+
+
+def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dict[str, Fraction]:
+    """Squares of the SI sizes for a beam; what its three quantities were taken for is added to the inputs."""
+    from freebeam_derive.scaling import squares
+
+    values = []
+    for name, value in zip(("bending_stiffness", "mass_per_length", "length"), beam, strict=True):
+        exact, inputs[name] = rational(name, value)
+        positive(name, float(exact))
+        values.append(exact)
+    return squares(*values)
+
+
+def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fraction]) -> dict[str, Any]:
+    """SI values as nondimensional ones: roots of rational numbers where the unit of time is one."""
+    from freebeam_derive.certify.balls import root
+
+    of = {**squares, "load_max": squares["load"], "kappa": squares["beta"] / squares["alpha"]}
+    found = {}
+    for name, value in given.items():
+        if value < 0:  # which is refused, by the value as it was given
+            nonnegative(name, float(value))
+        found[name] = root(value**2 / of[name])
+    return found
+
 
 def _near(found: CriticalLoad) -> tuple[float, float] | None:
     return None if found.load is None or found.frequency is None else (found.load, found.frequency)
@@ -189,32 +232,32 @@ def certified_load(
     *,
     digits: int = 15,
     kappa: object = None,
-    load_max: object = 1000,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
 ) -> Certified:
     """The critical load of the Ritz series in an interval that is proven to hold it, with the proof. Eqs. (24), (25).
 
-    alpha, beta, kappa, load_max, parameters: numbers, fractions, or decimals as text; they are taken exactly. digits:
-    1 to 10,000; the relative width of the interval is below 10^-digits. kappa: the limit of vanishing damping at
-    beta = kappa alpha. Proven are: the crossing, that the column is stable on the whole interval below, and its kind.
+    alpha, beta, kappa, load_max, parameters: numbers, fractions, or decimals as text; they are taken exactly, floats as
+    their shortest decimals. digits: 1 to 10,000; the relative width of the interval is below 10^-digits. kappa: the
+    limit of vanishing damping at beta = kappa alpha. beam: bending stiffness (N m²), mass per length (kg/m) and length
+    (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max (N) and the result, and
+    there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the crossing, that the column is
+    stable on all of the interval below, and its kind.
 
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """
-    from freebeam_derive.certify import certificate, ritz
-    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify import certificate
+    from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
-    near = _near(asked.candidate())
-    try:
-        enclosure = ritz.certify(column.kernel, asked.question(), near, digits, asked.exact["load_max"], progress)
-    except Unproven as error:
-        raise InputError(f"not proven for {column.name}, N = {modes}: {error}") from error
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    enclosure = _first(asked, digits, progress)
     load = frequency = None
     if enclosure.load is not None:
-        load = outward(*enclosure.load, digits + 3)
-        frequency = _frequency(enclosure.square, digits)
+        load = outward(*asked.load(enclosure.load), digits + 3)
+        frequency = _frequency(asked, enclosure.square, digits)
     return Certified(
         load,
         frequency,
@@ -222,16 +265,38 @@ def certified_load(
         dict(enclosure.proof),
         digits,
         asked.inputs,
-        certificate.write(column.kernel, enclosure),
+        certificate.write(column.kernel, enclosure) if beam is None else None,
     )
 
 
-def _frequency(square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
+def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -> Any:
+    """The first loss of stability of the series, proven. Raises InputError."""
+    from freebeam_derive.certify import crossings, ritz
+    from freebeam_derive.certify.balls import Unproven
+
+    kernel, question, load_max = asked.column.kernel, asked.question(), asked.exact["load_max"]
+    near = _near(asked.candidate())
+    try:
+        try:
+            return ritz.certify(kernel, question, near, digits, load_max, progress)
+        except Unproven as error:
+            # floats may take another for the first, where two that all but touch look like none; all are sought
+            top = load_max if near is None else min(load_max, Fraction(near[0]) * Fraction(1001, 1000))
+            lost = [c for c in crossings.survey(kernel, question, top, max(digits, 30), progress) if c.unstable == 0]
+            if not lost:
+                raise error
+            square = lost[0].square
+            first = lost[0].load[0], 0.0 if square is None else math.sqrt(square[0])
+            return ritz.certify(kernel, question, first, digits, load_max, progress)
+    except Unproven as error:
+        raise InputError(f"not proven for {asked.column.name}, N = {asked.modes}: {error}") from error
+
+
+def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
     """ω from an interval of ω², as text; zero where there is none."""
-    if square is None:
-        return "0", "0"
-    bits = 4 * digits + 40
-    return outward(_root(square[0], False, bits), _root(square[1], True, bits), digits + 1)
+    from freebeam_derive.certify.decimals import outward, roots
+
+    return ("0", "0") if square is None else outward(*asked.frequency(roots(*square)), digits + 1)
 
 
 def certified_crossings(
@@ -240,9 +305,10 @@ def certified_crossings(
     alpha: object = 0,
     beta: object = 0,
     *,
-    load_max: object = 1000,
+    load_max: object = None,
     digits: int = 15,
     kappa: object = None,
+    beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
 ) -> tuple[CertifiedCrossing, ...]:
@@ -260,9 +326,10 @@ def certified_crossings(
     """
     from freebeam_derive.certify import crossings
     from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     _range_checked(asked)
     try:
         found = crossings.survey(column.kernel, asked.question(), asked.exact["load_max"], digits, progress)
@@ -271,8 +338,8 @@ def certified_crossings(
     return tuple(
         CertifiedCrossing(
             c.kind,
-            outward(*c.load, digits + 3),
-            _frequency(c.square, digits),
+            outward(*asked.load(c.load), digits + 3),
+            _frequency(asked, c.square, digits),
             c.unstable,
             c.unstable + c.change,
             c.stability,
@@ -303,7 +370,8 @@ def exact_load(
     digits: int = 15,
     kappa: object = None,
     modes: int = 24,
-    load_max: object = 1000,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
     **parameters: object,
 ) -> Certified:
     """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
@@ -314,13 +382,13 @@ def exact_load(
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     found = asked.candidate()
     near = _near(found)
     if near is None:
         raise InputError(
-            f"load_max = {load_max}: the series of {modes} functions does not lose stability up to there, which leaves "
-            "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
+            f"load_max = {found.load_max:.10g}: the series of {modes} functions does not lose stability up to there, "
+            "which leaves nothing to start from; nothing is proven of the beam itself; give a larger load_max"
         )
     return _enclosed(asked, near, found.kind, digits)
 
@@ -330,6 +398,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     from freebeam_derive.certify import exact as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.decimals import outward
 
     exact, name = asked.exact, asked.column.name
     try:
@@ -346,8 +415,9 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {name}, the beam itself: {error}") from error
-    load = outward(*ends(crossing.load), digits + 2)
-    frequency = ("0", "0") if crossing.kind == "divergence" else outward(*ends(crossing.frequency), digits + 2)
+    load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
+    if crossing.kind == "flutter":
+        frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
     return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
 
 
@@ -359,7 +429,8 @@ def truncation_error(
     *,
     digits: int = 15,
     kappa: object = None,
-    load_max: object = 1000,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
     series: Certified | None = None,
     **parameters: object,
 ) -> Truncation:
@@ -371,13 +442,15 @@ def truncation_error(
     Raises InputError as `certified_load` does, and where no crossing of the beam itself is proven that the series'
     could be a value for: the truncation may have invented it.
     """
+    from freebeam_derive.certify.decimals import outward, read
+
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
-    asked = _Asked.of(column, modes, parameters, kappa, alpha=alpha, beta=beta, load_max=load_max)
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     more = asked.candidate(max(24, modes + 8)) if column.basis_name == "modes" else asked.candidate(max(18, modes))
-    own: dict[str, Any] = dict(parameters)
+    given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     near = _near(more)
     if series is None:
-        series = certified_load(column, modes, alpha, beta, digits=digits, kappa=kappa, load_max=load_max, **own)
+        series = certified_load(column, modes, alpha, beta, digits=digits, **given)
     if series.load is None or near is None or more.kind != series.kind:
         raise InputError(
             f"the truncation error of {column.name} at N = {modes} is not known: "
@@ -386,22 +459,23 @@ def truncation_error(
                 if series.load is None
                 else "its crossing is gone at more functions"
             )
-            + f" up to the load {load_max}"
+            + f" up to the load {more.load_max:.10g}"
         )
     while True:
-        beam = _enclosed(asked, near, more.kind, digits)
-        assert beam.load is not None and series.load is not None
-        if abs(float(beam.load[0]) / near[0] - 1) > 10 * CONVERGED:
+        itself = _enclosed(asked, near, more.kind, digits)
+        assert itself.load is not None and series.load is not None
+        led_to = float(asked.load((Fraction(near[0]), Fraction(near[0])))[0])
+        if abs(float(itself.load[0]) / led_to - 1) > 10 * CONVERGED:
             raise InputError(
                 f"the truncation error of {column.name} at N = {modes} is not known: the beam's own crossing at "
-                f"{float(beam.load[0]):.10g} is not the one that more functions lead to, {near[0]:.10g}"
+                f"{float(itself.load[0]):.10g} is not the one that more functions lead to, {led_to:.10g}"
             )
-        ours, theirs = ([Fraction(v) for v in pair] for pair in (series.load, beam.load))
+        ours, theirs = ([read(v) for v in pair] for pair in (series.load, itself.load))
         low, high = ours[0] - theirs[1], ours[1] - theirs[0]
         if (high - low) * 100 < max(abs(low), abs(high)) or digits >= 60:
-            return Truncation(outward(low, high, 6), float((low + high) / 2 / theirs[0]), series, beam)
+            return Truncation(outward(low, high, 6), float((low + high) / 2 / theirs[0]), series, itself)
         digits = min(2 * digits, MOST_DIGITS)
-        series = certified_load(column, modes, alpha, beta, digits=digits, kappa=kappa, load_max=load_max, **own)
+        series = certified_load(column, modes, alpha, beta, digits=digits, **given)
 
 
 def exact_spectrum(
@@ -472,13 +546,16 @@ def _lowest(asked: _Asked) -> list[complex]:
 
 def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, str]:
     """A part of an eigenvalue as decimals; exactly zero is zero."""
+    from freebeam_derive.certify.decimals import outward
+
     return ("0", "0") if not any(interval) else outward(*interval, digits + 2)
 
 
-def verify_certificate(path: str) -> str:
-    """Check a certificate file with the verifier, which shares no code with the prover; what it proves, in a sentence.
+def verify_certificate(path: str) -> Statement:
+    """Check a certificate file with the verifier, which shares no code with the prover.
 
-    Raises InputError with the reason where the file does not prove what it claims.
+    What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
+    theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
     """
     from freebeam_derive.certify.verifier import Refused, verify_file
 

@@ -7,7 +7,9 @@ dimensional statement; a column that gives both must agree with itself.
 
 from __future__ import annotations
 
-from sympy import Expr, S, expand, powdenest, sqrt
+from fractions import Fraction
+
+from sympy import Expr, Rational, S, expand, powdenest, sqrt
 
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, x
 from freebeam_derive.record import Step
@@ -40,6 +42,13 @@ UNITS: dict[str, str] = {
     "acceleration": "m/s^2",
     "energy": "J",
 }
+
+
+def squares(bending_stiffness: Fraction, mass_per_length: Fraction, length: Fraction) -> dict[str, Fraction]:
+    """The squares of the sizes in SCALES for a beam in SI units (N m², kg/m, m): rational numbers, unlike the sizes."""
+    beam = {symbol: Rational(value) for symbol, value in ((EI, bending_stiffness), (m, mass_per_length), (L, length))}
+    values = {name: (size**2).subs(beam) for name, size in SCALES.items()}
+    return {name: Fraction(int(value.p), int(value.q)) for name, value in values.items()}
 
 
 def nondimensional(functional: Functional) -> Functional:

@@ -80,7 +80,7 @@ class Units:
     sizes: Mapping[str, float] = field(default_factory=dict)
 
     SYMBOLS: ClassVar = {
-        "length": "m", "time": "s", "load": "N", "force": "N", "alpha": "s", "beta": "kg/(m s)",
+        "length": "m", "time": "s", "load": "N", "force": "N", "alpha": "s", "beta": "kg/(m s)", "kappa": "kg/(m s^2)",
         "frequency": "rad/s", "velocity": "m/s", "acceleration": "m/s^2",
     }  # fmt: skip
 
@@ -125,7 +125,8 @@ def units_of(
         return Units()
     if missing:
         raise InputError(f"SI units need the beam's three quantities: give {' and '.join(missing)} too")
-    return Units(column.kernel.scales(*(positive(name, value) for name, value in given.items())))
+    sizes = column.kernel.scales(*(positive(name, value) for name, value in given.items()))
+    return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
 
 
 @contextmanager

@@ -84,9 +84,8 @@ def critical(
     if digits is None and (exact or certificate or every):
         option = "--exact" if exact else "--certificate" if certificate else "--all"
         raise InputError(f"{option}: belongs to a proof; give --digits, such as --digits 20")
-    if (digits is not None or truncation) and (bending_stiffness or mass_per_length or length):
-        option = "--truncation" if digits is None else "--digits"
-        raise InputError(f"{option}: proofs are nondimensional; leave the beam in SI units out")
+    if certificate and (bending_stiffness or mass_per_length or length):
+        raise InputError("--certificate: is nondimensional; leave the beam in SI units out")
     for option, given in (("--certificate", certificate), ("--all", every), ("--truncation", truncation)):
         if exact and given:
             raise InputError(f"{option}: is of a Ritz series; leave --exact out")
@@ -98,14 +97,16 @@ def critical(
         case.typed["kappa"] = kappa or ZERO
     limit = {} if load_max is None else {"load_max": units.into("load", load_max)}
     if vanishing:
-        limit["kappa"] = float(kappa or ZERO)
+        limit["kappa"] = units.into("kappa", kappa or ZERO)
     proven, crossings, off = None, None, None
     if digits is not None or truncation:
         asked: dict[str, Any] = {} if load_max is None else {"load_max": load_max.exact}
         asked |= {"kappa": (kappa or ZERO).exact} if vanishing else {}
         asked |= {name: value.exact for name, value in assignments(own).items()}
+        if bending_stiffness and mass_per_length and length:
+            asked["beam"] = bending_stiffness.exact, mass_per_length.exact, length.exact
         of_series = (case.column, case.modes, alpha.exact, beta.exact)
-        with working("proof") as report:
+        with working("proof") as report, nondimensional(units):
             if digits is not None and exact:
                 proven = fb.exact_load(case.column, alpha.exact, beta.exact, digits=digits, **asked)
             elif digits is not None:
@@ -138,7 +139,9 @@ def critical(
         load, frequency = proven.load or (None, None), proven.frequency or (None, None)
         record |= {"load_lower": load[0], "load_upper": load[1]}
         record |= {"frequency_lower": frequency[0], "frequency_upper": frequency[1]}
-        record |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind}
+        record |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+        if proven.load and proven.frequency and not exact:
+            record |= {"load": float(proven.load[0]), "frequency": float(proven.frequency[0])}
     if crossings is not None:
         record |= {"crossings": [_crossing(crossing) for crossing in crossings]}
     if off is not None:
@@ -166,20 +169,22 @@ def critical(
         rows += [["converged", ("yes" if found.converged else "no") + error]]
     if proven is not None:
         what = "the beam itself" if exact else f"N = {case.modes}"
-        none = f"none up to {record['load_max']:.10g}"
-        rows += [[f"proven, {what}", " to ".join(proven.load) if proven.load else none]]
+        up_to = f"up to {record['load_max']:.10g}{load_unit}"
+        rows += [[f"proven, {what}", f"{' to '.join(proven.load)}{load_unit}" if proven.load else f"none {up_to}"]]
         if proven.frequency:
-            rows += [["frequency", " to ".join(dict.fromkeys(proven.frequency))]]
+            omega = f"{' to '.join(dict.fromkeys(proven.frequency))}{units.of('frequency')}"
+            rows += [["kind", proven.kind], ["frequency", omega]]
+        rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
         names = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
-        rows += [["proven is", ", ".join(names) if proven.load else f"stable up to {record['load_max']:.10g}"]]
+        rows += [["proven is", ", ".join(names) if proven.load else f"stable {up_to}"]]
         missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
         if missing and proven.load:
             rows += [["not proven", ", ".join(missing)]]
     if off is not None:
-        rows += [["truncation error", off.get("unknown") or _off(off)]]
+        rows += [["truncation error", off.get("unknown") or _off(off, load_unit)]]
     print_table(rows, title=case.title())
     if crossings:
-        header = ["load", "kind", "frequency", "unstable eigenvalues", "stability"]
+        header = [f"load{load_unit}", "kind", f"frequency{units.of('frequency')}", "unstable eigenvalues", "stability"]
         lines = [
             [
                 " to ".join(c.load),
@@ -190,7 +195,7 @@ def critical(
             ]
             for c in crossings
         ]
-        print_table(lines, header, f"All crossings up to {record['load_max']:.10g}: proven that there is no other")
+        print_table(lines, header, f"All crossings {up_to}: proven that there is no other")
 
 
 def _part(part: float, size: float, rounding: float) -> str:
@@ -213,13 +218,13 @@ def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
     return {**difference, "relative": found.relative, "exact_lower": exact[0], "exact_upper": exact[1]}
 
 
-def _off(record: dict[str, Any]) -> str:
+def _off(record: dict[str, Any], unit: str) -> str:
     low, high = (Decimal(record[name]) for name in ("difference_lower", "difference_upper"))
-    own = record["exact_lower"][:17]
+    own = record["exact_lower"][:17] + unit
     if low <= 0 <= high:
         return f"none that 60 digits show, by the beam's own load {own}"
     small = "E" if max(abs(low), abs(high)) < Decimal("1e-4") else ""
-    return f"{low:{small}} to {high:{small}}, {record['relative']:.1e} of the beam's own load {own}"
+    return f"{low:{small}} to {high:{small}}{unit}, {record['relative']:.1e} of the beam's own load {own}"
 
 
 def _crossing(found: CertifiedCrossing) -> dict[str, Any]:
@@ -244,11 +249,11 @@ def verify(
     import freebeam_sym as fb
 
     with working("verify"):
-        sentence = fb.verify_certificate(str(file))
+        found = fb.verify_certificate(str(file))
     if as_json:
-        print_json({"file": str(file), "verified": True, "proves": sentence})
+        print_json({"file": str(file), "verified": True, **found.record(), "proves": str(found)})
         return
-    typer.echo(f"{file}: {sentence}")
+    typer.echo(f"{file}: {found}")
 
 
 @app.command(epilog="Example: freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")

@@ -14,7 +14,8 @@ import pytest
 
 import freebeam_sym as fb
 from freebeam_sym.cli import main
-from freebeam_sym.proofs import outward, rational
+from freebeam_derive.certify.decimals import outward
+from freebeam_sym.proofs import rational
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, Any, str]:

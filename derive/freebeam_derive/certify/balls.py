@@ -6,8 +6,10 @@ fractions, and π/4 is handed to them as a ball.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from types import ModuleType
@@ -16,6 +18,8 @@ from typing import Any
 import flint
 import numpy as np
 from flint import arb, arb_mat, arb_series, fmpq
+
+from freebeam_derive.certify.decimals import read
 
 
 class Unproven(ArithmeticError):
@@ -33,8 +37,29 @@ def precision(bits: int) -> Iterator[None]:
         flint.ctx.prec = before
 
 
-def exact(value: Fraction | int) -> arb:
-    """The ball of a rational number."""
+@dataclass(frozen=True)
+class Root:
+    """The square root of a positive rational number, for dampings whose unit holds one. Eq. (5)."""
+
+    square: Fraction
+
+    def __float__(self) -> float:
+        return math.sqrt(self.square)
+
+
+Exact = Fraction | Root
+
+
+def root(square: Fraction) -> Exact:
+    """The square root of a rational number that is not negative; rational where it is."""
+    below, under = math.isqrt(square.numerator), math.isqrt(square.denominator)
+    return Fraction(below, under) if Fraction(below, under) ** 2 == square else Root(square)
+
+
+def exact(value: Exact | int) -> arb:
+    """The ball of a rational number, or of the root of one."""
+    if isinstance(value, Root):
+        return exact(value.square).sqrt()
     value = Fraction(value)
     return arb(fmpq(value.numerator, value.denominator))
 
@@ -163,6 +188,18 @@ def _series(kernel: ModuleType, delta: arb, quarter: int, sigma: int, order: int
         flint.ctx.cap = before
 
 
+def parameters(kernel: Any, own: Mapping[str, Fraction] | None = None) -> dict[str, Fraction]:
+    """All own parameters of a column as rational numbers; defaults where left out, read by their shortest decimals.
+
+    Raises ValueError for one that it does not have.
+    """
+    held = {p["name"]: read(str(p["default"])) for p in kernel.COLUMN["parameters"]}
+    for name in own or {}:
+        if name not in held:
+            raise ValueError(f"{name}: {kernel.COLUMN['name']} has no such parameter")
+    return held | dict(own or {})
+
+
 def matrices(
     kernel: ModuleType, modes: int, own: Mapping[str, Fraction] | None = None
 ) -> tuple[arb_mat, arb_mat, arb_mat]:
@@ -171,8 +208,7 @@ def matrices(
     own: the column's own parameters as rational numbers, defaults where left out. Of polynomials they are rational
     numbers, computed exactly and rounded once. Raises Unproven.
     """
-    defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
-    held = defaults | dict(own or {})
+    held = parameters(kernel, own)
     _stated_exactly(kernel, held)
     if kernel.COLUMN.get("basis") == "legendre":
         return tuple(  # type: ignore[return-value]
@@ -192,10 +228,13 @@ def matrices(
 
 def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
     """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
-    for letter, parts in kernel.forms(Fraction(1), **own).items():
-        for factor in (v for part in parts for v in part.values()):
+    stated = {f"form {name}": [v for part in parts for v in part.values()]
+              for name, parts in kernel.forms(Fraction(1), **own).items()}
+    stated["damping"] = kernel.damping_factors(Fraction(1), Fraction(1), **own)
+    for where, factors in stated.items():
+        for factor in factors:
             if isinstance(factor, float) and not (factor * 2**20).is_integer():
-                raise Unproven(f"{kernel.COLUMN['name']}: a factor of its form {letter} is no fraction, {factor!r}")
+                raise Unproven(f"{kernel.COLUMN['name']}: a factor of its {where} is no fraction, {factor!r}")
 
 
 @lru_cache(maxsize=16)

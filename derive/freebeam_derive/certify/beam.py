@@ -36,7 +36,7 @@ from typing import Any, NamedTuple
 import flint
 from flint import acb, acb_mat, arb, arb_mat
 
-from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.balls import Exact, Unproven, exact, parameters, precision
 
 Order = tuple[int, int]
 Taylor = dict[Order, Any]
@@ -80,16 +80,12 @@ class Beam:
     """
 
     def __init__(self, kernel: Any, own: Mapping[str, Fraction] | None = None) -> None:
-        defaults = {p["name"]: Fraction(p["default"]) for p in kernel.COLUMN["parameters"]}
-        unknown = sorted(set(own or {}) - set(defaults))
-        if unknown:
-            raise ValueError(f"{unknown[0]}: {kernel.COLUMN['name']} has no such parameter")
         self.kernel = kernel
         self.name: str = kernel.COLUMN["name"]
         self.rigid: int = kernel.COLUMN["rigid"]
-        self.own = defaults | dict(own or {})
+        self.own = parameters(kernel, own)
         self._known: dict[int, _Parts] = {}
-        self._damping: dict[tuple[int, Fraction, Fraction], tuple[arb, arb]] = {}
+        self._damping: dict[tuple[int, Exact, Exact], tuple[arb, arb]] = {}
         self._one = "one" in signature(kernel.equation).parameters
         self._parts()
 
@@ -146,14 +142,14 @@ class Beam:
                 found[p, k] = coefficient
         return found
 
-    def damping(self, alpha: Fraction, beta: Fraction) -> tuple[arb, arb]:
+    def damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
         """c_E and c_M of C = c_E E + c_M M, Eq. (12). Raises NoSeries for damping of another kind."""
         key = flint.ctx.prec, alpha, beta
         if key not in self._damping:
             self._damping[key] = self._read_damping(alpha, beta)
         return self._damping[key]
 
-    def _read_damping(self, alpha: Fraction, beta: Fraction) -> tuple[arb, arb]:
+    def _read_damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
         still, damped = _flat(self._tables(0)), _flat(self._tables(0, exact(alpha), exact(beta)))
         c_E = _entry(damped[0], 4, 1, 0) / _entry(still[0], 4, 0, 0)
         p, k = next((p, k) for (p, r), row in still[0].items() if r == 2 for k, v in enumerate(row) if v != 0)

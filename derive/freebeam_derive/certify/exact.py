@@ -17,7 +17,7 @@ from typing import Any, Literal, Protocol
 import flint
 from flint import acb, arb, arb_mat
 
-from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.balls import Exact, Unproven, exact, precision
 from freebeam_derive.certify.beam import Beam, Taylor
 
 Kind = Literal["flutter", "divergence"]
@@ -114,7 +114,7 @@ class Damped(_Problem):
 
     sought = "damped flutter at the load (and ω)"
 
-    def __init__(self, beam: Beam, alpha: Fraction, beta: Fraction) -> None:
+    def __init__(self, beam: Beam, alpha: Exact, beta: Exact) -> None:
         super().__init__(beam)
         self.alpha, self.beta = alpha, beta
 
@@ -155,7 +155,7 @@ class VanishingDamping(_Problem):
 
     sought = "flutter at vanishing damping at the load (and ω²)"
 
-    def __init__(self, beam: Beam, kappa: Fraction) -> None:
+    def __init__(self, beam: Beam, kappa: Exact) -> None:
         super().__init__(beam)
         self.kappa = kappa
 
@@ -218,7 +218,7 @@ class Eigenvalue(_Problem):
     sought = "the eigenvalue"
 
     def __init__(
-        self, beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, line: Literal["real", "imaginary", "plane"]
+        self, beam: Beam, load: Fraction, alpha: Exact, beta: Exact, line: Literal["real", "imaginary", "plane"]
     ) -> None:
         super().__init__(beam)
         self.load, self.alpha, self.beta, self.line = load, alpha, beta, line
@@ -413,13 +413,13 @@ def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> Exac
 
 
 def flutter_damped(
-    beam: Beam, alpha: Fraction, beta: Fraction, near: tuple[float, float], digits: int
+    beam: Beam, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int
 ) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
     return _flutter(Damped(beam, alpha, beta), near, digits)
 
 
-def flutter_limit(beam: Beam, kappa: Fraction, near: tuple[float, float], digits: int) -> ExactCrossing:
+def flutter_limit(beam: Beam, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """The limit of the onset of flutter as α → 0⁺ at β = κα. near: load and frequency. Raises Unproven, NoOnset."""
     return _flutter(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
 
@@ -455,7 +455,7 @@ def _onset(
 
 
 def frequencies(
-    beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, near: Sequence[complex], digits: int
+    beam: Beam, load: Fraction, alpha: Exact, beta: Exact, near: Sequence[complex], digits: int
 ) -> tuple[acb, ...]:
     """Eigenvalues λ of the beam at a load, one for each start. Each enclosure holds one eigenvalue and only one, widths
     relative to |λ|; on the real axis, or without damping on the imaginary one, it is known to be.
@@ -472,7 +472,7 @@ def frequencies(
     return tuple(found)
 
 
-def _eigenvalue(beam: Beam, load: Fraction, alpha: Fraction, beta: Fraction, start: complex, digits: int) -> acb:
+def _eigenvalue(beam: Beam, load: Fraction, alpha: Exact, beta: Exact, start: complex, digits: int) -> acb:
     small = 1e-6 * abs(start)
     lines: list[tuple[Literal["real", "imaginary", "plane"], tuple[float, ...]]] = []
     if abs(start.imag) <= small:

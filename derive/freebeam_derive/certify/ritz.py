@@ -29,7 +29,7 @@ from typing import Any
 import numpy as np
 from flint import acb, acb_poly, arb, arb_mat, arb_poly, fmpq, fmpz
 
-from freebeam_derive.certify.balls import Unproven, exact, matrices, precision
+from freebeam_derive.certify.balls import Exact, Unproven, exact, matrices, parameters, precision
 
 LOWEST_BITS = 160
 MOST_BITS = 60_000
@@ -41,9 +41,9 @@ class Question:
     """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), else None."""
 
     modes: int
-    alpha: Fraction = Fraction(0)
-    beta: Fraction = Fraction(0)
-    kappa: Fraction | None = None
+    alpha: Exact = Fraction(0)
+    beta: Exact = Fraction(0)
+    kappa: Exact | None = None
     own: Mapping[str, Fraction] | None = None
 
     @property
@@ -85,7 +85,7 @@ class Enclosure:
 class Boundary:
     """h and g as lists over the powers of P of polynomials in x; g is None without damping."""
 
-    def __init__(self, f: list[arb_poly], question: Question, factors: tuple[Fraction, Fraction]) -> None:
+    def __init__(self, f: list[arb_poly], question: Question, factors: tuple[arb, arb]) -> None:
         self.N = question.modes
         c_M, c_E = factors
         self.g: list[arb_poly] | None
@@ -93,14 +93,13 @@ class Boundary:
             self.h, self.g = f, None
         elif question.kappa is not None:
             # C = c_E E + c_M M: the direction in which damping vanishes
-            scale, kappa = exact(c_E), exact(c_M)
             x = arb_poly([0, 1])
             self.h = f
-            g = [scale * (self.N - a) * p - (scale * x + kappa) * p.derivative() for a, p in enumerate(f)]
+            g = [c_E * (self.N - a) * p - (c_E * x + c_M) * p.derivative() for a, p in enumerate(f)]
             # the highest coefficients cancel identically: g is of degree N − 1
             self.g = [arb_poly([q[b] for b in range(self.N - a)]) for a, q in enumerate(g)]
         else:
-            self.h, self.g = _damped(f, self.N, exact(c_E), exact(c_M))
+            self.h, self.g = _damped(f, self.N, c_E, c_M)
 
     def along(self, which: list[arb_poly], origin: arb, point: arb, slope: arb) -> arb_poly:
         """h or g on the line P = origin + t, x = point + slope t, as a polynomial in t."""
@@ -173,11 +172,13 @@ def _characteristic(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fracti
 
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits."""
-    own = tuple(sorted((question.own or {}).items()))
-    f = _characteristic(kernel, question.modes, own, bits)
+    own = parameters(kernel, question.own)
+    f = _characteristic(kernel, question.modes, tuple(sorted(own.items())), bits)
     alpha, beta = (Fraction(1), question.kappa) if question.kappa is not None else (question.alpha, question.beta)
-    factors = kernel.damping_factors(alpha, beta, **dict(own))
-    return Boundary(f, question, (Fraction(factors[0]), Fraction(factors[1])))
+    with precision(bits):
+        given = {name: exact(value) for name, value in own.items()}
+        c_M, c_E = kernel.damping_factors(exact(alpha), exact(beta), **given)
+        return Boundary(f, question, (arb(c_M), arb(c_E)))
 
 
 # --- signs --------------------------------------------------------------------------------------------------
@@ -464,7 +465,7 @@ def _towards(
 def certify(
     kernel: ModuleType,
     question: Question,
-    near: tuple[float, float] | None,
+    near: tuple[float | Fraction, float] | None,
     digits: int,
     load_max: Fraction = Fraction(1000),
     progress: Callable[[str], None] | None = None,
@@ -504,16 +505,18 @@ def certify(
     raise Unproven(reason)
 
 
-def _certify_near(found: Boundary, question: Question, near: tuple[float, float], digits: int, bits: int) -> Enclosure:
+def _certify_near(
+    found: Boundary, question: Question, near: tuple[float | Fraction, float], digits: int, bits: int
+) -> Enclosure:
     flutter = near[1] > 0
-    P, x = arb(near[0]), arb(near[1]) ** 2 if flutter else None
+    P, x = exact(Fraction(near[0])), arb(near[1]) ** 2 if flutter else None
     start = P.mid()
     reached = 20
     while reached < 2 * bits:
         P, x = newton(found, P, x)
         reached *= 2
     if not P.is_finite() or abs(P - start) > abs(start) * arb("1e-3"):
-        raise Unproven(f"no crossing was found near the load {near[0]:.10g}")
+        raise Unproven(f"no crossing was found near the load {float(near[0]):.10g}")
     if x is not None:
         P, x = enclose_flutter(found, P, x, bits)
         if not x > 0:
@@ -525,14 +528,15 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
     end = middle - abs(middle) * tolerance / 2
     top = middle + abs(middle) * tolerance / 2
     if not (exact(end) < P < exact(top)):
-        raise Unproven(f"the crossing near {near[0]:.10g} could not be enclosed to {digits} digits")
+        raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")
     point = None if x is None else rational(x, bits)
     kind = "divergence" if x is None else "flutter"
+    there = f"{float(middle):.10g}"
     try:
         stretches = _stable_below(found, middle, point, tolerance)
     except Unproven as error:
         raise Unproven(
-            f"{error}; established is that there is a crossing, of {kind}, at {near[0]:.10g}, not that it is the first"
+            f"{error}; established is that there is a crossing, of {kind}, at {there}, not that it is the first"
         ) from error
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
     squared = None
@@ -548,7 +552,7 @@ def _certify_near(found: Boundary, question: Question, near: tuple[float, float]
         single = not found.value(found.h, exact(end).union(exact(top)), arb(0), 1).contains(0)
     if not single:
         raise Unproven(
-            f"a second crossing may lie with the one at {near[0]:.10g} in the interval of {digits} digits; established "
+            f"a second crossing may lie with the one at {there} in the interval of {digits} digits; established "
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     return Enclosure(question, kind, (end, top), squared, None, tuple(stretches), proof)
