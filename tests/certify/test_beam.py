@@ -553,9 +553,8 @@ def test_damping_of_another_kind_is_refused() -> None:
 def test_bad_input_is_named() -> None:
     with pytest.raises(ValueError, match="zeta: beck has no such parameter"):
         Beam(beck, {"zeta": HALF})
-    for digits in (0, 10_001):
-        with pytest.raises(ValueError, match=f"digits = {digits}: must be from 1 to 10000"):
-            exact.flutter_undamped(Beam(beck), (20.05, 11.02), digits)
+    with pytest.raises(ValueError, match="digits = 0: must be 1 or greater"):
+        exact.flutter_undamped(Beam(beck), (20.05, 11.02), 0)
     undamped = column(
         lambda P, a, b: {(0, 1): (b,), (0, 2): (1,), (2, 0): (P,), (4, 0): (1,)}, lambda P, a, b: (CLAMPED, free(0))
     )

@@ -323,8 +323,8 @@ def enclose(problem: Problem, start: Sequence[float], digits: int) -> tuple[list
 
     Bits are doubled until the proof succeeds. Raises Unproven when they do not help.
     """
-    if not 1 <= digits <= 10_000:
-        raise ValueError(f"digits = {digits}: must be from 1 to 10000")
+    if digits < 1:
+        raise ValueError(f"digits = {digits}: must be 1 or greater")
     target = round(digits * 3.3219281) + 4
     bits = 96
     while True:

@@ -541,8 +541,9 @@ def _certify_near(
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
     squared = None
     if x is not None and point is not None:
-        # wider than the load's: the frequency of the eigenvalue that grows at the load's upper end lies within too
-        spread = abs(point) * tolerance * 500
+        # the root of g that passes through the crossing stays within for all loads of the interval
+        _, (by_P, by_x) = _jacobian(found, exact(middle), exact(point))
+        spread = tolerance * (point + middle * rational(abs(by_P / by_x).upper(), 60))
         squared = (point - spread, point + spread)
         if not (exact(squared[0]) < x < exact(squared[1])):
             raise Unproven("the frequency could not be enclosed to the digits asked for")

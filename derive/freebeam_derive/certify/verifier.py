@@ -68,7 +68,7 @@ Line = tuple[Fraction, Fraction]
 Form = tuple[tuple[tuple[int, int, int, Fraction], ...], tuple[tuple[int, int, int, int, Fraction], ...]]
 
 # More than any certificate holds that is written: files that would only use up time and memory are not begun.
-LARGEST_FILE = 4_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
+LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
 MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 MOST_CELLS = 100_000
@@ -261,7 +261,9 @@ def _statement(data: dict[str, Any]) -> tuple[Statement, dict[str, Form], list[S
 
 def _number(value: object) -> Fraction:
     require(type(value) is str, f"a number is not given as text: {str(value)[:40]}")
-    return read(str(value))
+    number = read(str(value))
+    require(abs(number) < 10**300, "a number is larger than any that is written")
+    return number
 
 
 def _interval(values: Any) -> tuple[Fraction, Fraction]:
@@ -483,7 +485,14 @@ class Series:
         self.M, self.E, self.H = matrices(list(stated.ends), stated.basis, stated.modes, forms).values()
         self.C = ball(damping.of_M) * self.M + ball(damping.of_E) * self.E if damping else 0 * self.M
         loads = [stated.end * k / self.N for k in range(self.N + 1)]
-        values = [[self._determinant(ball(P), ball(x)) for P in loads] for x in places]
+        signs = ((-1) ** k for k in range(self.N + 1))
+        values = []
+        for x, sign in zip(places, signs, strict=True):
+            values.append([self._determinant(ball(P), ball(x)) for P in loads[:1]])
+            # before the rest of the work is begun
+            require(bool(sign * values[-1][0][0] > 0), "the roots of h are not separated without load")
+        for x, row in zip(places, values, strict=True):
+            row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
         self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], self.N)
         self.g = by_x(self.h)
         if self.damped:
@@ -653,7 +662,8 @@ def verify(certificate: dict[str, Any]) -> Statement:
     try:
         stated, forms, stretches = _statement(certificate)
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
-        with flint.ctx.workprec(200 + 40 * stated.modes + max(widths, default=0)):
+        # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
+        with flint.ctx.workprec(200 + 20 * stated.modes + max(widths, default=0)):
             places = [point + slope * (s.start - s.origin) for s in stretches[:1] for point, slope in s.lines]
             series = Series(stated, forms, [*places[::2], places[-1]] if stated.damping else places)
             for stretch in stretches:
