@@ -542,8 +542,8 @@ class Series:
         require(over(h, arb(0)) > 0, "det K may vanish within the load's interval")
         bottom, top = map(ball, square)
         box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
-        across = over(g, bottom) * over(g, top) < 0
-        require(bool(across), "the frequency's interval is not known to hold a root of g at each of the loads")
+        across = opposite(over(g, bottom), over(g, top))
+        require(across, "the frequency's interval is not known to hold a root of g at each of the loads")
         left, right = bottom, top
         for k in range(1, 2 * flint.ctx.prec):
             reach = top / 2**k
@@ -555,8 +555,8 @@ class Series:
         over.apart(turned_h, turned_g, arb(0), 1 / right)
         slope = over(h_P, box) * over(g_x, box) - over(h_x, box) * over(g_P, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
-        ends = [self._along_root(P, box) for P in (start, end)]
-        require(bool(ends[0] * ends[1] < 0), "nothing is known to cross within the intervals of load and frequency")
+        across = opposite(*(self._along_root(P, box) for P in (start, end)))
+        require(across, "nothing is known to cross within the intervals of load and frequency")
 
     def _along_root(self, P: arb, box: arb) -> arb:
         """φ(P) = h(P, ξ(P)), where ξ is the root of g(P, ·) in the box, on which g_x is not zero."""
@@ -604,6 +604,11 @@ class Over:
                 require(bool(a < middle < b), "another crossing may lie in the load's interval")
                 waiting += [(a, middle), (middle, b)]
         raise Refused("another crossing may lie in the load's interval")
+
+
+def opposite(one: arb, other: arb) -> bool:
+    """Whether two numbers are known to have opposite signs."""
+    return bool(one < 0 < other or other < 0 < one)
 
 
 def by_load(which: Polynomials) -> Polynomials:
