@@ -16,7 +16,7 @@ from typing import Any
 
 import flint
 import pytest
-from flint import arb, arb_series
+from flint import arb, arb_poly, arb_series
 
 import freebeam_sym as fb
 from freebeam_derive.certify import verifier
@@ -424,6 +424,98 @@ def test_forgeries_are_refused_and_true_certificates_accepted(seed: int) -> None
         refused(forgery)
         count += 1
     assert count >= 8
+
+
+def made(h: list[Any], g: list[Any] | None = None) -> verifier.Series:
+    """A series of polynomials made by hand, over the powers of x, each over those of P; without damping, g None."""
+    series = object.__new__(verifier.Series)
+    series.h = [arb_poly(p) for p in h]
+    series.N, series.damped, series.finite = len(h) - 1, g is not None, g is not None
+    series.g = verifier.by_x(series.h) if g is None else [arb_poly(p) for p in g]
+    return series
+
+
+def times(*factors: list[Any]) -> list[Any]:
+    """Products of polynomials in x over polynomials in P."""
+    total = [arb_poly([1])]
+    for factor in factors:
+        pairs = [(i, j) for i in range(len(total)) for j in range(len(factor))]
+        total = [
+            sum((total[i] * arb_poly(factor[j]) for i, j in pairs if i + j == k), arb_poly([0]))
+            for k in range(len(total) + len(factor) - 1)
+        ]
+    return total
+
+
+LOW, HIGH, BOX = F(999, 1000), F(1001, 1000), (F(9, 10), F(11, 10))
+RISING = [[0, 1], [-1]]  # P − x: root x = P
+FIXED = [[1], [-1]]  # 1 − x
+
+
+@pytest.mark.parametrize("beside", [F(1), F(10001, 10000), F(9, 8)])
+def test_another_crossing_within_the_loads_is_told_from_none(beside: Fraction) -> None:
+    """h and g meet at P = 1, x = 1, and at another x too, at the same load, within the interval, or beyond it."""
+    for place in (F(5), F(1, 5), F(70)):
+        P, x = verifier.ball(beside), verifier.ball(place)
+        moving = [[x - P, 1], [-1]]  # x − P₀ + P − x: through the place at that load
+        still = [[x], [-1]]
+        good = made(times(RISING, [[x + 1], [-1]]), times(FIXED, still))
+        good.check_crossing(LOW, HIGH, BOX)
+        bad = made(times(RISING, moving), times(FIXED, still))
+        if LOW < beside < HIGH:
+            with pytest.raises(verifier.Refused, match=r"another crossing|may hold more than one"):
+                bad.check_crossing(LOW, HIGH, BOX)
+        else:
+            bad.check_crossing(LOW, HIGH, BOX)
+
+
+def test_a_root_of_det_K_within_the_loads_is_told() -> None:
+    """x = P − P₀ falls through zero, where g is not zero: a divergence beside the flutter."""
+    for load, seen in ((F(10001, 10000), True), (F(1, 2), False)):
+        through = [[-verifier.ball(load), 1], [1]]  # P − P₀ + x
+        series = made(times(RISING, through), times(FIXED, [[1], [1]]))
+        if seen:
+            with pytest.raises(verifier.Refused, match="det K may vanish"):
+                series.check_crossing(LOW, HIGH, BOX)
+        else:
+            series.check_crossing(LOW, HIGH, BOX)
+
+
+def test_a_divergence_beside_flutter_is_told() -> None:
+    """det K falls through zero at P = 1; h and g meet at x = 5 at that load, or do not. Two or three roots of det K."""
+    falling = [[1, -1], [1]]  # 1 − P + x
+    made(times(falling, [[5], [-1]]), times([[4], [-1]], [[3], [1]])).check_crossing(LOW, HIGH, None)
+    both = made(times(falling, [[4, 1], [-1]]), times([[5], [-1]], [[3], [1]]))
+    with pytest.raises(verifier.Refused, match="another crossing"):
+        both.check_crossing(LOW, HIGH, None)
+    touching = made([*times([[1, -1]], [[verifier.ball(F(10001, 10000)), -1]])], [[1]])
+    with pytest.raises(verifier.Refused, match="det K does not"):
+        touching.check_crossing(LOW, HIGH, None)
+    cubic = made(times([[1, -1]], [[verifier.ball(F(9999, 10000)), -1]], [[verifier.ball(F(10001, 10000)), -1]]), [[1]])
+    with pytest.raises(verifier.Refused, match="det K does not fall"):
+        cubic.check_crossing(LOW, HIGH, None)
+
+
+def test_a_touch_in_the_box_is_no_crossing() -> None:
+    """h and g meet and part again (a double root of φ), or three times, or never: none is one crossing."""
+    P = arb_poly([-1, 1])
+    small = arb_poly([verifier.ball(F(1, 10**8))])
+    for bend in (P * P, P**3, P * (P * P - small), 10**6 * small):
+        series = made([arb_poly([1]) + bend, [-1]], [[1], [-1]])  # x = 1 + bend against x = 1
+        with pytest.raises(verifier.Refused, match=r"crossing is not known to be simple|nothing is known to cross"):
+            series.check_crossing(LOW, HIGH, BOX)
+    undamped = made([arb_poly([1]) + P * P, [-2], [1]])  # (x − 1)² + (P − 1)²: frequencies that meet only at P = 1
+    with pytest.raises(verifier.Refused, match="not known to be simple"):
+        undamped.check_crossing(LOW, HIGH, BOX)
+    made([arb_poly([1]) + P, [-2], [1]]).check_crossing(LOW, HIGH, BOX)  # (x − 1)² + P − 1: two that meet and part
+
+
+def test_a_frequency_that_is_not_the_crossings_is_told() -> None:
+    """h and g meet at x = 1; the interval holds a root of neither, of g alone, or of both at one end of the loads."""
+    series = made(times(RISING, [[6], [-1]]), times(FIXED, [[5], [-1]]))
+    for square in ((F(2), F(3)), (F(9, 2), F(11, 2)), (F(1), F(2)), (F(1, 2), F(99, 100))):
+        with pytest.raises(verifier.Refused, match=r"root of g|another crossing|nothing is known"):
+            series.check_crossing(LOW, HIGH, square)
 
 
 @pytest.mark.parametrize(("given", "high"), [({"eta": "0.55"}, "86.7806"), ({"eta": "0.7", "alpha": "1e-3"}, "102")])

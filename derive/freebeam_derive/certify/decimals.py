@@ -10,7 +10,7 @@ from fractions import Fraction
 from flint import fmpz
 
 LONGEST = 100_000  # characters of one number: 10,000 digits as a quotient take some 30,000
-NUMBER = re.compile(r"([+-]?)([0-9]*)\.?([0-9]*)(?:[eE]([+-]?[0-9]{1,5}))?(?:/([0-9]+))?", re.ASCII)
+NUMBER = re.compile(r"([+-]?)([0-9]*)\.?([0-9]*)(?:[eE]([+-]?[0-9]{1,5}))?(?:/(0*[1-9][0-9]*))?", re.ASCII)
 
 
 def read(text: str) -> Fraction:

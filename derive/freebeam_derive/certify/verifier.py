@@ -676,8 +676,11 @@ def verify(certificate: dict[str, Any]) -> Statement:
             if stated.load is not None:
                 series.check_crossing(*stated.load, stated.square)
         return stated
-    except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError) as error:
-        raise Refused(f"is not a certificate: {type(error).__name__}: {' '.join(str(error).split())[:200]}") from error
+    except ArithmeticError as error:
+        raise Refused(f"could not be checked: {error}") from error
+    except (AttributeError, LookupError, TypeError, ValueError) as error:
+        reason = " ".join(str(error).split())[:100]
+        raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
 
 
 def verify_file(path: Path | str) -> Statement:
