@@ -544,13 +544,9 @@ class Series:
         box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
         across = opposite(over(g, bottom), over(g, top))
         require(across, "the frequency's interval is not known to hold a root of g at each of the loads")
-        left, right = bottom, top
-        for k in range(1, 2 * flint.ctx.prec):
-            reach = top / 2**k
-            left, right = (bottom - reach).max(bottom / 2), top + reach
-            if over(g_x, left.union(right)) != 0:
-                break
-            require(bool(reach > (top - bottom) / 2), "the frequency's interval may hold more than one crossing")
+        around = (((bottom - top / 2**k).max(bottom / 2), top + top / 2**k) for k in range(1, flint.ctx.prec))
+        left, right = next((v for v in around if over(g_x, v[0].union(v[1])) != 0), (bottom, top))
+        require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         over.apart(h, g, arb(0), left)
         over.apart(turned_h, turned_g, arb(0), 1 / right)
         slope = over(h_P, box) * over(g_x, box) - over(h_x, box) * over(g_P, box)
