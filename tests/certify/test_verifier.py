@@ -195,6 +195,12 @@ def test_damping_that_was_not_asked_for_is_refused(case: str, asked: Data) -> No
     refused(certificate(case) | asked, "the damping")
 
 
+def test_a_limit_without_internal_damping_is_refused() -> None:
+    """External damping alone that vanishes leaves the undamped crossing, where no eigenvalue is simple."""
+    data = certificate("limit") | {"column": "another"}
+    refused(data | {"damping": {"of_M": "1", "of_E": "0", "vanishing": True}}, "no internal damping")
+
+
 @pytest.mark.parametrize("case", ["divergence", "none", "one mode, damped"])
 def test_other_kinds_altered_are_refused(case: str) -> None:
     data = certificate(case)

@@ -177,8 +177,10 @@ def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     alpha, beta = (Fraction(1), question.kappa) if question.kappa is not None else (question.alpha, question.beta)
     with precision(bits):
         given = {name: exact(value) for name, value in own.items()}
-        c_M, c_E = kernel.damping_factors(exact(alpha), exact(beta), **given)
-        return Boundary(f, question, (arb(c_M), arb(c_E)))
+        c_M, c_E = map(arb, kernel.damping_factors(exact(alpha), exact(beta), **given))
+        if question.kappa is not None and not c_E > 0:
+            raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
+        return Boundary(f, question, (c_M, c_E))
 
 
 # --- signs --------------------------------------------------------------------------------------------------

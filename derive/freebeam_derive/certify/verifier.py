@@ -232,6 +232,7 @@ def _statement(data: dict[str, Any]) -> tuple[Statement, dict[str, Form], list[S
         require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
         require(damping["vanishing"] is limit, "the damping does not fit kappa")
         damping = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
+        require(not limit or damping.of_E > 0, "no internal damping is there to vanish")
 
     parameters = data["parameters"]
     named = len(parameters) <= MOST_TERMS and all(name.isidentifier() and len(name) <= 200 for name in parameters)
@@ -549,7 +550,7 @@ class Series:
         require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         over.apart(h, g, arb(0), left)
         over.apart(turned_h, turned_g, arb(0), 1 / right)
-        slope = over(h_P, box) * over(g_x, box) - over(h_x, box) * over(g_P, box)
+        slope = over(h_P, box) - over(h_x, box) * over(g_P, box) / over(g_x, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
         across = opposite(*(self._along_root(P, box) for P in (start, end)))
         require(across, "nothing is known to cross within the intervals of load and frequency")
