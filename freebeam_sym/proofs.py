@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from freebeam_sym.checks import InputError, _error, count, nonnegative, positive
-from freebeam_sym.convergence import CONVERGED
+from freebeam_sym.convergence import CONVERGED, BeamLoss
 from freebeam_sym.critical import CriticalLoad, critical_load
 
 if TYPE_CHECKING:
@@ -220,7 +220,13 @@ def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fractio
     return found
 
 
-def _near(found: CriticalLoad) -> tuple[float, float] | None:
+def _itself(asked: _Asked, modes: int) -> CriticalLoad | BeamLoss:
+    """Where to start for the beam itself: from polynomials that agree, else from so many functions of the basis."""
+    found = asked.candidate(modes)
+    return found.beam or found
+
+
+def _near(found: CriticalLoad | BeamLoss) -> tuple[float, float] | None:
     return None if found.load is None or found.frequency is None else (found.load, found.frequency)
 
 
@@ -376,19 +382,20 @@ def exact_load(
 ) -> Certified:
     """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
 
-    The candidate is the Ritz value at `modes` functions; otherwise as `certified_load`. Proven are the crossing, alone
-    in its interval, and its kind; that it is the first one, over all modes, is not (proof says so).
+    The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
+    `certified_load`. Proven are the crossing, alone in its interval, and its kind; that it is the first one, over all
+    modes, is not (proof says so).
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    found = asked.candidate()
+    found = _itself(asked, modes)
     near = _near(found)
     if near is None:
         raise InputError(
-            f"load_max = {found.load_max:.10g}: the series of {modes} functions does not lose stability up to there, "
-            "which leaves nothing to start from; nothing is proven of the beam itself; give a larger load_max"
+            f"load_max = {float(asked.exact['load_max']):.10g}: no series loses stability up to there, which leaves "
+            "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
         )
     return _enclosed(asked, near, found.kind, digits)
 
@@ -446,7 +453,7 @@ def truncation_error(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    more = asked.candidate(max(24, modes + 8)) if column.basis_name == "modes" else asked.candidate(max(18, modes))
+    more = _itself(asked, max(24, modes + 8) if column.basis_name == "modes" else max(18, modes))
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     near = _near(more)
     if series is None:
@@ -459,7 +466,7 @@ def truncation_error(
                 if series.load is None
                 else "its crossing is gone at more functions"
             )
-            + f" up to the load {more.load_max:.10g}"
+            + f" up to the load {float(asked.exact['load_max']):.10g}"
         )
     while True:
         itself = _enclosed(asked, near, more.kind, digits)

@@ -141,7 +141,12 @@ def critical(
         record |= {"frequency_lower": frequency[0], "frequency_upper": frequency[1]}
         record |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
         if proven.load and proven.frequency and not exact:
-            record |= {"load": float(proven.load[0]), "frequency": float(proven.frequency[0])}
+            first = float(proven.load[0])
+            if not math.isclose(first, record["load"] or math.inf, rel_tol=1e-6):
+                # what floats take for a touch, or do not see, is a loss of stability of the series
+                touches = [touch for touch in record["touches"] if not math.isclose(first, touch[0], rel_tol=1e-6)]
+                record |= {"error": None, "converged": False, "touches": touches}
+            record |= {"load": first, "frequency": float(proven.frequency[0])}
     if crossings is not None:
         record |= {"crossings": [_crossing(crossing) for crossing in crossings]}
     if off is not None:
@@ -151,10 +156,12 @@ def critical(
         return
     load_unit = units.of("load")
     none = f"none up to {record['load_max']:.10g}{load_unit}"
-    if found.load is None:
+    kind = found.kind if exact else record["kind"]  # of the series
+    if record["load"] is None:
         rows = [["critical load", none]]
     else:
-        rows = [["critical load", digits_that_hold(record["load"], found.rounding) + load_unit], ["kind", found.kind]]
+        rows = [["critical load", digits_that_hold(record["load"], found.rounding) + load_unit]]
+        rows += [["kind", kind]]
         rows += [["frequency", f"{record['frequency']:.10g}{units.of('frequency')}"]]
     rows += [["touches", f"{load:.10g}{load_unit}: stability is not lost"] for load, _ in record["touches"]]
     if beam is None:
@@ -163,17 +170,18 @@ def critical(
         rows += [["the beam itself", none]]
     else:
         its = digits_that_hold(record["beam"]["load"], beam.uncertainty) + load_unit
-        rows += [["the beam itself", its if beam.kind == found.kind else f"{beam.kind} at {its}"]]
-    if found.load is not None:
-        error = "" if found.error is None else f" (error {found.error:.1e})"
-        rows += [["converged", ("yes" if found.converged else "no") + error]]
+        rows += [["the beam itself", its if beam.kind == kind else f"{beam.kind} at {its}"]]
+    if record["load"] is not None:
+        error = "" if record["error"] is None else f" (error {record['error']:.1e})"
+        rows += [["converged", ("yes" if record["converged"] else "no") + error]]
     if proven is not None:
         what = "the beam itself" if exact else f"N = {case.modes}"
-        up_to = f"up to {record['load_max']:.10g}{load_unit}"
-        rows += [[f"proven, {what}", f"{' to '.join(proven.load)}{load_unit}" if proven.load else f"none {up_to}"]]
+        up_to = none.removeprefix("none ")
+        rows += [[f"proven, {what}", f"{' to '.join(proven.load)}{load_unit}" if proven.load else none]]
         if proven.frequency:
             omega = f"{' to '.join(dict.fromkeys(proven.frequency))}{units.of('frequency')}"
-            rows += [["kind", proven.kind], ["frequency", omega]]
+            rows += [["kind", proven.kind]] if proven.kind != kind else []
+            rows += [["frequency", omega]]
         rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
         names = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
         rows += [["proven is", ", ".join(names) if proven.load else f"stable {up_to}"]]
