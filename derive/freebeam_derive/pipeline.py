@@ -154,7 +154,8 @@ def generate(
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
-    targets: names or files, all columns of this tree where empty. output: folder, this tree's own where None.
+    targets: names or files, all columns of this tree where empty. output: folder, this tree's own where None; an
+    installed package has no tree, and needs one named.
     check: write nothing, compare with what is there. progress: told what is being done. bases: which trial functions
     a module is made for; those of polynomials are named `…_legendre.py`.
 
@@ -162,6 +163,8 @@ def generate(
     VerificationError for a kernel that fails; then nothing is written.
     """
     say = progress or (lambda _: None)
+    if output is None and not (Path(__file__).parents[2] / "pyproject.toml").is_file():
+        raise StatementError("an installed freebeam is not written to: name a folder for the kernels with --output")
     output = tree() if output is None else Path(output)
     chosen = [find(target) for target in (targets or columns())]
     modules = [_module(column, basis) for column in chosen for basis in bases]
