@@ -1,6 +1,6 @@
 """Print the lowest versions that pyproject.toml allows, as pip's constraints.
 
-    python .ci/lowest.py > build/lowest.txt
+python .ci/lowest.py > build/lowest.txt
 """
 
 import re

@@ -393,6 +393,9 @@ class Store:
                 group.create_array(name, data=axis, dimension_names=[name])
             group.create_group("progress").create_array("done", shape=(len(sweep.blocks()),), chunks=(1,), dtype=bool)
             os.replace(beside / "store", path)
+        except OSError as error:
+            if not path.exists():  # else another run was first: its settings are looked at
+                raise InputError(f"{path}: cannot be written ({error.strerror or error})") from None
         finally:
             shutil.rmtree(beside, ignore_errors=True)
 

@@ -10,7 +10,7 @@ import pytest
 import typer.main
 
 import freebeam_sym as fb
-from freebeam_sym.cli import app
+from freebeam_sym.cli.application import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]

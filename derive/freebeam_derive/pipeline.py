@@ -22,9 +22,8 @@ import difflib
 import hashlib
 import importlib.util
 import json
-import os
-import tempfile
 from collections.abc import Callable, Sequence
+from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, partial
 from importlib.metadata import version
@@ -45,6 +44,7 @@ from freebeam_derive import (
     variation,
     verify,
 )
+from freebeam_derive.files import written
 from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column, StatementError
@@ -351,10 +351,12 @@ def _put(output: Path, texts: dict[str, str]) -> None:
     """Write files beside their places, all of them whole, then put each in its place."""
     try:
         output.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryDirectory(dir=output, prefix=".new-") as folder:
+        with ExitStack() as stack:
             for name, text in texts.items():
-                (Path(folder) / name).write_text(text, encoding="utf-8", newline="\n")
-            for name in texts:
-                os.replace(Path(folder) / name, output / name)
+                path = output / name
+                stream = stack.enter_context(written(path, path.exists()))
+                stream.write(text.encode())
+                stream.flush()  # all of them are on the disk before the first takes its place
     except OSError as error:
-        raise StatementError(f"{output}: cannot be written to: {error.strerror}; choose another --output") from error
+        text = f"cannot be written to: {error.filename or output}: {error.strerror}"
+        raise StatementError(f"{output}: {text}; choose another --output") from error

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import sys
-import tempfile
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -73,27 +71,9 @@ def working(text: str) -> Iterator[Callable[[str], None]]:
 
 @contextmanager
 def written(path: Path, replace: bool) -> Iterator[IO[bytes]]:
-    """A file that appears at `path` whole or not at all. Raises InputError where one exists and is kept."""
-    from freebeam_sym.checks import InputError
+    """A file that appears at `path` whole or not at all; `freebeam_derive.files.written`. Raises OSError, which the
+    command line tells in one line."""
+    from freebeam_derive.files import written
 
-    if path.is_dir():
-        raise InputError(f"{path}: is a folder; give the name of a file")
-    if path.exists() and not replace:
-        raise InputError(f"{path}: exists and is kept; give another name, or --force to replace it")
-    if not path.parent.is_dir():
-        raise InputError(f"{path}: cannot be written (its folder does not exist); make it, or give another name")
-    try:
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}-")
-    except OSError as error:
-        raise InputError(f"{path}: cannot be written ({error.strerror})") from None
-    beside = Path(name)
-    try:
-        with open(handle, "wb") as stream:
-            yield stream
-        mask = os.umask(0)  # mkstemp lets nobody else read; a result is an ordinary file
-        os.umask(mask)
-        beside.chmod(0o666 & ~mask)
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    with written(path, replace) as stream:
+        yield stream

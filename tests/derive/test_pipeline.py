@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+import resource
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -328,18 +329,17 @@ class TestWriting:
         generate([statement_of("leipholz")], tmp_path)
         assert held(tmp_path) == new
 
-    def test_a_disk_that_fills_leaves_the_old(
-        self, tmp_path: Path, statement_of: StatementOf, monkeypatch: pytest.MonkeyPatch
-    ) -> None:
+    def test_a_disk_that_fills_leaves_the_old(self, tmp_path: Path, statement_of: StatementOf) -> None:
+        """A limit on the size of a file stands for it: the larger of the modules do not fit."""
         generate([statement_of("leipholz")], tmp_path)
         before = held(tmp_path)
-
-        def full(self: Path, *_: Any, **__: Any) -> int:
-            raise OSError(28, "No space left on device")
-
-        monkeypatch.setattr(Path, "write_text", full)
-        with pytest.raises(StatementError, match="No space left"):
-            generate(["beck"], tmp_path)
+        limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+        try:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (max(map(len, before.values())) // 2, limits[1]))
+            with pytest.raises(StatementError, match="File too large"):
+                generate(["beck"], tmp_path)
+        finally:
+            resource.setrlimit(resource.RLIMIT_FSIZE, limits)
         assert held(tmp_path) == before
 
     def test_two_columns_of_one_name_are_refused(self, tmp_path: Path, statement_of: StatementOf) -> None:

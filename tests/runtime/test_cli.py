@@ -261,7 +261,7 @@ def test_a_response_that_ends_early_leaves_the_old_file(freebeam, tmp_path, monk
     def fail(*_: object, **__: object) -> None:
         raise failure
 
-    monkeypatch.setattr(cli.respond, "write_csv", fail)
+    monkeypatch.setattr("freebeam_sym.cli.respond.write_csv", fail)
     run = freebeam(*RESPOND, "--output", file, "--force")
     assert run.status == (130 if failure is KeyboardInterrupt else 2)
     assert len(run.err.split("\n")) == 2 and run.err.startswith("freebeam: ")

@@ -19,8 +19,8 @@ RUNTIME = sorted(PACKAGE.rglob("*.py"))
 DERIVATION = sorted((ROOT / "derive" / "freebeam_derive").rglob("*.py"))
 KERNELS = sorted((ROOT / "generated" / "freebeam_kernels").rglob("*.py"))
 FRONTS = {  # which may reach the derivation, inside functions
-    "cli/derivation.py", "ledger/proven.py", "lesson/__init__.py", "lesson/derivation.py", "lesson/physics.py",
-    "own.py", "proofs.py",
+    "cli/derivation.py", "cli/output.py", "ledger/proven.py", "lesson/__init__.py", "lesson/derivation.py",
+    "lesson/physics.py", "own.py", "proofs.py",
 }  # fmt: skip
 SYMBOLIC = {"sympy", "mpmath", "flint"}
 LATE = {"matplotlib", "xarray", "dask", "distributed", "zarr"}  # inside functions, where they are used
