@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, count, finite, positive
+from freebeam_sym.checks import InputError, computable, count, finite, positive
+from freebeam_sym.columns import is_column
 from freebeam_sym.critical import CriticalLoad, critical_load
 from freebeam_sym.pencil import Kind
 
@@ -127,12 +128,10 @@ def trace_boundary(
     >>> [event.what for event in curve.events]
     ['divergence to flutter']
     """
-    low, high = finite("low", low), finite("high", high)
-    names = ("alpha", "beta", *(p.name for p in column.parameters))
-    if parameter not in names:
-        raise InputError(
-            f"parameter = {parameter!r}: {column.name} has no such parameter; there are {', '.join(names)}"
-        )
+    is_column(column)
+    low, high = (computable(name, finite(name, value)) for name, value in (("low", low), ("high", high)))
+    if parameter not in ("alpha", "beta", *(p.name for p in column.parameters)):
+        raise column.no_such(parameter)
     if parameter in fixed:
         raise InputError(f"{parameter} = {fixed[parameter]}: is the parameter that is traced; it cannot be fixed too")
     if not low < high:

@@ -8,14 +8,20 @@ import numbers
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ["InputError", "count", "finite", "nonnegative", "positions", "positive"]
+__all__ = [
+    "InputError", "array", "computable", "count", "finite", "nonnegative", "positions", "positive", "reals", "refusal"
+]  # fmt: skip
+
+LARGEST = 1e100
+"""Size from which on the square of a value times a stiffness may be no float any more."""
 
 
 class InputError(ValueError):
     """Bad input. The message is one line: the value, what is allowed, and the cure."""
 
 
-def _error(name: str, value: object, rule: str, hint: str) -> InputError:
+def refusal(name: str, value: object, rule: str, hint: str = "") -> InputError:
+    """The error that says in one line what was given, what is allowed and, in `hint`, what it is about."""
     try:
         text = " ".join((str if isinstance(value, (numbers.Number, np.bool_)) else repr)(value).split())
     except ValueError:  # Python prints no integer of more than 4300 digits
@@ -39,19 +45,19 @@ def finite(name: str, value: object, hint: str = "") -> float:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if (
-        isinstance(value, (bool, np.bool_, str, bytes, np.ndarray))
+        isinstance(value, (bool, np.bool_, str, bytes, np.ndarray, np.datetime64, np.timedelta64))
         or (isinstance(value, numbers.Complex) and not isinstance(value, numbers.Real))
         or not hasattr(value, "__float__")  # what Decimal has too, which is not registered as a Real
     ):
-        raise _error(name, value, "must be a real number", hint)
+        raise refusal(name, value, "must be a real number", hint)
     try:
         number = float(value)
-    except (TypeError, ValueError):
-        raise _error(name, value, "must be a real number", hint) from None
     except OverflowError:
-        raise _error(name, value, "is beyond the range of a float", hint) from None
+        raise refusal(name, value, "is beyond the range of a float", hint) from None
+    except Exception:  # whatever an object's own conversion raises
+        raise refusal(name, value, "must be a real number", hint) from None
     if not math.isfinite(number):
-        raise _error(name, value, "must be finite", hint)
+        raise refusal(name, value, "must be finite", hint)
     return number
 
 
@@ -64,7 +70,7 @@ def nonnegative(name: str, value: object, hint: str = "") -> float:
     """
     number = finite(name, value, hint)
     if number < 0:
-        raise _error(name, value, "must be zero or greater", hint)
+        raise refusal(name, value, "must be zero or greater", hint)
     return number
 
 
@@ -72,7 +78,7 @@ def positive(name: str, value: object, hint: str = "") -> float:
     """`value` as a float greater than zero. Raises InputError, as `finite` does."""
     number = finite(name, value, hint)
     if number <= 0:
-        raise _error(name, value, "must be greater than zero", hint)
+        raise refusal(name, value, "must be greater than zero", hint)
     return number
 
 
@@ -85,11 +91,63 @@ def count(name: str, value: object, low: int = 1, high: int | None = None, hint:
         value = value[()]
     rule = f"must be a whole number, {low} " + ("or greater" if high is None else f"to {high}")
     if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
-        raise _error(name, value, rule, hint)
+        raise refusal(name, value, rule, hint)
     number = int(value)
     if number < low or (high is not None and number > high):
-        raise _error(name, value, rule, hint)
+        raise refusal(name, value, rule, hint)
     return number
+
+
+def computable(name: str, number: float) -> float:
+    """A finite number that can be computed with: its products with stiffnesses are floats too. Raises InputError."""
+    if abs(number) >= LARGEST:
+        raise refusal(name, number, "must be below 1e100 in size to be computed with")
+    return number
+
+
+def array(name: str, values: object, hint: str = "") -> NDArray[np.float64]:
+    """`values` as an array of floats of the same shape: one number, or numbers in sequences or arrays. What `finite`
+    refuses is refused in each place, and masked arrays are; but NaN and infinite values pass.
+
+    >>> array("loads", [1, 2.5])
+    array([1. , 2.5])
+    >>> array("loads", [1, True])
+    Traceback (most recent call last):
+    freebeam_sym.checks.InputError: loads[1] = True: must be a real number
+    """
+    if isinstance(values, np.ma.MaskedArray):
+        raise InputError(f"{name} is a masked array, which is not supported: fill it, or leave the masked values out")
+    try:
+        found = np.asarray(values)
+    except Exception:  # ragged, or whatever an object's own conversion raises
+        raise refusal(name, values, "must be a number, or an array of numbers", hint) from None
+    if found.dtype.kind in "iuf" and (isinstance(values, np.ndarray) or not {bool, np.bool_} & _kinds(values)):
+        with np.errstate(over="ignore"):  # of longer floats
+            return found.astype(np.float64, copy=False)
+    items = np.asarray(values, dtype=object)
+    for place, item in np.ndenumerate(items):
+        finite(f"{name}[{', '.join(map(str, place))}]" if place else name, item, hint)
+    return items.astype(np.float64)
+
+
+def _kinds(values: object) -> set[type]:
+    """Types of the numbers in sequences of sequences."""
+    return set(map(type, np.asarray(values, dtype=object).ravel().tolist()))
+
+
+def reals(name: str, values: object, hint: str = "") -> NDArray[np.float64]:
+    """`values` as an array of finite floats of the same shape, as `array` reads them. Raises InputError.
+
+    >>> reals("loads", [[0.5], [float("nan")]])
+    Traceback (most recent call last):
+    freebeam_sym.checks.InputError: loads[1, 0] = nan: must be finite
+    """
+    found = array(name, values, hint)
+    if not np.isfinite(found).all():
+        place = tuple(np.argwhere(~np.isfinite(found))[0].tolist())
+        label = f"{name}[{', '.join(map(str, place))}]" if place else name
+        raise refusal(label, found[place], "must be finite", hint)
+    return found
 
 
 def positions(
@@ -102,14 +160,14 @@ def positions(
     >>> positions("sensors", 1)
     array([1.])
     """
-    array = np.asarray(values, dtype=object)
-    if array.ndim > 1:
-        raise InputError(f"{name} has shape {array.shape}: must be one number or of shape (n,) ({hint})")
-    items = array.ravel().tolist()
-    if not items:
-        raise _error(name, [], "must name one position at least", hint)
-    labels = [name] if len(items) == 1 else [f"{name}[{k}]" for k in range(len(items))]
-    for label, item in zip(labels, items, strict=True):
-        if not 0 <= finite(label, item, hint) <= 1:
-            raise _error(label, item, "must lie from 0 to 1", hint)
-    return np.array([float(item) for item in items])
+    found = reals(name, values, hint)
+    if found.ndim > 1:
+        raise InputError(f"{name} has shape {found.shape}: must be one number or of shape (n,) ({hint})")
+    if not found.size:
+        raise refusal(name, [], "must name one position at least", hint)
+    found = found.ravel()
+    outside = np.flatnonzero((found < 0) | (found > 1))
+    if outside.size:
+        label = name if found.size == 1 else f"{name}[{outside[0]}]"
+        raise refusal(label, found[outside[0]], "must lie from 0 to 1", hint)
+    return found

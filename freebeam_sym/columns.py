@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections import OrderedDict
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from importlib import import_module
@@ -15,7 +16,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, count, finite, nonnegative, positions, positive
+from freebeam_sym.checks import (
+    LARGEST,
+    InputError,
+    computable,
+    count,
+    finite,
+    nonnegative,
+    positions,
+    positive,
+    reals,
+    refusal,
+)
 
 __all__ = ["Column", "Parameter", "System", "column", "names"]
 
@@ -24,6 +36,7 @@ BASES = ("modes", "legendre")
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _KEPT = 64  # systems of matrices that a column remembers
 _FEW_PLACES = 8  # whose shapes are kept
+_SETTINGS = ("alpha", "beta", "basis", "kappa", "load", "load_max", "modes", "rigid")
 
 
 @dataclass(frozen=True)
@@ -106,15 +119,23 @@ class Column:
         known = {p.name: p.default for p in self.parameters}
         for name, value in given.items():
             if name not in known:
-                listing = ", ".join(known) or "none"
-                raise InputError(f"{name} = {value}: {self.name} has no such parameter; its own parameters: {listing}")
-            known[name] = finite(name, value)
+                raise self.no_such(name)
+            known[name] = computable(name, finite(name, value))
         return known
+
+    def no_such(self, name: str) -> InputError:
+        """The error that there is no parameter of this name."""
+        own = ", ".join(p.name for p in self.parameters) or "none"
+        near = "modes" if name.lower() in ("n", "nmodes", "n_modes", "terms") else ""
+        near = near or next(iter(difflib.get_close_matches(name, [*own.split(", "), *_SETTINGS], 1)), "")
+        cure = f" (did you mean {near}?)" if near and near != name else ""
+        return InputError(f"{name}: {self.name} has no such parameter{cure}; its own parameters: {own}")
 
     def dampings(self, alpha: float, beta: float) -> tuple[float, float]:
         """alpha and beta, checked. Raises InputError where one is negative or the column has no such damping."""
         checked = nonnegative("alpha", alpha, "internal damping"), nonnegative("beta", beta, "external damping")
         for name, value in zip(("alpha", "beta"), checked, strict=True):
+            computable(name, value)
             if value and name not in self.damping:
                 raise InputError(f"{name} = {value}: {self.name} states no such damping; leave it at 0")
         return checked
@@ -143,10 +164,14 @@ class Column:
 
         def build() -> tuple[Array, Array, Array]:
             basis, kernel = self.basis(modes), self.kernel
-            found = tuple(
-                f(basis, rigid, **own) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)
-            )
+            with np.errstate(all="ignore"):
+                found = tuple(
+                    f(basis, rigid, **own) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)
+                )
             for array in found:
+                if not np.isfinite(array).all():
+                    given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
+                    raise InputError(f"{given}: the matrices are beyond the range of a float")
                 array.flags.writeable = False
             M, E, H = found
             return M, E, H
@@ -176,13 +201,19 @@ class Column:
         >>> beam["load"]  # newtons in one unit of P
         5000.0
 
-        Raises InputError where one is not positive and finite.
+        Raises InputError where one is not positive and finite, or a unit is beyond the range of a float.
         """
-        sizes: dict[str, float] = self.kernel.scales(
-            positive("bending_stiffness", bending_stiffness, "EI in N m²"),
-            positive("mass_per_length", mass_per_length, "m in kg/m"),
-            positive("length", length, "L in m"),
-        )
+        EI = positive("bending_stiffness", bending_stiffness, "EI in N m²")
+        m = positive("mass_per_length", mass_per_length, "m in kg/m")
+        L = positive("length", length, "L in m")
+        sizes: dict[str, float] = {}
+        with suppress(ArithmeticError):
+            sizes = self.kernel.scales(EI, m, L)
+        if not sizes or not all(1 / LARGEST < size < LARGEST for size in sizes.values()):
+            raise InputError(
+                f"bending_stiffness = {EI:g}, mass_per_length = {m:g}, length = {L:g}: the units of Eq. (5) that they "
+                f"give must lie between 1e-100 and 1e100 to be computed with"
+            )
         return sizes
 
     def system(
@@ -204,7 +235,7 @@ class Column:
         own, modes = self.own_parameters(parameters), _modes(modes, self.basis_name)
         if not isinstance(rigid, bool | np.bool_):
             raise InputError(f"rigid = {rigid!r}: must be True or False")
-        load = finite("load", load, "nondimensional load P")
+        load = computable("load", finite("load", load, "nondimensional load P"))
         alpha, beta = self.dampings(alpha, beta)
         M, E, H = self.matrices(modes, rigid, **own)
         c_M, c_E = self.damping_factors(alpha, beta, **own)
@@ -230,6 +261,14 @@ class System:
     K: Array
     E: Array
     H: Array
+
+    def __repr__(self) -> str:
+        own = "".join(f", {name}={value:g}" for name, value in self.parameters.items())
+        rigid = f", rigid: {self.rigid_count} functions more" if self.rigid else ""
+        return (
+            f"<System of {self.column.name}: N={self.modes} ({self.column.basis_name}), load={self.load:g}, "
+            f"alpha={self.alpha:g}, beta={self.beta:g}{own}{rigid}; M, C, K, E, H of shape {self.M.shape}>"
+        )
 
     @property
     def rigid_count(self) -> int:
@@ -266,7 +305,7 @@ class System:
 
         Raises InputError for places off the beam and an order that is no whole number.
         """
-        places = np.asarray(x, dtype=float)
+        places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
         if places.size <= _FEW_PLACES:
@@ -288,6 +327,20 @@ def _shapes_at(column: Column, modes: int, rigid: bool, derivative: int, places:
     """`System.shapes` at a few places in a row, kept as these are: its sensors."""
     shapes: Array = column.kernel.shapes(column.basis(modes), np.frombuffer(places), derivative, rigid)
     return shapes
+
+
+def is_column(value: object) -> Column:
+    """`value`, which must be a column. Raises InputError."""
+    if not isinstance(value, Column):
+        raise refusal("column", value, "must be a column, such as fb.column('free-free')")
+    return value
+
+
+def is_system(value: Any) -> Any:
+    """`value`, which must be a system, or have the matrices of one. Raises InputError."""
+    if not all(hasattr(value, name) for name in ("M", "C", "K")):
+        raise refusal("system", value, "must be a system, such as fb.column('free-free').system(load=50)")
+    return value
 
 
 def names() -> tuple[str, ...]:

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, count, nonnegative, positive
+from freebeam_sym.checks import InputError, computable, count, nonnegative, positive
+from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.crossings import LIGHTEST_SCAN, FirstLoss, first_loss, polished, rounding
 from freebeam_sym.grids import KINDS, Answers
@@ -137,9 +138,10 @@ def critical_load(
     `parameters` are the column's own. Everything is nondimensional. Raises InputError for bad values, or where
     the column is not stable without load.
     """
+    is_column(column)
     modes = count("modes", modes, hint="elastic functions in the series")
     alpha, beta = column.dampings(alpha, beta)
-    load_max = positive("load_max", load_max, "largest load to look at")
+    load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     pencil, c_E, c_M, ratio = _posed(column, modes, alpha, beta, kappa, parameters)
     outcome = _settled(pencil, c_E, c_M, load_max, ratio)
     found = outcome.crossing
@@ -167,6 +169,7 @@ def _posed(
     if kappa is not None:
         if not (isinstance(kappa, float) and math.isinf(kappa) and kappa > 0):
             kappa = nonnegative("kappa", kappa, "ratio beta/alpha of vanishing damping; math.inf is allowed")
+            computable("kappa", kappa)
         if alpha or beta:
             raise InputError(
                 f"kappa = {kappa}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} and {beta}"

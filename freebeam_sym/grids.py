@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, computable, reals
+from freebeam_sym.columns import is_column
 from freebeam_sym.crossings import first_crossing
 from freebeam_sym.pencil import Kind, Pencil, Real, pencil_of
 from freebeam_sym.surface import FEW, surface_of
@@ -51,26 +52,21 @@ class Answers(NamedTuple):
 def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
     """Arrays of alpha, beta and the column's own parameters by name, as floats. Raises InputError for a name that the
     column has not and for values that are not finite, or negative damping."""
+    is_column(column)
     own = {p.name: p.default for p in column.parameters}
     found: dict[str, Real] = {}
     for name, given in values.items():
         if name not in ("alpha", "beta", *own):
-            listing = ", ".join(["alpha", "beta", *own])
-            raise InputError(f"{name}: {column.name} has no such parameter; there are {listing}")
-        try:
-            array = np.asarray(given, dtype=float)
-        except (TypeError, ValueError):
-            raise InputError(f"{name} = {given!r:.60}: must be a number or an array of numbers") from None
-        wrong = array[~np.isfinite(array)]
-        if wrong.size:
-            raise InputError(f"{name} = {wrong[0]}: must be finite, and {wrong.size} of {array.size} values are not")
+            raise column.no_such(name)
+        array = reals(name, given)
+        if array.size:
+            computable(name, float(array.max()))
+            computable(name, float(array.min()))
         if name in ("alpha", "beta"):
             if (array < 0).any():
                 raise InputError(f"{name} = {array.min()}: must be zero or greater (damping)")
             if array.any() and name not in column.damping:
                 raise InputError(f"{name} = {array.max()}: {column.name} states no such damping; leave it at 0")
-            if array.max(initial=0.0) >= 1e100:
-                raise InputError(f"{name} = {array.max()}: must be below 1e100 to be computed with")
         found[name] = array
     return found
 

@@ -8,12 +8,13 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, count, positive
+from freebeam_sym.checks import InputError, computable, count, positive
+from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import CONVERGED, verdict
 from freebeam_sym.grids import KINDS, Answers, checked_axes, solve_grid, solve_points
 
@@ -65,7 +66,7 @@ def critical_loads(
     parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
     """
     modes = count("modes", modes, hint="elastic functions in the series")
-    load_max = positive("load_max", load_max, "largest load to look at")
+    load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
     try:
         arrays = np.broadcast_arrays(*values.values())
@@ -125,28 +126,58 @@ def stability_map(
     Raises InputError for bad values, for axes that are not one-dimensional, without two values or not distinct, for a
     map that memory has no room for, for chunks that do not fit, and for a store of other settings.
     """
-    modes = count("modes", modes, hint="elastic functions in the series")
-    load_max = positive("load_max", load_max, "largest load to look at")
-    axes, fixed = split(column, parameters)
+    is_column(column)
     _xarray()  # said now, not when all is computed
+    found = solved(column, modes, parameters, load_max, convergence, step, chunks, scheduler, workers, store)
+    return dataset(column, found)
+
+
+class Solved(NamedTuple):
+    """A map's arrays, each of the shape of the axes, and its settings; without a verdict on convergence, `error` and
+    `converged` are None."""
+
+    modes: int
+    axes: dict[str, NDArray[np.float64]]
+    fixed: dict[str, float]
+    load_max: float
+    answers: Answers
+    error: NDArray[np.float64] | None
+    converged: NDArray[np.bool_] | None
+
+
+def solved(
+    column: Column,
+    modes: int,
+    parameters: Mapping[str, Any],
+    load_max: float = 1000.0,
+    convergence: bool = True,
+    step: Callable[[float], None] | None = None,
+    chunks: Any = None,
+    scheduler: Any = None,
+    workers: int | None = None,
+    store: str | os.PathLike[str] | None = None,
+) -> Solved:
+    """A map as arrays, which need no xarray; all else as in `stability_map`."""
+    modes = count("modes", modes, hint="elastic functions in the series")
+    load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
+    axes, fixed = split(column, parameters)
     if chunks is not None:
         from freebeam_sym.sweeps import Sweep, chunk_sizes, run
 
         sweep = Sweep(column, modes, axes, fixed, load_max, convergence, chunk_sizes(chunks, axes))
         values = run(sweep, scheduler, workers, store, step)
         answers = Answers(*(values[name] for name in Answers._fields))
-        return dataset(column, modes, axes, fixed, load_max, answers, values.get("error"), values.get("converged"))
+        return Solved(modes, axes, fixed, load_max, answers, values.get("error"), values.get("converged"))
     for name, given in (("scheduler", scheduler), ("workers", workers), ("store", store)):
         if given is not None:
             raise InputError(f"{name} needs chunks: values along an axis in a block of the map, such as chunks=100")
     # the polynomials of the verdict cost some five times as much as the map
     done = (lambda x: step(x / 6 if convergence else x)) if step is not None else None
     found = solve_grid(column, modes, axes, fixed, load_max, done)
-    error = converged = None
-    if convergence:
-        later = (lambda x: step((1 + 5 * x) / 6)) if step is not None else None
-        error, converged = verdict(column, axes, fixed, load_max, found, later)
-    return dataset(column, modes, axes, fixed, load_max, found, error, converged)
+    if not convergence:
+        return Solved(modes, axes, fixed, load_max, found, None, None)
+    later = (lambda x: step((1 + 5 * x) / 6)) if step is not None else None
+    return Solved(modes, axes, fixed, load_max, found, *verdict(column, axes, fixed, load_max, found, later))
 
 
 def split(column: Column, parameters: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, float]]:
@@ -172,17 +203,9 @@ def counted(lengths: Sequence[int]) -> int:
     return count("points of the map", math.prod(lengths), 1, most, "cut the grid and compute the parts one by one")
 
 
-def dataset(
-    column: Column,
-    modes: int,
-    axes: Mapping[str, Any],
-    fixed: Mapping[str, float],
-    load_max: float,
-    found: Answers,
-    error: NDArray[np.float64] | None,
-    converged: NDArray[np.bool_] | None,
-) -> xarray.Dataset:
-    """The labelled dataset of a map's arrays, each of the shape of the axes. Raises InputError without xarray."""
+def dataset(column: Column, solved: Solved) -> xarray.Dataset:
+    """The labelled dataset of a map. Raises InputError without xarray."""
+    modes, axes, fixed, load_max, found, error, converged = solved
     meanings = _MEANINGS | {p.name: p.meaning for p in column.parameters}
     names = list(axes)
     variables = {

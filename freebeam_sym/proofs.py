@@ -13,7 +13,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from freebeam_sym.checks import InputError, _error, count, nonnegative, positive
+from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
+from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import CONVERGED, BeamLoss
 from freebeam_sym.critical import CriticalLoad, critical_load
 
@@ -110,9 +111,9 @@ def rational(name: str, value: object) -> tuple[Fraction, str]:
             taken = said(exact)
         float(exact)  # the candidate of a proof is one
     except (TypeError, ValueError, ZeroDivisionError):
-        raise _error(name, value, "must be a finite number, a fraction, or a decimal as text", "") from None
+        raise refusal(name, value, "must be a finite number, a fraction, or a decimal as text", "") from None
     except OverflowError:
-        raise _error(name, value, "is beyond the range of a float", "") from None
+        raise refusal(name, value, "is beyond the range of a float", "") from None
     return exact, taken
 
 
@@ -140,6 +141,7 @@ class _Asked:
         **given: object,
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
+        is_column(column)
         modes = count("modes", modes, hint="elastic functions in the series")
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if value is not None}
         taken = {name: rational(name, value) for name, value in given.items()}
@@ -428,7 +430,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
 
 
-def truncation_error(
+def truncationrefusal(
     column: Column,
     modes: int = 8,
     alpha: object = 0,

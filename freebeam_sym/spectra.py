@@ -15,7 +15,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, count
+from freebeam_sym.checks import InputError, computable, count, reals, refusal
+from freebeam_sym.columns import is_column, is_system
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
@@ -128,6 +129,7 @@ def spectrum(system: System) -> Spectrum:
     Elastic and rigid blocks are solved apart: λ = 0 of the rigid motion is defective, and rounding would scatter
     it by the square root of a float's precision, into the elastic eigenvalues too.
     """
+    is_system(system)
     r, n = system.rigid_count, len(system.M)
     M, C, K = system.M, system.C, system.K
     e = slice(r, n)
@@ -241,10 +243,10 @@ def eigenvalues(
     """
     from freebeam_sym.grids import alike, checked_axes
 
+    is_column(column)
     modes = count("modes", modes, hint="elastic functions in the series")
-    P = np.asarray(load, dtype=float)
-    if not np.isfinite(P).all():
-        raise InputError(f"load = {P[~np.isfinite(P)][0]}: must be finite")
+    P = reals("load", load)
+    computable("load", float(np.abs(P).max(initial=0.0)))
     values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
     try:
         arrays = np.broadcast_arrays(*values.values())
@@ -321,9 +323,11 @@ def branches(
     the one with the greater real part, or imaginary part where real parts agree, goes on with the smaller number.
     Raises InputError for loads that are not finite.
     """
-    P = np.atleast_1d(np.asarray(loads, dtype=float))
-    if P.ndim != 1 or not len(P) or not np.isfinite(P).all():
-        raise InputError(f"loads = {loads!r:.60}: must be finite numbers, one or more, in a sequence of shape (m,)")
+    is_column(column)
+    P = np.atleast_1d(reals("loads", loads))
+    if P.ndim != 1 or not len(P):
+        raise refusal("loads", loads, "must be finite numbers, one or more, in a sequence of shape (m,)")
+    computable("loads", float(np.abs(P).max()))
     modes = count("modes", modes, hint="elastic functions in the series")
     system = column.system(modes, 0.0, alpha, beta, rigid, **parameters)
     e = slice(system.rigid_count, None)

@@ -16,7 +16,10 @@ from freebeam_sym.cli.output import print_json, print_table, working
 
 @app.command(epilog="Example: freebeam columns")
 def columns(as_json: JsonOption = False) -> None:
-    """List the columns with their ends and parameters."""
+    """List the columns with their ends and parameters.
+
+    Of each parameter: its default and, in brackets, the range of interest, which is what plots show. It is no limit.
+    """
     import freebeam_sym as fb
 
     found = [fb.column(name) for name in fb.column_names()]
@@ -35,11 +38,12 @@ def columns(as_json: JsonOption = False) -> None:
             column.name,
             column.title,
             "-".join(column.ends),
-            "; ".join(f"{p.name} = {p.default:g} ({p.low:g} to {p.high:g}): {p.meaning}" for p in column.parameters),
+            "; ".join(f"{p.name} = {p.default:g} (of interest {p.low:g} to {p.high:g}): {p.meaning}" for p in column.parameters),
         ]
         for column in found
     ]
     print_table(rows, ["name", "title", "ends", "parameters"])
+    print("A range of interest is what plots show; any value may be set.")
 
 
 @app.command(epilog="Example: freebeam generate path/to/column.py --output kernels")

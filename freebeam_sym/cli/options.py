@@ -85,9 +85,9 @@ class Units:
     }  # fmt: skip
 
     def into(self, quantity: str, value: Any) -> Any:
-        """A typed value, or an array of them, as nondimensional ones."""
+        """A typed value, or an array of them, as nondimensional ones; a column's own parameters are that already."""
         value = float(value) if isinstance(value, Number) else value
-        return value / self.sizes[quantity] if self.sizes else value
+        return value / self.sizes[quantity] if quantity in self.sizes else value
 
     def out(self, quantity: str, value: Any) -> Any:
         """A nondimensional value, array or None as one in the units of the output."""
@@ -125,7 +125,7 @@ def units_of(
         return Units()
     if missing:
         raise InputError(f"SI units need the beam's three quantities: give {' and '.join(missing)} too")
-    sizes = column.kernel.scales(*(positive(name, value) for name, value in given.items()))
+    sizes = column.scales(*(positive(name, value) for name, value in given.items()))
     return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
 
 
@@ -158,7 +158,7 @@ BasisOption = Annotated[
 RigidOption = Annotated[bool, typer.Option("--rigid", help="With the rigid-body functions.")]
 SetOption = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the column's own; repeatable."),
+    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the column's own, of any value; repeatable."),
 ]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
 StiffnessOption = Annotated[

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, finite, nonnegative, positions
+from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals
 from freebeam_sym.response.double import BITS, Fixed, exponential, fixed
 from freebeam_sym.response.messages import Message
 
@@ -134,7 +134,7 @@ def _single(function: Function, point: float) -> Any:
 
 def _floats(name: str, values: NDArray[Any], count: int) -> Array:
     """Values (*cases, count), one a point, as floats."""
-    if values.shape[-1:] != (count,) or values.dtype.kind not in "biuf":
+    if values.shape[-1:] != (count,) or values.dtype.kind not in "iuf":
         raise InputError(
             f"{name} gives values of shape {values.shape} and type {values.dtype}: must give one real number a point"
         )
@@ -164,9 +164,7 @@ def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, in
                 "force.frequency = {omega:frequency}: turns by more radians in this response than its digits tell; "
                 "choose a shorter duration", omega=frequency,
             ))  # fmt: skip
-        size, phase = (np.asarray(getattr(force, name)) for name in ("amplitude", "phase"))
-        for name, value in (("amplitude", size), ("phase", phase)):
-            checked(f"force.{name}", value.reshape(-1), value.size, float)
+        size, phase = (reals(f"force.{name}", getattr(force, name)) for name in ("amplitude", "phase"))
         whole = np.asarray(size * (np.sin(phase) - 1j * np.cos(phase)))
         return Wave(whole, frequency, exponential((0, fixed(frequency) * fixed(h) >> BITS))), whole.shape
     if callable(force):
@@ -176,7 +174,7 @@ def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, in
             return _evaluate("force", force, moments(step, begin, end))
 
         return sampled, _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
-    values = np.asarray(force)
+    values = array("force", force)
     if values.ndim == 0:
         return Wave(np.asarray(complex(finite("force", force))), 0.0, exponential((0, 0))), ()
     if values.shape[-1] != times:
@@ -197,13 +195,13 @@ def start_of(system: System, name: str, value: Function | ArrayLike | None) -> t
         return np.zeros(n), 0.0
     if callable(value):
         return _project(system, name, value)
-    values = np.asarray(value)
+    values = reals(name, value)
     if values.shape[-1:] != (n,):
         raise InputError(
             f"{name} has shape {values.shape}: must be of shape ({n},) or (*cases, {n}), one value a trial function, "
             "or a function of x"
         )
-    return checked(name, values, n, float), 0.0
+    return values, 0.0
 
 
 def _project(system: System, name: str, function: Function) -> tuple[Array, float]:

@@ -90,7 +90,8 @@ Target = Callable[[Response], object] | Mapping[str, Any]
 
 def names_of(outputs: Sequence[str], rigid: bool, states: bool, target: Target | None) -> list[str]:
     """Names of the arrays that are asked for. Raises InputError for those that there are not."""
-    if isinstance(outputs, str) or not len(outputs) or any(name not in OUTPUTS for name in outputs):
+    named = isinstance(outputs, Sequence) and not isinstance(outputs, str) and len(outputs)
+    if not named or any(name not in OUTPUTS for name in outputs):
         raise InputError(f'outputs = {outputs!r}: must be a sequence of names from "y", "dy", "ddy"')
     parts = ("", "_elastic", "_rigid") if rigid else ("",)
     names = [name + part for part in parts for name in OUTPUTS if name in outputs]

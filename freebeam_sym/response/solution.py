@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive
+from freebeam_sym.columns import is_system
 from freebeam_sym.response.coordinates import Scaled, coordinates_of
 from freebeam_sym.response.exact import Exact
 from freebeam_sym.response.inputs import (
@@ -100,6 +101,7 @@ def respond(
     where the exact ones do not; decided on the elastic part), where the arrays exceed memory, and for a
     response that grows past the range of floats or turns through more radians than its matrices have digits for.
     """
+    is_system(system)
     duration, h = positive("duration", duration), positive("step", step)
     by = _method(system, method, newmark)
     x_s = positions("sensors", sensors)
@@ -193,6 +195,7 @@ def state_space(
     The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order. Raises InputError
     for positions off the beam and for an unknown output.
     """
+    is_system(system)
     names_of(outputs, False, False, None)
     x_s = positions("sensors", sensors)
     Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)

@@ -90,6 +90,14 @@ def test_using_the_runtime_never_loads_the_symbolic_side() -> None:
     assert not loaded & {*SYMBOLIC, *LATE, "freebeam_derive"}
 
 
+@pytest.mark.parametrize("more", [["--json"], ["--output", "map.csv"], []])
+def test_a_map_as_text_loads_nothing_of_labelled_arrays_or_pictures(more: list[str], tmp_path: Path) -> None:
+    axes = ["--alpha", "1e-3", "1", "3", "--beta", "1e-2", "1", "2"]
+    command = ["map", *axes, *more]
+    code = f"import os; os.chdir({str(tmp_path)!r}); from freebeam_sym.cli import main; assert main({command}) == 0"
+    assert not modules_after(code) & {*SYMBOLIC, *LATE, "pandas"}
+
+
 def test_help_loads_no_numerics() -> None:
     code = "from freebeam_sym.cli import main; assert main(['--help']) == 0"
     assert not modules_after(code) & {*SYMBOLIC, *LATE, "scipy", "numpy", "freebeam_derive"}

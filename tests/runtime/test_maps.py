@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import itertools
 import json
 import math
@@ -10,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -304,11 +306,11 @@ def test_a_boundary_without_events() -> None:
         ({}, "needs an axis"),
         ({"alpha": 0.1}, "needs an axis"),
         ({"alpha": [0.1, -0.1]}, "alpha = -0.1"),
-        ({"alpha": [0.1, math.nan]}, "alpha = nan"),
+        ({"alpha": [0.1, math.nan]}, r"alpha\[1\] = nan"),
         ({"alpha": [[0.1]]}, r"shape \(1, 1\)"),
         ({"alpha": []}, r"shape \(0,\)"),
         ({"alpha": [0.1, 0.1]}, "distinct"),
-        ({"alpha": ["x", "y"]}, "must be a number"),
+        ({"alpha": ["x", "y"]}, "must be a real number"),
         ({"zeta": [0.1, 0.2]}, "no such parameter"),
         ({"alpha": [0.1, 0.2], "load_max": -1.0}, "load_max"),
         ({"alpha": [0.1, 0.2], "modes": 0}, "modes"),
@@ -382,19 +384,25 @@ def test_the_command_draws_the_map_and_keeps_what_exists(tmp_path: Path, capsys:
         (["--alpha", "1", "2", "0", "--beta", "1", "2", "2"], "COUNT"),
         (["--alpha", "1", "2", "2.5", "--beta", "1", "2", "2"], "COUNT = 2.5"),
         (["--alpha", "1", "x", "2", "--beta", "1", "2", "2"], "'x' is not a number"),
-        (["--alpha", "1", "2", "2"], "give --beta"),
-        ([*GRID, "--output", "map.txt"], ".nc or .png"),
+        ([], "a map needs an axis"),
+        (["--alpha", "1", "2"], "--alpha LO HI COUNT: COUNT is missing"),
+        (["--axis", "eta", "1"], "--axis NAME LO HI COUNT: HI COUNT is missing"),
+        (["--axis", "eta", "0", "1", "3"], "eta: free-free has no such parameter"),
+        (["--alpha", "1", "2", "2", "--axis", "alpha", "1", "2", "2"], "alpha: is an axis twice"),
+        (["--column", "beck", "--axis", "eta", "0", "1", "3", "--set", "eta=1"], "leave one of them out"),
+        (["--alpha", "1", "2", "2", "--output", "map.png"], "two axes"),
+        ([*GRID, "--output", "map.txt"], ".csv, .nc, .png"),
         ([*GRID, "--set", "zeta=1"], "zeta"),
-        (["--alpha", "1", "2", "--beta", "1", "2", "2"], "COUNT = --beta"),
+        (["--alpha", "1", "2", "--beta", "1", "2", "2"], "--alpha LO HI COUNT: COUNT is missing"),
         ([*GRID, "3"], "3: belongs to no option"),
         (["--alpha", "1", "2", "9" * 30, "--beta", "1", "2", "2"], "points of the map = 1999"),
         (["--alpha", "1", "2", "100000", "--beta", "1", "2", "100000"], "points of the map = 10000000000"),
         (["--alpha", "1", "1e101", "2", "--beta", "1", "2", "2"], "below 1e100"),
-        ([*GRID, "--set", "alpha=1"], "no such parameter"),
+        ([*GRID, "--set", "alpha=1"], "alpha is an axis of this map"),
         ([*GRID, "--load-max", "0"], "load_max = 0"),
         ([*GRID, "--chunks", "5"], "chunks = 5: must be a whole number, 1 to 4"),
         ([*GRID, "--chunks", "2", "--store", "no/such.zarr"], "no/such.zarr: cannot be written"),
-        ([*GRID, "--output", "map"], ".nc or .png"),
+        ([*GRID, "--output", "map"], ".csv, .nc, .png"),
         (["--alpha", "1", "2", "1", "--beta", "1", "2", "2", "--output", "map.png"], "two values or more"),
         (["--alpha", "1", "2", "200", "--beta", "1", "2", "51", "--json"], "10200 points"),
     ],
@@ -405,6 +413,77 @@ def test_the_command_refuses_in_one_line(
     assert cli.main(["map", *arguments]) == 2
     out, err = capsys.readouterr()
     assert out == "" and message in err and err.count("\n") == 1 and err.startswith("freebeam: ")
+
+
+@pytest.mark.parametrize(
+    ("axes", "names"),
+    [
+        (["--beta", "0.1", "1", "3"], ["beta"]),
+        (["--axis", "eta", "0.6", "1", "3"], ["eta"]),
+        (["--axis", "eta", "0.6", "1", "2", "--axis", "alpha", "1e-3", "1e-1", "3", "--beta", "1", "2", "2"], None),
+    ],
+)
+def test_any_parameter_is_an_axis_in_every_format(
+    axes: list[str], names: list[str] | None, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Each point is `critical_load` there; JSON, CSV and NetCDF hold the same floats."""
+    command = ["map", "--column", "beck", "--modes", "3", *axes]
+    assert cli.main([*command, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    names = names or ["beta", "eta", "alpha"]
+    for suffix in ("csv", "nc"):
+        assert cli.main([*command, "--output", str(tmp_path / f"map.{suffix}")]) == 0
+    lines = (tmp_path / "map.csv").read_text(encoding="utf-8").splitlines()
+    rows = [*csv.DictReader(lines[1:])]
+    assert lines[0].startswith("# freebeam map {") and len(rows) == np.size(found["load"])
+    with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as stored:
+        assert sorted(stored["load"].dims) == sorted(names)
+        np.testing.assert_array_equal(stored["load"].values, found["load"])
+        np.testing.assert_array_equal(stored["load"].values.ravel(), [float(row["load"]) for row in rows])
+    for row, load, kind in zip(rows, np.ravel(found["load"]), np.ravel(found["kind"]), strict=True):
+        there = {name: float(row[name]) for name in names}
+        one = fb.critical_load(fb.column("beck"), 3, **there)
+        assert one.load == pytest.approx(load, rel=1e-9) and one.kind == kind == row["kind"]
+
+
+ONE_DAMPING = """
+from freebeam_derive.notation import P, beta, t, x, y
+from freebeam_derive.statement import Column, delta, integral
+
+column = Column(
+    name="one-damping",
+    title="Pinned-pinned beam under a dead load, with external damping alone",
+    T=integral(y.diff(t) ** 2) / 2,
+    V=integral(y.diff(x, 2) ** 2) / 2,
+    W_c=P * integral(y.diff(x) ** 2) / 2,
+    dW_nc=-integral(beta * y.diff(t) * delta(y)),
+    ends=("pinned", "pinned"),
+)
+"""
+
+
+def test_a_column_with_one_damping_is_mapped(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    file = tmp_path / "one.py"
+    file.write_text(ONE_DAMPING, encoding="utf-8")
+    assert fb.column(file).damping == ("beta",)
+    command = ["map", "--column", str(file), "--modes", "2", "--beta", "0.1", "1", "3", "--json"]
+    assert cli.main(command) == 0
+    assert np.allclose(json.loads(capsys.readouterr().out)["load"], math.pi**2, rtol=1e-12)
+
+
+def test_an_own_parameter_has_no_unit_among_si_axes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    axes = ["--axis", "eta", "0.6", "1", "2", "--alpha", "1e-3", "1e-2", "2", "--modes", "3", "--column", "beck"]
+    beam = ["--bending-stiffness", "2e6", "--mass-per-length", "50", "--length", "20"]
+    assert cli.main(["map", *axes, *beam, "--output", str(tmp_path / "map.nc"), "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    sizes = fb.column("beck").scales(2e6, 50, 20)
+    bare = fb.critical_loads(fb.column("beck"), 3, np.array(found["alpha"])[:, None] / sizes["alpha"], eta=found["eta"])
+    np.testing.assert_allclose(found["load"], bare.load * sizes["load"], rtol=1e-9)
+    with xr.open_dataset(tmp_path / "map.nc", engine="h5netcdf") as stored:
+        assert (stored["alpha"].attrs["units"], stored["eta"].attrs["units"]) == ("s", "1")
 
 
 @pytest.mark.parametrize("suffix", [".nc", ".png"])

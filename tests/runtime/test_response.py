@@ -434,7 +434,7 @@ def test_initial_shape_is_projected_and_the_loss_is_told() -> None:
         ({"force": lambda t: 1j * t, "force_position": 1}, "one real number"),
         ({"force": lambda t: "a", "force_position": 1}, "one real number"),
         ({"initial": [1, 2]}, r"initial has shape \(2,\)"),
-        ({"initial": [1, 2, math.inf]}, "initial = inf"),
+        ({"initial": [1, 2, math.inf]}, "initial\\[2\\] = inf"),
         ({"initial_velocity": np.zeros((3, 1))}, "initial_velocity has shape"),
         ({"newmark": 0.25}, "newmark = 0.25"),
         ({"newmark": (-0.1, 0.5)}, r"newmark\[0\] = -0.1"),
