@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
-from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
+from freebeam_sym.checks import InputError, count, finite, nonnegative, positive, refusal
 from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import CONVERGED, BeamLoss
 from freebeam_sym.critical import CriticalLoad, critical_load
@@ -156,6 +156,8 @@ class _Asked:
             squares = _squares(beam, inputs)
             exact = _nondimensional(exact, squares)
         exact.setdefault("load_max", LOAD_MAX)
+        for name, value in (exact | own).items():
+            finite(name, value)  # the runtime, which finds what is proven, computes with floats
         return _Asked(column, modes, exact, own, inputs, squares)
 
     def candidate(self, modes: int | None = None) -> CriticalLoad:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import signal
 import sys
 from collections.abc import Iterator, Sequence
@@ -69,6 +70,7 @@ def _ended_tidily() -> Iterator[None]:
 
 
 def _told(line: str, status: int) -> int:
+    line = re.sub(r"\S{400,}", lambda word: f"{word[0][:60]}...", line)  # a number of thousands of digits
     print(f"freebeam: {line}", file=sys.stderr)
     return status
 
