@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, computable, count, finite, positive
+from freebeam_sym.checks import InputError, computable, count, finite, positive, refusal
 from freebeam_sym.columns import is_column
 from freebeam_sym.critical import CriticalLoad, critical_load
 from freebeam_sym.pencil import Kind
@@ -130,6 +130,8 @@ def trace_boundary(
     """
     is_column(column)
     low, high = (computable(name, finite(name, value)) for name, value in (("low", low), ("high", high)))
+    if not isinstance(parameter, str):
+        raise refusal("parameter", parameter, "must be the name of one, such as 'beta'")
     if parameter not in ("alpha", "beta", *(p.name for p in column.parameters)):
         raise column.no_such(parameter)
     if parameter in fixed:

@@ -12,8 +12,8 @@ __all__ = [
     "InputError", "array", "computable", "count", "finite", "nonnegative", "positions", "positive", "reals", "refusal"
 ]  # fmt: skip
 
-LARGEST = 1e100
-"""Size from which on the square of a value times a stiffness may be no float any more."""
+LARGEST = 1e60
+"""Size from which on the products of values and stiffnesses that are computed may be no floats any more."""
 
 
 class InputError(ValueError):
@@ -90,7 +90,7 @@ def count(name: str, value: object, low: int = 1, high: int | None = None, hint:
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     rule = f"must be a whole number, {low} " + ("or greater" if high is None else f"to {high}")
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, numbers.Integral):
+    if isinstance(value, (bool, np.bool_, np.timedelta64)) or not isinstance(value, numbers.Integral):
         raise refusal(name, value, rule, hint)
     number = int(value)
     if number < low or (high is not None and number > high):
@@ -101,7 +101,7 @@ def count(name: str, value: object, low: int = 1, high: int | None = None, hint:
 def computable(name: str, number: float) -> float:
     """A finite number that can be computed with: its products with stiffnesses are floats too. Raises InputError."""
     if abs(number) >= LARGEST:
-        raise refusal(name, number, "must be below 1e100 in size to be computed with")
+        raise refusal(name, number, "must be below 1e60 in size to be computed with")
     return number
 
 

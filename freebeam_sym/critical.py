@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, computable, count, nonnegative, positive
+from freebeam_sym.checks import LARGEST, InputError, computable, count, nonnegative, positive
 from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.crossings import LIGHTEST_SCAN, FirstLoss, first_loss, polished, rounding
@@ -177,8 +177,8 @@ def _posed(
     pencil = pencil_of(*column.matrices(modes, False, **parameters))
     direction = (alpha, beta) if kappa is None else (0.0, 1.0) if math.isinf(kappa) else (1.0, kappa)
     c_M, c_E = column.damping_factors(*direction, **parameters)
-    if not max(c_E, c_M) < 1e100:  # its square times e must stay a float
-        raise InputError(f"alpha = {alpha}, beta = {beta}: must be below 1e100 to be computed with")
+    if not max(c_E, c_M) < LARGEST:  # its square times e must stay a float
+        raise InputError(f"alpha = {alpha}, beta = {beta}: must be below 1e60 to be computed with")
     if kappa is None:
         return pencil, c_E, c_M, None
     return pencil, 0.0, 0.0, c_M / c_E if c_E else math.inf

@@ -252,7 +252,7 @@ def _range(name: str, given: Sequence[str], linear: bool) -> tuple[float, float,
     if high < low or (high == low and number_of > 1):
         raise InputError(f"{name}: HI = {given[1]} must be above LO = {given[0]}")
     if max(-low, high) >= LARGEST:
-        raise InputError(f"{name}: {given[0]} to {given[1]}: must be below 1e100 in size to be computed with")
+        raise InputError(f"{name}: {given[0]} to {given[1]}: must be below 1e60 in size to be computed with")
     return low, high, number_of
 
 

@@ -397,7 +397,7 @@ def test_the_command_draws_the_map_and_keeps_what_exists(tmp_path: Path, capsys:
         ([*GRID, "3"], "3: belongs to no option"),
         (["--alpha", "1", "2", "9" * 30, "--beta", "1", "2", "2"], "points of the map = 1999"),
         (["--alpha", "1", "2", "100000", "--beta", "1", "2", "100000"], "points of the map = 10000000000"),
-        (["--alpha", "1", "1e101", "2", "--beta", "1", "2", "2"], "below 1e100"),
+        (["--alpha", "1", "1e101", "2", "--beta", "1", "2", "2"], "below 1e60"),
         ([*GRID, "--set", "alpha=1"], "alpha is an axis of this map"),
         ([*GRID, "--load-max", "0"], "load_max = 0"),
         ([*GRID, "--chunks", "5"], "chunks = 5: must be a whole number, 1 to 4"),
