@@ -207,7 +207,7 @@ class Column:
         m = positive("mass_per_length", mass_per_length, "m in kg/m")
         L = positive("length", length, "L in m")
         sizes: dict[str, float] = {}
-        with suppress(ArithmeticError):
+        with suppress(ArithmeticError), np.errstate(all="ignore"):
             sizes = self.kernel.scales(EI, m, L)
         if not sizes or not all(1 / LARGEST < size < LARGEST for size in sizes.values()):
             raise InputError(

@@ -27,8 +27,8 @@ __all__ = [
     "exact_load", "exact_spectrum", "rational", "truncation_error", "verify_certificate",
 ]  # fmt: skip
 
-MOST_LOAD = 1_000_000
-"""Size of a load up to which the beam's own eigenvalues take seconds at most: the work grows as its root."""
+MOST = 1_000_000
+"""Size of a load, and of an eigenvalue, up to which the beam's own take seconds: the work grows as its root."""
 MOST_DIGITS = 10_000
 LOAD_MAX = Fraction(1000)  # nondimensional, where none is given
 
@@ -145,7 +145,8 @@ class _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
         modes = count("modes", modes, hint="elastic functions in the series")
-        given = {name: value for name, value in (given | {"kappa": kappa}).items() if value is not None}
+        left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
+        given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
         taken = {name: rational(name, value) for name, value in given.items()}
         column.own_parameters(dict.fromkeys(parameters, 0))  # refuses what is not known
         exact = {name: value for name, (value, _) in taken.items()}
@@ -432,7 +433,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
 
 
-def truncationrefusal(
+def truncation_error(
     column: Column,
     modes: int = 8,
     alpha: object = 0,
@@ -513,8 +514,8 @@ def exact_spectrum(
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
     values = asked.exact["load"], asked.exact["alpha"], asked.exact["beta"]
-    if abs(values[0]) > MOST_LOAD:
-        raise refusal("load", load, f"eigenvalues of the beam itself are enclosed at loads up to {MOST_LOAD}")
+    if abs(values[0]) > MOST:
+        raise refusal("load", load, f"eigenvalues of the beam itself are enclosed at loads up to {MOST}")
     try:
         beam = Beam(column.kernel, asked.own)
         beam.damping(*values[1:])
@@ -528,6 +529,8 @@ def exact_spectrum(
             continue  # found with its conjugate
         pair = [start] if start.imag == 0 else [start, start.conjugate()]
         try:
+            if abs(start) > MOST:
+                raise Unproven("takes too long")
             (ball,) = beams.frequencies(beam, *values, [start], digits + 2)
             if any(ball.overlaps(other) for other in balls):
                 raise Unproven("two starts lead to one eigenvalue")

@@ -35,6 +35,8 @@ AGREED = 1e-4
 """Relative difference up to which eigenvalues of two series are the same one."""
 MOST_COMPARED = 60
 """Polynomials that eigenvalues are compared with, at most."""
+MOST_STEPS = 5_000
+"""Loads between two given ones at which `branches` looks, at most; a coalescence takes some forty."""
 MOST_CUTS = 40
 """How often `branches` halves an interval between two given loads before it takes the match as it stands."""
 
@@ -321,7 +323,7 @@ def branches(
     eigenvectors, and the interval is halved where the match is not clear. Where two meet and part on other axes (an
     undamped coalescence, a pair that becomes overdamped), no labelling is the right one; then, of the two that part,
     the one with the greater real part, or imaginary part where real parts agree, goes on with the smaller number.
-    Raises InputError for loads that are not finite.
+    Raises InputError for loads that are not finite, or too far apart to follow branches from one to the next.
     """
     is_column(column)
     P = np.atleast_1d(reals("loads", loads))
@@ -335,6 +337,7 @@ def branches(
     state = follower.at(P[0])
     states = [state]
     for load in P[1:]:
+        follower.left = MOST_STEPS
         state = follower.follow(state, follower.at(load))
         states.append(state)
     values = np.array([x.values for x in states])
@@ -397,6 +400,7 @@ class _Follower:
         self.E, self.H = np.linalg.solve(M, E), np.linalg.solve(M, H)
         self.C = np.linalg.solve(M, C)
         self.unit = np.eye(self.n)
+        self.left = MOST_STEPS
 
     def at(self, load: float) -> _State:
         """Eigenvalues at a load, sorted as `spectrum` sorts them."""
@@ -421,6 +425,12 @@ class _Follower:
         order = self._match(a, b, last=depth >= MOST_CUTS)
         if order is not None:
             return b.take(order)
+        self.left -= 1
+        if self.left < 0:
+            raise InputError(
+                f"loads: from {a.load:g} on, branches cannot be told apart in {MOST_STEPS} steps to the next load; "
+                "give loads that are closer to one another"
+            )
         middle = self.follow(a, self.at((a.load + b.load) / 2), depth + 1)
         return self.follow(middle, b, depth + 1)
 

@@ -38,7 +38,10 @@ def columns(as_json: JsonOption = False) -> None:
             column.name,
             column.title,
             "-".join(column.ends),
-            "; ".join(f"{p.name} = {p.default:g} (of interest {p.low:g} to {p.high:g}): {p.meaning}" for p in column.parameters),
+            "; ".join(
+                f"{p.name} = {p.default:g} (of interest {p.low:g} to {p.high:g}): {p.meaning}"
+                for p in column.parameters
+            ),
         ]
         for column in found
     ]
