@@ -206,7 +206,9 @@ def sign_on(polynomial: arb_poly, start: arb, end: arb) -> int:
 
 
 def rational(value: arb | float, bits: int) -> Fraction:
-    """A dyadic rational near a ball's middle."""
+    """A dyadic rational near a ball's middle. Raises Unproven for a ball that has none."""
+    if not arb(value).is_finite():
+        raise Unproven("a number that the proof steps by is not finite")
     mantissa, exponent = (int(part) for part in arb(value).mid().man_exp())
     excess = mantissa.bit_length() - bits
     if excess > 0:
