@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam_sym as fb
+from freebeam_sym import cli
 
 NAMES = ("free-free", "beck", "euler-pinned")
 
@@ -265,3 +266,46 @@ def test_euler_load_and_first_frequency_of_a_steel_rod_in_newton_and_hertz() -> 
     hertz = first * unit["frequency"] / (2 * math.pi)
     assert load == pytest.approx(math.pi**2 * EI / L**2, rel=1e-12)
     assert hertz == pytest.approx(math.pi / 2 * math.sqrt(EI / m) / L**2, rel=1e-12)
+
+
+# --- the front door -------------------------------------------------------------------------------------------
+
+
+def test_what_is_no_column_or_system_is_refused() -> None:
+    beck = fb.column("beck")
+    for ask in (fb.critical_load, fb.critical_loads, fb.eigenvalues, fb.certified_load, fb.exact_load):
+        refused(lambda ask=ask: ask("beck"), "column = 'beck'", "fb.column(")
+    refused(lambda: fb.branches("beck", [1, 2]), "column = 'beck'")
+    refused(lambda: fb.stability_map("beck", alpha=[1, 2]), "column = 'beck'")
+    refused(lambda: fb.trace_boundary("beck", "eta", 0, 1), "column = 'beck'")
+    for ask in (fb.spectrum, lambda x: fb.respond(x, 1, 0.1), lambda x: fb.state_space(x, 1.0)):
+        refused(lambda ask=ask: ask(beck), "system = Column", ".system(")
+    refused(lambda: fb.critical_load(beck, N=8), "N: beck has no such parameter", "did you mean modes?")
+
+
+def test_scalars_and_arrays_refuse_alike() -> None:
+    """What `critical_load` refuses in a place, `critical_loads` refuses there in an array."""
+    beck = fb.column("beck")
+    dates = np.datetime64("2001-01-01"), np.timedelta64(1, "s")
+    for value in ("1", b"1", True, np.True_, 1j, None, math.nan, math.inf, 10**400, -1.0, 1e60, *dates):
+        refused(lambda v=value: fb.critical_load(beck, alpha=v), "alpha")
+        refused(lambda v=value: fb.critical_loads(beck, alpha=[0.5, v]), "alpha")
+    masked = np.ma.array([0.5, 1.0], mask=[False, True])
+    for ask in (lambda x: fb.critical_loads(beck, alpha=x), lambda x: fb.eigenvalues(beck, load=x)):
+        refused(lambda ask=ask: ask(masked), "masked")
+
+
+def test_a_system_prints_in_a_few_lines_what_it_is() -> None:
+    text = repr(fb.column("beck").system(modes=40, load=5, eta=0.7))
+    assert len(text) < 200 and all(word in text for word in ("beck", "N=40", "load=5", "eta=0.7", "(40, 40)"))
+
+
+def test_dir_shows_public_names_alone() -> None:
+    assert set(dir(fb)) == {*fb.__all__, "figures"}
+
+
+def test_a_range_of_interest_is_no_limit(capsys: pytest.CaptureFixture[str]) -> None:
+    (eta,) = fb.column("beck").parameters
+    assert fb.critical_load(fb.column("beck"), eta=eta.high + 1).kind != "none"
+    assert cli.main(["columns"]) == 0
+    assert "any value may be set" in capsys.readouterr().out
