@@ -95,7 +95,7 @@ def lines(draw: st.DrawFn) -> list[str]:
         command,
         *draw(st.lists(st.sampled_from(NAMED[command]), min_size=1, max_size=2) if command in NAMED else st.just([])),
     ]
-    if draw(st.integers(0, 9)):
+    if command == "validate" or draw(st.integers(0, 9)):  # all of it takes half a minute
         names += [name for name in NEEDED.get(command, []) if name not in names]
     if draw(st.integers(0, 5)) == 0:
         names += [*units]
