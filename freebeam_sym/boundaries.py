@@ -108,7 +108,7 @@ def trace_boundary(
     low: float,
     high: float,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     log: bool = False,
     tolerance: float = 1e-3,
     load_max: float = 1000.0,
@@ -141,7 +141,7 @@ def trace_boundary(
     if log and low <= 0:
         raise InputError(f"low = {low}: must be above zero on a logarithmic scale; or leave log out")
     tolerance = positive("tolerance", tolerance, "relative, of load and frequency")
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
 
     def value(t: float) -> float:
         x = low * (high / low) ** t if log else low + (high - low) * t

@@ -7,7 +7,7 @@ import os
 from collections import OrderedDict
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -33,6 +33,8 @@ __all__ = ["Column", "Parameter", "System", "column", "names"]
 
 Array = NDArray[np.float64]
 BASES = ("modes", "legendre")
+USUAL = {"modes": 8, "legendre": 16}
+"""N in a basis where none is asked for and the column states another basis."""
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _KEPT = 64  # systems of matrices that a column remembers
 _FEW_PLACES = 8  # whose shapes are kept
@@ -94,6 +96,25 @@ class Column:
         beside = self.path.with_stem(f"{self.path.stem}_legendre")
         return column(beside) if beside.is_file() else None
 
+    def number(self, modes: int | None) -> int:
+        """N: the number of elastic functions, checked, where none is given the column's own.
+
+        Raises InputError where it is below 1 or beyond the memory.
+        """
+        if modes is None:
+            stated = self.kernel.COLUMN.get("default", {})
+            modes = int(stated.get("modes") if stated.get("basis") == self.basis_name else USUAL[self.basis_name])
+        if self.basis_name == "legendre":
+            hint = "number N of elastic polynomials; 20 give ten digits"
+            return count("modes", modes, 1, _MOST_POLYNOMIALS, hint)
+        # a spectrum takes some twelve matrices of twice the size
+        pages, size = (
+            (os.sysconf(key) for key in ("SC_PHYS_PAGES", "SC_PAGE_SIZE")) if hasattr(os, "sysconf") else (2**21, 4096)
+        )
+        largest = int((pages * size / (12 * 4 * 8)) ** 0.5)
+        hint = "number N of elastic functions that this machine's memory has room for"
+        return count("modes", modes, 1, largest, hint)
+
     @property
     def rigid_count(self) -> int:
         """Number of rigid functions that the ends allow."""
@@ -140,10 +161,10 @@ class Column:
                 raise InputError(f"{name} = {value}: {self.name} states no such damping; leave it at 0")
         return checked
 
-    def basis(self, modes: int) -> Any:
+    def basis(self, modes: int | None = None) -> Any:
         """The first `modes` trial functions, Eq. (9), as the kernel's named tuple: of comparison modes, Eq. (22),
         vectors of shape (modes,); of polynomials their series in Legendre's."""
-        modes = _modes(modes, self.basis_name)
+        modes = self.number(modes)
 
         def build() -> Any:
             basis = self.kernel.basis(modes)
@@ -154,13 +175,15 @@ class Column:
 
         return self._remembered(("basis", modes), build)
 
-    def matrices(self, modes: int, rigid: bool = False, **parameters: float) -> tuple[Array, Array, Array]:
+    def matrices(
+        self, modes: int | None = None, rigid: bool = False, **parameters: float
+    ) -> tuple[Array, Array, Array]:
         """M, E, H of M q̈ + C q̇ + (E + P H) q = Q, each (n, n), nondimensional. Eq. (11).
 
         n = modes, or the number of rigid functions more with `rigid`, which then come first. The arrays are kept and
         shared: they cannot be written to. Raises InputError for a number of modes below 1 or beyond the memory.
         """
-        own, modes = self.own_parameters(parameters), _modes(modes, self.basis_name)
+        own, modes = self.own_parameters(parameters), self.number(modes)
 
         def build() -> tuple[Array, Array, Array]:
             basis, kernel = self.basis(modes), self.kernel
@@ -218,7 +241,7 @@ class Column:
 
     def system(
         self,
-        modes: int = 8,
+        modes: int | None = None,
         load: float = 0.0,
         alpha: float = 0.0,
         beta: float = 0.0,
@@ -227,12 +250,13 @@ class Column:
     ) -> System:
         """The system M q̈ + C q̇ + K q = Q F₀(t) at a load, nondimensional. Eqs. (10), (11).
 
-        modes: number N of elastic functions. load: P. rigid: with the rigid functions, first; stability is a
-        question of the elastic spectrum and leaves them out. parameters: the column's own, such as eta = 0.7.
+        modes: number N of elastic functions, the column's own number where None. load: P. rigid: with the rigid
+        functions, first; stability is a question of the elastic spectrum and leaves them out. parameters: the column's
+        own, such as eta = 0.7.
 
         Raises InputError for values that are not finite, negative damping, and unknown parameters.
         """
-        own, modes = self.own_parameters(parameters), _modes(modes, self.basis_name)
+        own, modes = self.own_parameters(parameters), self.number(modes)
         if not isinstance(rigid, bool | np.bool_):
             raise InputError(f"rigid = {rigid!r}: must be True or False")
         load = computable("load", finite("load", load, "nondimensional load P"))
@@ -287,6 +311,19 @@ class System:
             raise InputError(f"gamma: the basis is {self.column.basis_name}, whose functions have no roots; use modes")
         gamma: Array = self.basis.gamma
         return gamma
+
+    def mode(self, number: int = 1) -> Array:
+        """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial
+        functions are the modes, to unit modal mass where they are polynomials. Raises InputError."""
+        k = count("mode", number, 1, self.modes, "number of a mode, no more than elastic functions") - 1
+        r = self.rigid_count
+        if self.column.basis_name == "modes":
+            return np.asarray(np.eye(len(self.M))[r + k])
+        L = np.linalg.cholesky(self.E[r:, r:])  # 1/γ⁴ from the elastic energy's side: the low modes keep their digits
+        half = np.linalg.solve(L, self.M[r:, r:])
+        inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
+        v = np.linalg.solve(L.T, Y[:, -1 - k]) / np.sqrt(inverse[-1 - k])
+        return np.concatenate([np.zeros(r), v * np.sign(v[np.abs(v).argmax()])])
 
     def Q(self, x_F: float) -> Array:
         """Generalised force of a unit transversal force at x_F, (n,). Eq. (11), last line.
@@ -351,8 +388,9 @@ def names() -> tuple[str, ...]:
 def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     """A column by its name, or by the path of a user's own column file (or of a kernel emitted from one).
 
-    basis: the trial functions, "modes" of the unloaded beam (the default) or "legendre": polynomials, with which
-    critical loads converge exponentially in their number. A kernel's file has the one that it was emitted for.
+    basis: the trial functions, "modes" of the unloaded beam or "legendre": polynomials, with which critical loads
+    converge exponentially in their number; where None, what the column states: polynomials, if nothing else. A kernel's
+    file has the one that it was emitted for.
     A column file is derived, emitted and verified when it is first used, and kept for later.
 
     >>> column("free-free", basis="legendre").basis_name
@@ -370,14 +408,13 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
         raise InputError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
     text = os.fspath(name)
     if text in known:
-        module = (kernels.LEGENDRE if basis == "legendre" else known)[text]
-        if module not in _LOADED:
-            _LOADED[module] = Column(import_module(f"freebeam_kernels.{module}"))
-        return _LOADED[module]
+        found = _tree(known[text][basis or "legendre"])
+        stated = found.kernel.COLUMN["default"]["basis"]
+        return found if basis or stated == found.basis_name else _tree(known[text][stated])
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
         from freebeam_sym.own import kernel_of
 
-        found = Column(kernel_of(Path(name), basis or "modes"), Path(name))
+        found = Column(kernel_of(Path(name), basis), Path(name))
         if basis not in (None, found.basis_name):
             raise InputError(
                 f"{text}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file"
@@ -391,15 +428,7 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     )
 
 
-_LOADED: dict[str, Column] = {}
-
-
-def _modes(modes: int, basis: str) -> int:
-    """A number of functions that memory has room for: a spectrum takes some twelve matrices of twice the size."""
-    if basis == "legendre":
-        return count("modes", modes, 1, _MOST_POLYNOMIALS, "number N of elastic polynomials; 20 give ten digits")
-    pages, size = (
-        (os.sysconf(key) for key in ("SC_PHYS_PAGES", "SC_PAGE_SIZE")) if hasattr(os, "sysconf") else (2**21, 4096)
-    )
-    largest = int((pages * size / (12 * 4 * 8)) ** 0.5)
-    return count("modes", modes, 1, largest, "number N of elastic functions that this machine's memory has room for")
+@cache
+def _tree(module: str) -> Column:
+    """A column of the package, by the module of its kernel."""
+    return Column(import_module(f"freebeam_kernels.{module}"))

@@ -121,7 +121,7 @@ def _as_arrays(found: CriticalLoad | BeamLoss) -> Answers:
 
 def critical_load(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     *,
@@ -139,7 +139,7 @@ def critical_load(
     the column is not stable without load.
     """
     is_column(column)
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
     alpha, beta = column.dampings(alpha, beta)
     load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     pencil, c_E, c_M, ratio = _posed(column, modes, alpha, beta, kappa, parameters)

@@ -48,7 +48,7 @@ class CriticalLoads:
 
 def critical_loads(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: ArrayLike = 0.0,
     beta: ArrayLike = 0.0,
     *,
@@ -65,7 +65,7 @@ def critical_loads(
     alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
     parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
     """
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
     load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
     try:
@@ -85,7 +85,7 @@ def critical_loads(
 
 def stability_map(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     *,
     load_max: float = 1000.0,
     convergence: bool = True,
@@ -158,7 +158,7 @@ def solved(
     store: str | os.PathLike[str] | None = None,
 ) -> Solved:
     """A map as arrays, which need no xarray; all else as in `stability_map`."""
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
     load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     axes, fixed = split(column, parameters)
     if chunks is not None:

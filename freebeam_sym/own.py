@@ -17,11 +17,12 @@ from freebeam_sym.checks import InputError
 __all__ = ["cache_folder", "kernel_of"]
 
 
-def kernel_of(path: str | Path, basis: str = "modes") -> ModuleType:
+def kernel_of(path: str | Path, basis: str | None = None) -> ModuleType:
     """The kernel module of a column's file: a statement, or a kernel that was emitted from one in whichever basis.
 
-    A statement is derived, emitted in the basis asked for and verified when it is first seen, or has changed; later it
-    is read from the cache. Raises InputError where the file cannot be read, does not parse, or states no sound column.
+    A statement is derived, emitted in the basis asked for (its own where None) and verified when it is first seen, or
+    has changed; later it is read from the cache. Raises InputError where the file cannot be read, does not parse, or
+    states no sound column.
     """
     path = Path(path)
     try:
@@ -38,7 +39,9 @@ def kernel_of(path: str | Path, basis: str = "modes") -> ModuleType:
         raise InputError(f"{path}{where}: does not parse as Python: {reason}") from None
     if _is_kernel(tree):
         return _load(path, hashlib.sha256(source).hexdigest())
-    return _generated(path, basis, _key(path, source, basis))
+    kernel = _generated(path, basis or "legendre", _key(path, source, basis or "legendre"))
+    stated = str(kernel.COLUMN["default"]["basis"])
+    return kernel if basis or stated == "legendre" else _generated(path, stated, _key(path, source, stated))
 
 
 def cache_folder() -> Path:

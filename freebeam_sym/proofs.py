@@ -136,7 +136,7 @@ class _Asked:
     @staticmethod
     def of(
         column: Column,
-        modes: int,
+        modes: int | None,
         parameters: Mapping[str, object],
         kappa: object = None,
         beam: tuple[object, object, object] | None = None,
@@ -144,7 +144,7 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        modes = count("modes", modes, hint="elastic functions in the series")
+        modes = column.number(modes)
         left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
         taken = {name: rational(name, value) for name, value in given.items()}
@@ -237,7 +237,7 @@ def _near(found: CriticalLoad | BeamLoss) -> tuple[float, float] | None:
 
 def certified_load(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: object = 0,
     beta: object = 0,
     *,
@@ -312,7 +312,7 @@ def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: 
 
 def certified_crossings(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: object = 0,
     beta: object = 0,
     *,
@@ -345,7 +345,7 @@ def certified_crossings(
     try:
         found = crossings.survey(column.kernel, asked.question(), asked.exact["load_max"], digits, progress)
     except Unproven as error:
-        raise InputError(f"not proven for {column.name}, N = {modes}: {error}") from error
+        raise InputError(f"not proven for {column.name}, N = {asked.modes}: {error}") from error
     return tuple(
         CertifiedCrossing(
             c.kind,
@@ -435,7 +435,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
 
 def truncation_error(
     column: Column,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: object = 0,
     beta: object = 0,
     *,
@@ -458,14 +458,14 @@ def truncation_error(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    more = _itself(asked, max(24, modes + 8) if column.basis_name == "modes" else max(18, modes))
+    more = _itself(asked, max(24, asked.modes + 8) if column.basis_name == "modes" else max(18, asked.modes))
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     near = _near(more)
     if series is None:
         series = certified_load(column, modes, alpha, beta, digits=digits, **given)
     if series.load is None or near is None or more.kind != series.kind:
         raise InputError(
-            f"the truncation error of {column.name} at N = {modes} is not known: "
+            f"the truncation error of {column.name} at N = {asked.modes} is not known: "
             + (
                 "the series does not lose stability"
                 if series.load is None
@@ -479,7 +479,7 @@ def truncation_error(
         led_to = float(asked.load((Fraction(near[0]), Fraction(near[0])))[0])
         if abs(float(itself.load[0]) / led_to - 1) > 10 * CONVERGED:
             raise InputError(
-                f"the truncation error of {column.name} at N = {modes} is not known: the beam's own crossing at "
+                f"the truncation error of {column.name} at N = {asked.modes} is not known: the beam's own crossing at "
                 f"{float(itself.load[0]):.10g} is not the one that more functions lead to, {led_to:.10g}"
             )
         ours, theirs = ([read(v) for v in pair] for pair in (series.load, itself.load))
@@ -496,7 +496,7 @@ def exact_spectrum(
     alpha: object = 0,
     beta: object = 0,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     digits: int = 15,
     **parameters: object,
 ) -> ExactSpectrum:

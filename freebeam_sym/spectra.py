@@ -231,7 +231,7 @@ def eigenvalues(
     load: ArrayLike = 0.0,
     alpha: ArrayLike = 0.0,
     beta: ArrayLike = 0.0,
-    modes: int = 8,
+    modes: int | None = None,
     **parameters: ArrayLike,
 ) -> Complex:
     """Eigenvalues λ of the elastic motion over arrays of load, alpha, beta and own parameters, which broadcast like
@@ -246,7 +246,7 @@ def eigenvalues(
     from freebeam_sym.grids import alike, checked_axes
 
     is_column(column)
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
     P = reals("load", load)
     computable("load", float(np.abs(P).max(initial=0.0)))
     values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
@@ -310,7 +310,7 @@ class Branches:
 def branches(
     column: Column,
     loads: ArrayLike,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     rigid: bool = False,
@@ -330,7 +330,7 @@ def branches(
     if P.ndim != 1 or not len(P):
         raise refusal("loads", loads, "must be finite numbers, one or more, in a sequence of shape (m,)")
     computable("loads", float(np.abs(P).max()))
-    modes = count("modes", modes, hint="elastic functions in the series")
+    modes = column.number(modes)
     system = column.system(modes, 0.0, alpha, beta, rigid, **parameters)
     e = slice(system.rigid_count, None)
     follower = _Follower(*(np.asarray(X)[e, e] for X in (system.M, system.C, system.E, system.H)))

@@ -47,10 +47,9 @@ from freebeam_derive import (
 from freebeam_derive.files import written
 from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.record import Step
-from freebeam_derive.statement import Column, StatementError
+from freebeam_derive.statement import BASES, Column, StatementError
 
 MANIFEST, REPORT, INDEX = "MANIFEST.json", "report.json", "__init__.py"
-BASES = ("modes", "legendre")
 _MARK = "emitted by `freebeam generate"
 
 Progress = Callable[[str], None]
@@ -277,14 +276,11 @@ def _entry(built: Kernel, basis: str, text: str) -> dict[str, object]:
 
 def _index(files: dict[str, dict[str, object]]) -> str:
     text = '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n'
-    for basis, name in zip(BASES, ("COLUMNS", "LEGENDRE"), strict=True):
-        lines = "".join(
-            f'    "{entry["column"]}": "{file.removesuffix(".py")}",\n'
-            for file, entry in sorted(files.items())
-            if entry.get("basis", "modes") == basis
-        )
-        text += f"\n{name} = {{\n{lines}}}\n" if lines else f"\n{name}: dict[str, str] = {{}}\n"
-    return text
+    text += "\n# the module of a column in each basis\nCOLUMNS: dict[str, dict[str, str]] = {\n"
+    for name in sorted({str(entry["column"]) for entry in files.values()}):
+        modules = {e["basis"]: file.removesuffix(".py") for file, e in sorted(files.items()) if e["column"] == name}
+        text += f'    "{name}": {{' + ", ".join(f'"{basis}": "{file}"' for basis, file in modules.items()) + "},\n"
+    return text + "}\n"
 
 
 def _manifest(output: Path) -> tuple[dict[str, str], dict[str, dict[str, object]]] | None:

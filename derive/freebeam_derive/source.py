@@ -337,6 +337,7 @@ def metadata(kernel: Kernel, names: tuple[str, ...], more: dict[str, str]) -> st
         "name": column.name,
         "title": column.title,
         **more,
+        "default": {"basis": column.basis, "modes": column.modes},
         "ends": column.ends,
         "rigid": len(kernel.rigid),
         "load": "P",

@@ -43,6 +43,7 @@ from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, variation
 # are derived from the energies (variation.py).
 GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": (1,), "clamped": (0, 1)}
 
+BASES = ("modes", "legendre")
 RESERVED = ("np", "basis", "rigid")  # what every emitted function of a matrix knows by these names
 # What public calls that take a column's own parameters as keywords call so themselves; a test compares these with the
 # calls' signatures.
@@ -152,7 +153,8 @@ class Column:
     name: lower case with hyphens. title: one line. T, V, W_c, dW_nc: nondimensional, in `y`, `delta(y)`, `x`,
     `t`, the load `P`, `alpha`, `beta`, the force `F_0` at `x_F` and the column's own parameters. ends: kinds
     at x = 0 and x = 1, each free, pinned, sliding or clamped. dimensional: the same in SI quantities, if given;
-    then the nondimensional one is derived from it and compared (scaling.py).
+    then the nondimensional one is derived from it and compared (scaling.py). basis, modes: the trial functions,
+    "legendre" polynomials or comparison "modes", and their number, where none are asked for.
 
     Raises StatementError where the statement makes no sense.
     """
@@ -167,6 +169,8 @@ class Column:
     parameters: tuple[Parameter, ...] = ()
     dimensional: Energies | None = None
     source: str = ""
+    basis: str = "legendre"
+    modes: int = 16
 
     def __post_init__(self) -> None:
         check(self)
@@ -447,6 +451,10 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
 def check(column: Column) -> None:
     """Refuse a statement that makes no sense; further checks need the variation (variation.py)."""
     _refuse_types(column)
+    if column.basis not in BASES:
+        raise StatementError(f"basis = {column.basis!r}: must be one of {', '.join(BASES)}")
+    if type(column.modes) is not int or column.modes < 1:
+        raise StatementError(f"modes = {column.modes!r}: must be a whole number, 1 or greater")
     _refuse_unknown(column)
     works = {name: column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc")}
     _refuse_degrees(works)

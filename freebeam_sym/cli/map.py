@@ -93,7 +93,7 @@ def stability_map(
         ),
     ] = None,
     column: ColumnOption = "free-free",
-    modes: ModesOption = 8,
+    modes: ModesOption = None,
     basis: BasisOption = None,
     linear: Annotated[bool, typer.Option("--linear", help="Space dampings evenly too, not by a factor.")] = False,
     own: SetOption = None,
@@ -141,6 +141,7 @@ def stability_map(
     if as_json and output is None and points > MOST_PRINTED:
         raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.csv or .nc")
     chosen = fb.column(column, basis)
+    modes = chosen.number(modes)
     own_values = assignments(own)
     for name in axes:
         if name in own_values:

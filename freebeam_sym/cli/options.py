@@ -147,7 +147,10 @@ _BEAM = "Beam in SI units (all three: input and output are SI then)"
 ColumnOption = Annotated[
     str, typer.Option("--column", metavar="NAME|FILE", help="Name of a column, or a column's file.")
 ]
-ModesOption = Annotated[int, typer.Option("--modes", "-N", help="Number of elastic modes N.")]
+ModesOption = Annotated[
+    int | None,
+    typer.Option("--modes", "-N", help="Number N of elastic functions; the column's own where not given."),
+]
 AlphaOption = Annotated[Number, typer.Option("--alpha", parser=number, metavar="X", help="Internal damping.")]
 BetaOption = Annotated[Number, typer.Option("--beta", parser=number, metavar="X", help="External damping.")]
 LoadOption = Annotated[Number, typer.Option("--load", parser=number, metavar="P", help="The load P0.")]
@@ -215,7 +218,7 @@ class Case:
 
 def case_of(
     name: str,
-    modes: int,
+    modes: int | None,
     alpha: Number,
     beta: Number,
     pairs: list[str] | None,
@@ -233,6 +236,6 @@ def case_of(
     nonnegative("alpha", alpha, "internal damping")
     nonnegative("beta", beta, "external damping")
     return Case(
-        column, modes, units.into("alpha", alpha), units.into("beta", beta), own, units,
+        column, column.number(modes), units.into("alpha", alpha), units.into("beta", beta), own, units,
         {"alpha": alpha, "beta": beta},
     )  # fmt: skip

@@ -51,7 +51,7 @@ def respond(
     duration: Annotated[Number, typer.Option(parser=number, metavar="T", help="Length of the response.")],
     step: Annotated[Number, typer.Option(parser=number, metavar="H", help="Time step.")],
     column: ColumnOption = "free-free",
-    modes: ModesOption = 8,
+    modes: ModesOption = None,
     alpha: AlphaOption = ZERO,
     beta: BetaOption = ZERO,
     rigid: RigidOption = False,
@@ -151,8 +151,8 @@ def respond(
         }
     start: dict[str, Any] = {}
     if initial_mode is not None or initial_amplitude is not None or initial_velocity is not None:
-        k = count("--initial-mode", 1 if initial_mode is None else initial_mode, high=system.modes) - 1
-        mode = np.eye(len(system.M))[system.rigid_count + k]
+        number = count("--initial-mode", 1 if initial_mode is None else initial_mode, high=system.modes)
+        mode = system.mode(number)
         velocity = 0.0 if initial_velocity is None else units.into("velocity", initial_velocity)
         amplitude = 0.01 if initial_velocity is None else 0.0
         if initial_amplitude is not None:

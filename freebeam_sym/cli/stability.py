@@ -43,7 +43,7 @@ if TYPE_CHECKING:
 def critical(
     column: ColumnOption = "free-free",
     basis: BasisOption = None,
-    modes: ModesOption = 8,
+    modes: ModesOption = None,
     alpha: Annotated[
         Number,
         typer.Option(parser=vanishing_or_number, metavar="X", help="Internal damping; 0+ for its vanishing limit."),
@@ -269,7 +269,7 @@ def spectrum(
     load: LoadOption,
     column: ColumnOption = "free-free",
     basis: BasisOption = None,
-    modes: ModesOption = 8,
+    modes: ModesOption = None,
     alpha: AlphaOption = ZERO,
     beta: BetaOption = ZERO,
     rigid: RigidOption = False,

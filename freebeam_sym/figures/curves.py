@@ -79,7 +79,7 @@ def locus(
     column: Column,
     loads: ArrayLike | None = None,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     count: int = 2,
@@ -100,7 +100,7 @@ def locus(
     # those that swing, by |λ|, which is the mode's undamped frequency; then the overdamped, whose Im λ is 0
     still = np.abs(start.imag) <= 1e-12 * np.abs(start)
     order = np.lexsort((np.abs(start), still))
-    kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, modes)]
+    kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, column.number(modes))]
     reference = spectrum(column.system(modes, 0.0, alpha, beta, **parameters)).reference_frequency
     return Locus(P, followed.eigenvalues[:, kept], critical, reference)
 
@@ -157,7 +157,7 @@ def frequency_load(
     column: Column,
     loads: ArrayLike | None = None,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     count: int = 2,
     points: int = 240,
     **parameters: Any,
@@ -195,7 +195,9 @@ class Tangent:
         return {**self.curves.table(), "tangent": self.line(self.curves.loads)}
 
 
-def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, points: int = 240, **parameters: Any) -> Tangent:
+def tangent(
+    column: Column, *, kappa: float = 0.0, modes: int | None = None, points: int = 240, **parameters: Any
+) -> Tangent:
     """The construction of the critical load of vanishing damping on the undamped curve ω²(P), β/α = `kappa`.
 
     Raises InputError where the column does not flutter, and for κ = ∞, whose point is the coalescence itself.
@@ -237,7 +239,7 @@ class Coalescence:
 
 
 def coalescence(
-    column: Column, *, modes: int = 8, width: float = 0.04, points: int = 201, **parameters: Any
+    column: Column, *, modes: int | None = None, width: float = 0.04, points: int = 201, **parameters: Any
 ) -> Coalescence:
     """The pair that flutters, without damping, at loads within a share `width` of its meeting.
 
@@ -288,7 +290,7 @@ class CriticalCurve:
 
 
 def critical_curve(
-    column: Column, name: str, values: ArrayLike, *, modes: int = 8, load_max: float = 1000.0, **fixed: Any
+    column: Column, name: str, values: ArrayLike, *, modes: int | None = None, load_max: float = 1000.0, **fixed: Any
 ) -> CriticalCurve:
     """The critical load along `name`, "alpha", "beta" or a parameter of the column's own, at `values` (m,).
 
@@ -339,7 +341,7 @@ def cycle(
     column: Column,
     load: float | None = None,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     rigid: bool = False,

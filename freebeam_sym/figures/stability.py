@@ -37,7 +37,7 @@ def frequency_load(
     column: Column,
     loads: ArrayLike | None = None,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     count: int = 2,
     ax: Axes | None = None,
     **parameters: Any,
@@ -75,7 +75,9 @@ def _squares(ax: Axes, column: Column, found: curves.FrequencyLoad, top: float |
     ax.set_ylabel(r"squared frequency $\omega^2$")
 
 
-def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, ax: Axes | None = None, **parameters: Any) -> Axes:
+def tangent(
+    column: Column, *, kappa: float = 0.0, modes: int | None = None, ax: Axes | None = None, **parameters: Any
+) -> Axes:
     """The damping paradox, constructed: vanishing damping at β/α = `kappa` moves the critical load from where two
     frequencies meet to where a line through (0, −κ) touches the curve ω²(P).
 
@@ -122,7 +124,7 @@ def tangent(column: Column, *, kappa: float = 0.0, modes: int = 8, ax: Axes | No
 
 
 def coalescence(
-    column: Column, *, modes: int = 8, width: float = 0.04, ax: Axes | None = None, **parameters: Any
+    column: Column, *, modes: int | None = None, width: float = 0.04, ax: Axes | None = None, **parameters: Any
 ) -> Axes:
     """Two undamped eigenvalues where they meet: frequencies before, growth after, both a square root of the load.
 
@@ -164,7 +166,7 @@ def root_locus(
     column: Column,
     loads: ArrayLike | None = None,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     count: int = 2,
@@ -228,7 +230,7 @@ def eigenvalues(
     loads: ArrayLike | None = None,
     *,
     part: Literal["real", "imaginary"] = "imaginary",
-    modes: int = 8,
+    modes: int | None = None,
     alpha: float = 0.0,
     beta: float = 0.0,
     count: int = 2,
@@ -279,7 +281,7 @@ def critical_curve(
     name: str,
     values: ArrayLike,
     *,
-    modes: int = 8,
+    modes: int | None = None,
     load_max: float = 1000.0,
     label: str | None = None,
     color: str | None = None,

@@ -84,7 +84,7 @@ def respond(
     newmark: (b, g), which asks for Newmark's method; by default average acceleration, stable at any step.
     initial, initial_velocity: q and dq/dt at t = 0, shape (*cases, n), or functions of x, the shape y(x) and the
         velocity dy/dt(x), projected on the trial functions. Where neither is given: rest with a force,
-        else the first elastic mode with q₁ = 0.01. The initial acceleration follows from Eq. (10).
+        else 0.01 of mode 1 of the unloaded beam (`System.mode`). The initial acceleration follows from Eq. (10).
     sensors: x_s, shape (sensors,).
     outputs: of "y", "dy", "ddy", those to compute.
     states: keep q and dq of every step too.
@@ -114,7 +114,7 @@ def respond(
     q, initial_lost = start_of(system, "initial", initial)
     dq, velocity_lost = start_of(system, "initial_velocity", initial_velocity)
     if force is None and initial is None and initial_velocity is None:
-        q[r] = 0.01
+        q += 0.01 * system.mode(1)
     cases = cases_of(force_cases, q.shape[:-1], dq.shape[:-1])
     shape = (*cases, n)
     start = np.concatenate([spread(q, shape), spread(dq, shape)], axis=-1).reshape(-1, 2 * n)

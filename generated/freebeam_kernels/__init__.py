@@ -1,13 +1,8 @@
 """Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""
 
-COLUMNS = {
-    "beck": "beck",
-    "euler-pinned": "euler_pinned",
-    "free-free": "free_free",
-}
-
-LEGENDRE = {
-    "beck": "beck_legendre",
-    "euler-pinned": "euler_pinned_legendre",
-    "free-free": "free_free_legendre",
+# the module of a column in each basis
+COLUMNS: dict[str, dict[str, str]] = {
+    "beck": {"modes": "beck", "legendre": "beck_legendre"},
+    "euler-pinned": {"modes": "euler_pinned", "legendre": "euler_pinned_legendre"},
+    "free-free": {"modes": "free_free", "legendre": "free_free_legendre"},
 }

@@ -31,6 +31,7 @@ Array = NDArray[np.floating[Any]]  # or an array of another library that follows
 COLUMN: dict[str, Any] = {
     "name": "beck",
     "title": "Cantilever under a tip force, follower or sub-tangential",
+    "default": {"basis": "legendre", "modes": 16},
     "ends": ("clamped", "free"),
     "rigid": 0,
     "load": "P",

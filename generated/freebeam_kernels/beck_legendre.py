@@ -32,6 +32,7 @@ COLUMN: dict[str, Any] = {
     "name": "beck",
     "title": "Cantilever under a tip force, follower or sub-tangential",
     "basis": "legendre",
+    "default": {"basis": "legendre", "modes": 16},
     "ends": ("clamped", "free"),
     "rigid": 0,
     "load": "P",

@@ -31,6 +31,7 @@ Array = NDArray[np.floating[Any]]  # or an array of another library that follows
 COLUMN: dict[str, Any] = {
     "name": "euler-pinned",
     "title": "Pinned-pinned beam under a dead axial load",
+    "default": {"basis": "legendre", "modes": 16},
     "ends": ("pinned", "pinned"),
     "rigid": 0,
     "load": "P",

@@ -32,6 +32,7 @@ COLUMN: dict[str, Any] = {
     "name": "euler-pinned",
     "title": "Pinned-pinned beam under a dead axial load",
     "basis": "legendre",
+    "default": {"basis": "legendre", "modes": 16},
     "ends": ("pinned", "pinned"),
     "rigid": 0,
     "load": "P",

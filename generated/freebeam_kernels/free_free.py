@@ -32,6 +32,7 @@ Array = NDArray[np.floating[Any]]  # or an array of another library that follows
 COLUMN: dict[str, Any] = {
     "name": "free-free",
     "title": "Free-free beam under an end follower force and a transversal force",
+    "default": {"basis": "modes", "modes": 8},
     "ends": ("free", "free"),
     "rigid": 2,
     "load": "P",

@@ -33,6 +33,7 @@ COLUMN: dict[str, Any] = {
     "name": "free-free",
     "title": "Free-free beam under an end follower force and a transversal force",
     "basis": "legendre",
+    "default": {"basis": "modes", "modes": 8},
     "ends": ("free", "free"),
     "rigid": 2,
     "load": "P",

@@ -240,7 +240,9 @@ class TestWriting:
         assert manifest["leipholz.py"] == json.loads(first[MANIFEST])["files"]["leipholz.py"]
         namespace: dict[str, Any] = {}
         exec(second[INDEX], namespace)
-        assert namespace["COLUMNS"] == {"beck": "beck", "leipholz": "leipholz"}
+        assert namespace["COLUMNS"] == {
+            name: {"modes": name, "legendre": f"{name}_legendre"} for name in ("beck", "leipholz")
+        }
         assert {"beck", "leipholz"} <= set(json.loads(second[REPORT]))
 
     def test_all_columns_leave_nothing_else(self, tree: Path, statement_of: StatementOf) -> None:

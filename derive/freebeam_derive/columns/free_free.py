@@ -26,4 +26,6 @@ column = Column(
     ),
     source="Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to "
     "follower and transversal forces, Eq. (8)",
+    basis="modes",  # section 3.2, with as many as eight terms
+    modes=8,
 )
