@@ -78,7 +78,7 @@ bench: venv
 # Some hours of one core: 300 small changes of the code, of which the tests should see nine in ten.
 mutants: venv
 	$(PIP) '.[mutants]'
-	$(BIN)/python tests/mutants.py 300 1 $(JOBS)
+	$(BIN)/python benchmarks/mutants.py 300 1 $(JOBS)
 
 lint: venv
 	$(BIN)/ruff check
