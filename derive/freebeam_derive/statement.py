@@ -56,7 +56,7 @@ KEYWORDS = frozenset(
 """.split()
 )
 # What a map's dataset holds besides: an axis or a setting of the same name would take its place.
-MAPS = frozenset("frequency kind converged title column_title fixed units source".split())
+MAPS = frozenset("frequency kind error converged title column_title fixed units source".split())
 MAPS |= {"bending_stiffness", "mass_per_length", "length"}
 
 # LaTeX of a parameter, as every page and picture can show it: letters with marks, in roman or not, and their scripts.
