@@ -25,6 +25,7 @@ extensions = [
 ]
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
+smartquotes_action = "qe"  # options keep their two hyphens
 exclude_patterns = ["made/**"]
 # Two classes are called Column, a statement and what the runtime makes of it.
 suppress_warnings = ["ref.python"]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["CLOSE", "NEAR", "Crossing", "Damping", "Event", "Pencil", "newton", "pencil_of"]
+__all__ = ["CLOSE", "NEAR", "Crossing", "Damping", "Event", "Pencil", "diagonalise", "newton", "pencil_of"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -96,7 +96,7 @@ class Pencil:
         M, E, H = (np.asarray(a, dtype=float) for a in (M, E, H))
         if not (np.isfinite(M).all() and np.isfinite(E).all() and np.isfinite(H).all()):
             raise InputError("M, E, H: must be finite; fewer modes keep them within a float's range")
-        e, basis = _diagonalise(M, E)
+        e, basis = diagonalise(M, E)
         self.e: Real = e
         self.basis: Real = basis
         self.H: Real = np.ascontiguousarray(basis.T @ H @ basis)
@@ -153,8 +153,9 @@ class Pencil:
         return np.asarray(q / q[np.abs(q).argmax()])
 
 
-def _diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
-    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e)."""
+def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
+    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e), each to the digits of its own size. Raises InputError where M
+    or E is not positive definite."""
     try:
         np.linalg.cholesky(M)
     except np.linalg.LinAlgError:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, count, reals, refusal
 from freebeam_sym.columns import is_column, is_system
+from freebeam_sym.pencil import diagonalise
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
@@ -80,11 +81,11 @@ class Spectrum:
         coalescence half of the digits are lost. 0 where λ = 0."""
         s, r = self.system, self.system.rigid_count
         e = slice(r, None)
-        M, C, K = s.M[e, e], s.C[e, e], s.K[e, e]
-        found, V = _eigen(M, C, K)
+        E, B = _coordinates(s.M[e, e], s.E[e, e])
+        found, V = _eigen(np.eye(len(E)), B.T @ s.C[e, e] @ B, E + B.T @ (s.K - s.E)[e, e] @ B)
         size = np.abs(found).max()
         # states in the norm of the energy, in which all modes weigh alike
-        W = np.vstack([np.sqrt(np.diag(s.E)[e])[:, None] * V, np.sqrt(np.diag(M))[:, None] * V * found])
+        W = np.vstack([np.sqrt(np.abs(np.diag(E)))[:, None] * V, V * found])
         W = W / np.linalg.norm(W, axis=0)
         condition = np.linalg.norm(_left(W), axis=1)
         # to first order; where two meet, the root of rounding
@@ -135,7 +136,9 @@ def spectrum(system: System) -> Spectrum:
     r, n = system.rigid_count, len(system.M)
     M, C, K = system.M, system.C, system.K
     e = slice(r, n)
-    elastic, vectors = _eigen(M[e, e], C[e, e], K[e, e])
+    E, B = _coordinates(M[e, e], system.E[e, e])
+    elastic, vectors = _eigen(np.eye(len(E)), B.T @ C[e, e] @ B, E + B.T @ (K - system.E)[e, e] @ B)
+    vectors = B @ vectors
     eigenvalues, full = elastic, vectors
     if r:
         eigenvalues, full = _with_rigid(M, C, K, r, elastic, vectors)
@@ -165,6 +168,20 @@ def beam_errors(
         off = (np.abs(given - two[nearest]) + apart[nearest]) / size
         errors[row] = np.where(apart[nearest] <= AGREED * size, off, np.nan)
     return errors
+
+
+def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
+    """Coordinates in which M = I: E there and the change of coordinates B, (n, n) each. E is diagonal where it is
+    positive definite: the low modes are then not rounded beside the highest. Raises InputError where M is singular."""
+    try:
+        e, B = diagonalise(M, E)
+        return np.diag(e[::-1]), np.ascontiguousarray(B[:, ::-1])
+    except InputError:
+        try:
+            B = np.linalg.inv(np.linalg.cholesky(M)).T
+        except np.linalg.LinAlgError:
+            raise InputError("M is singular: the trial functions must be independent") from None
+        return B.T @ E @ B, B
 
 
 def _eigen(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
@@ -262,7 +279,8 @@ def eigenvalues(
     for own, which in alike({x: points[x] for x in parameters}, n):
         given = column.own_parameters(dict(own))
         M, E, H = column.matrices(modes, False, **given)
-        E, H = (np.asarray(np.linalg.solve(M, X), dtype=float) for X in (E, H))
+        E, B = _coordinates(M, E)
+        H = B.T @ H @ B
         for part in (which[k : k + block] for k in range(0, len(which), block)):
             c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
             c_M, c_E = (np.broadcast_to(c, part.shape)[:, None, None] for c in (c_M, c_E))
@@ -397,8 +415,8 @@ class _Follower:
 
     def __init__(self, M: Real, C: Real, E: Real, H: Real) -> None:
         self.n = len(M)
-        self.E, self.H = np.linalg.solve(M, E), np.linalg.solve(M, H)
-        self.C = np.linalg.solve(M, C)
+        self.E, self.basis = _coordinates(M, E)
+        self.C, self.H = (self.basis.T @ X @ self.basis for X in (C, H))
         self.unit = np.eye(self.n)
         self.left = MOST_STEPS
 
@@ -417,6 +435,7 @@ class _Follower:
             values, W = np.linalg.eig(state_matrix(self.unit, self.C, K))
             rates = -np.einsum("kj,ji,ik->k", _left(W)[:, n:], self.H, W[:n])
             vectors = W[:n].astype(complex)
+        vectors = self.basis @ vectors
         state = _State(float(load), values.astype(complex), np.nan_to_num(rates.astype(complex)), vectors)
         return state.take(_order(state.values))
 

@@ -25,7 +25,7 @@ from freebeam_sym.figures.files import FORMATS, csv_of, image_of
 from freebeam_sym.figures.marks import digits, plain
 from freebeam_sym.figures.sketch import centre_line
 
-FREE, BECK, EULER = (fb.column(name) for name in ("free-free", "beck", "euler-pinned"))
+FREE, BECK, EULER = (fb.column(name, "modes") for name in ("free-free", "beck", "euler-pinned"))
 
 
 @pytest.fixture

@@ -27,7 +27,7 @@ def distance_of_sets(a: np.ndarray, b: np.ndarray) -> float:
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS)
 def test_eigenpairs_solve_the_quadratic_problem(name: str, alpha: float, beta: float) -> None:
     """(λ² M + λ C + K) q̂ = 0, Eq. (24) in Eq. (10), for every pair."""
-    system = fb.column(name).system(modes=8, load=30.0, alpha=alpha, beta=beta)
+    system = fb.column(name, "modes").system(modes=8, load=30.0, alpha=alpha, beta=beta)
     found = spectrum(system)
     assert found.eigenvalues.shape == (16,) and found.vectors.shape == (8, 16)
     m = np.sqrt(np.diag(system.M))
@@ -75,7 +75,7 @@ def test_reference_frequency_ends_where_mode_one_is_overdamped() -> None:
     beta=st.floats(0.0, 100.0),
 )
 def test_order_and_conjugation(name: str, modes: int, load: float, alpha: float, beta: float) -> None:
-    values = spectrum(fb.column(name).system(modes=modes, load=load, alpha=alpha, beta=beta)).eigenvalues
+    values = spectrum(fb.column(name, "modes").system(modes=modes, load=load, alpha=alpha, beta=beta)).eigenvalues
     slack = 1e-12 * np.abs(values).max()
     assert (np.diff(np.abs(values.imag)) >= -slack).all()
     assert distance_of_sets(values, values.conj()) < 1e3 * slack
@@ -84,7 +84,7 @@ def test_order_and_conjugation(name: str, modes: int, load: float, alpha: float,
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS[:4])
 def test_unstable_count_changes_at_the_critical_load(name: str, alpha: float, beta: float) -> None:
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     load = fb.critical_load(column, 8, alpha, beta).load
     assert load is not None
     below, above = (spectrum(column.system(8, load * f, alpha, beta)) for f in (1 - 1e-3, 1 + 1e-3))
@@ -139,7 +139,7 @@ def test_state_matrix_is_that_of_the_equation_of_motion() -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS)
 def test_branches_are_the_spectrum_rearranged(name: str, alpha: float, beta: float) -> None:
-    column, loads = fb.column(name), np.linspace(0.0, 300.0, 31)
+    column, loads = fb.column(name, "modes"), np.linspace(0.0, 300.0, 31)
     found = branches(column, loads, 8, alpha, beta)
     assert found.eigenvalues.shape == (31, 16) and found.vectors is None
     for load, values in zip(loads, found.eigenvalues, strict=True):
@@ -152,7 +152,7 @@ def test_branches_are_the_spectrum_rearranged(name: str, alpha: float, beta: flo
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS)
 def test_branches_do_not_depend_on_the_loads_between(name: str, alpha: float, beta: float) -> None:
     """The same branch keeps its column whether the loads are few or many, and its steps shrink with theirs."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     coarse, middle, fine = (
         branches(column, np.linspace(0.0, 300.0, m), 6, alpha, beta).eigenvalues for m in (5, 61, 241)
     )
@@ -194,4 +194,4 @@ def test_branches_with_vectors_and_rigid_functions() -> None:
 )
 def test_branches_refuse_bad_input(loads: list[float], arguments: dict[str, float], words: str) -> None:
     with pytest.raises(fb.InputError, match=words):
-        branches(fb.column("beck"), loads, **arguments)
+        branches(fb.column("beck", "modes"), loads, **arguments)
