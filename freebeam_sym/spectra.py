@@ -255,7 +255,7 @@ def eigenvalues(
     NumPy's: complex, of their shape and (2N,) more, each row sorted as `spectrum` sorts. Eqs. (24)-(25).
 
     >>> import freebeam_sym as fb
-    >>> fb.eigenvalues(fb.column("beck"), load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
+    >>> fb.eigenvalues(fb.column("beck", "modes"), modes=8, load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
     (2, 3, 16)
 
     Raises InputError for bad values and for shapes that do not broadcast.

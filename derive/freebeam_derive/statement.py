@@ -49,7 +49,7 @@ RESERVED = ("np", "basis", "rigid")  # what every emitted function of a matrix k
 # calls' signatures.
 KEYWORDS = frozenset(
     """
-    self column modes load loads load_max kappa digits progress series vectors
+    self column modes load loads load_max kappa beam digits progress series vectors
     parameter low high log tolerance values name
     step chunks scheduler workers store convergence
     ax color count label moments normalised part points width

@@ -87,7 +87,7 @@ def test_the_first_crossing_is_the_certified_load(name: str, question: Question)
     first = found(name, question)[0]
     square = first.square or (F(0), F(0))
     near = float(first.load[0]), float(square[0]) ** 0.5
-    proven = ritz.certify(fb.column(name).kernel, question, near, 20)
+    proven = ritz.certify(fb.column(name, "modes").kernel, question, near, 20)
     assert proven.load is not None and first.load[0] < proven.load[0] < proven.load[1] < first.load[1]
     assert first.stability == "lost" and first.kind == proven.kind
     if proven.square is not None:
@@ -117,7 +117,7 @@ def test_meetings_below_zero_are_no_crossings() -> None:
 
 def test_a_restabilised_pair_is_seen() -> None:
     """The load turned round: what was the onset at P is regained at 30 − P."""
-    kernel = fb.column("beck").kernel
+    kernel = fb.column("beck", "modes").kernel
     exact = balls.matrices
 
     def turned(*arguments: Any) -> tuple[arb_mat, arb_mat, arb_mat]:
@@ -164,9 +164,9 @@ def test_frequencies_that_pass_through_each_other_are_not_decided(monkeypatch: p
     replaced(monkeypatch, ONE, [[1, 0], [0, 4]], [[3, 0], [0, 0]])
     try:
         with pytest.raises(Inseparable, match=r"between the loads (1|0\.99)") as caught:
-            crossings.survey(fb.column("beck").kernel, Question(2), F(3), 10)
+            crossings.survey(fb.column("beck", "modes").kernel, Question(2), F(3), 10)
         assert "Established: up to there stability changes at these loads and no others: none" in str(caught.value)
-        assert crossings.survey(fb.column("beck").kernel, Question(2, F("0.1")), F(3), 10) == []
+        assert crossings.survey(fb.column("beck", "modes").kernel, Question(2, F("0.1")), F(3), 10) == []
     finally:
         monkeypatch.undo()
         ritz._characteristic.cache_clear()
@@ -181,16 +181,16 @@ def test_two_crossings_close_together(apart: Fraction, monkeypatch: pytest.Monke
     try:
         question = Question(2, F("0.5"))
         if apart > F(1, 10**20):
-            one, two = crossings.survey(fb.column("beck").kernel, question, F(3), 20)
+            one, two = crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
             assert one.load[1] < two.load[0] and abs(two.load[0] - one.load[0] - apart) < apart / 1000
         else:
             with pytest.raises(Inseparable, match=r"two may lie closer together"):
-                crossings.survey(fb.column("beck").kernel, question, F(3), 20)
+                crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
             # an interval so wide that both are in it is not said to hold one
             with pytest.raises(Unproven, match="a second crossing may lie"):
-                ritz.certify(fb.column("beck").kernel, question, (1.0, 0.0), 20)
+                ritz.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 20)
             monkeypatch.setattr(ritz, "_stable_below", lambda *_: [])
-            assert ritz.certify(fb.column("beck").kernel, question, (1.0, 0.0), 60).load is not None
+            assert ritz.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 60).load is not None
     finally:
         monkeypatch.undo()
         ritz._characteristic.cache_clear()
@@ -203,7 +203,7 @@ def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
     ritz._characteristic.cache_clear()
     try:
         with pytest.raises(Unproven):
-            crossings.survey(fb.column("beck").kernel, Question(4), F(100), 10)
+            crossings.survey(fb.column("beck", "modes").kernel, Question(4), F(100), 10)
     finally:
         monkeypatch.undo()
         ritz._characteristic.cache_clear()
@@ -215,7 +215,7 @@ def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
     listed = found("beck", question)
     assert len(listed) > 1
     with balls.precision(400):
-        survey = crossings._Survey(ritz.boundary(fb.column("beck").kernel, question, 400), TOP, lambda _: None)
+        survey = crossings._Survey(ritz.boundary(fb.column("beck", "modes").kernel, question, 400), TOP, lambda _: None)
         for one, other in pairwise(listed):
             assert one.square is not None and other.square is not None
             P, x = one.load[0], one.square[0]

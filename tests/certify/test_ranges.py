@@ -20,7 +20,7 @@ CASES += [("beck", "internal", "0"), ("beck", "external", "0.001")]
 
 def critical(name: str, which: str, damping: float, held: float, modes: int) -> tuple[float, float]:
     alpha, beta = (damping, held) if which == "internal" else (held, damping)
-    found = fb.critical_load(fb.column(name), modes, alpha, beta)
+    found = fb.critical_load(fb.column(name, "modes"), modes, alpha, beta)
     assert found.load is not None and found.frequency is not None
     return found.load, found.frequency
 
@@ -29,7 +29,7 @@ def critical(name: str, which: str, damping: float, held: float, modes: int) -> 
 def test_stable_below_and_unstable_above(name: str, which: str, held: str) -> None:
     """Over a narrow range of damping what is proven stable ends where what is proven unstable begins."""
     modes = 5
-    line = Line(fb.column(name).kernel, modes, which, F(held))
+    line = Line(fb.column(name, "modes").kernel, modes, which, F(held))
     low, high = F(1, 100), F(101, 10000)
     loads = [critical(name, which, float(damping), float(held), modes)[0] for damping in (low, high)]
     bottom, top = (F(v) for v in (min(loads) * 0.999, max(loads) * 1.001))
@@ -45,7 +45,7 @@ def test_stable_below_and_unstable_above(name: str, which: str, held: str) -> No
 def test_cells_follow_the_crossing(name: str, which: str, held: str) -> None:
     """Cells are without gaps, hold the runtime's crossing, and know its direction from finite differences."""
     modes = 5
-    line = Line(fb.column(name).kernel, modes, which, F(held))
+    line = Line(fb.column(name, "modes").kernel, modes, which, F(held))
     dampings = [F(1, 100), F(2, 100), F(4, 100)]
     near = [critical(name, which, float(damping), float(held), modes) for damping in dampings]
     cells = line.cells(dampings, near)
@@ -62,7 +62,7 @@ def test_cells_follow_the_crossing(name: str, which: str, held: str) -> None:
 
 def test_no_crossing_before_the_first() -> None:
     """Stability up to a share of the load below the crossings; of a second crossing it is refused."""
-    line = Line(fb.column("free-free").kernel, 4, "internal")
+    line = Line(fb.column("free-free", "modes").kernel, 4, "internal")
     dampings = [F(2, 100), F(4, 100)]
     cells = line.cells(dampings, [critical("free-free", "internal", float(d), 0.0, 4) for d in dampings])
     assert 0 < line.none_before(cells, F(1, 20)) <= F(1, 20)
@@ -72,7 +72,7 @@ def test_no_crossing_before_the_first() -> None:
 
 
 def test_a_wrong_start_proves_nothing() -> None:
-    line = Line(fb.column("free-free").kernel, 5, "internal")
+    line = Line(fb.column("free-free", "modes").kernel, 5, "internal")
     with pytest.raises(Unproven):
         line.cells([F(1, 100), F(2, 100)], [(30.0, 11.0), (30.0, 11.0)], depth=2)
 
@@ -80,7 +80,7 @@ def test_a_wrong_start_proves_nothing() -> None:
 @pytest.mark.parametrize(("name", "which", "held"), CASES)
 def test_the_mean_value_form_holds_every_damping_of_the_cell(name: str, which: str, held: str) -> None:
     """h and g along a line in P, for dampings inside a wide cell, lie in what the cell gives."""
-    line = Line(fb.column(name).kernel, 4, which, F(held))
+    line = Line(fb.column(name, "modes").kernel, 4, which, F(held))
     low, high = line.of(F(1, 100)), line.of(F(3, 100))
     with precision(BITS):
         wide = _Family(line, low, high)
@@ -99,7 +99,7 @@ def test_the_mean_value_form_holds_every_damping_of_the_cell(name: str, which: s
 def test_the_polynomials_are_those_of_the_eigenvalues() -> None:
     """h + iωg vanishes at an eigenvalue on the axis: the runtime's crossing, at one damping."""
     for name, which, held in CASES:
-        line = Line(fb.column(name).kernel, 6, which, F(held))
+        line = Line(fb.column(name, "modes").kernel, 6, which, F(held))
         load, frequency = critical(name, which, 0.02, float(held), 6)
         tau = line.of(F(2, 100))
         with precision(BITS):

@@ -61,7 +61,7 @@ def certified(case: str, digits: int = 30) -> Enclosure:
 @pytest.mark.parametrize("name", fb.column_names())
 def test_roots_are_those_of_an_independent_determinant(name: str) -> None:
     """Roots as balls, Eq. (21), against the verifier's own isolation in another set of functions."""
-    kernel = fb.column(name).kernel
+    kernel = fb.column(name, "modes").kernel
     with balls.precision(300):
         quarter, _, delta = balls.roots(kernel, 6)
         mine = [q * arb.pi() / 4 + d for q, d in zip(quarter, delta, strict=True)]
@@ -79,7 +79,7 @@ def written(data: dict[str, Any]) -> dict[str, Any]:
 @pytest.mark.parametrize("name", fb.column_names())
 def test_matrices_overlap_those_of_exponentials(name: str) -> None:
     """M, E, H of Eq. (11) from the closed forms on balls, against the verifier's integrals of exponentials."""
-    kernel = fb.column(name).kernel
+    kernel = fb.column(name, "modes").kernel
     own = {p["name"]: F(p["default"]) for p in kernel.COLUMN["parameters"]}
     question = Question(4, F(1), own=own)
     stub = Enclosure(question, "none", None, None, F(1), (), {})
@@ -149,10 +149,10 @@ def test_enclosures_nest_as_digits_grow(case: str) -> None:
 
 
 def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
-    found = ritz.certify(fb.column("free-free").kernel, Question(8), None, 10, load_max=F(100))
+    found = ritz.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(100))
     assert found.kind == "none" and found.stretches[-1].end == 100
     with pytest.raises(Unproven, match="not known to be stable"):
-        ritz.certify(fb.column("free-free").kernel, Question(8), None, 10, load_max=F(120))
+        ritz.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(120))
 
 
 @pytest.mark.parametrize(
@@ -168,14 +168,14 @@ def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
 )
 def test_a_crossing_that_is_not_the_first_is_refused(name: str, question: Question, near: tuple[float, float]) -> None:
     with pytest.raises(Unproven):
-        ritz.certify(fb.column(name).kernel, question, near, 20)
+        ritz.certify(fb.column(name, "modes").kernel, question, near, 20)
 
 
 def test_a_refusal_says_what_was_established() -> None:
     """Beck's column regains stability at 15.99: a crossing, but not the first."""
     question = Question(8, own={"eta": F("0.4")})
     with pytest.raises(Unproven, match=r"established is that there is a crossing, of divergence, at 15\.98833175"):
-        ritz.certify(fb.column("beck").kernel, question, (15.98833175, 0.0), 20)
+        ritz.certify(fb.column("beck", "modes").kernel, question, (15.98833175, 0.0), 20)
 
 
 @pytest.mark.parametrize("case", ["undamped", "damped", "beck, dead load"])
@@ -183,7 +183,7 @@ def test_stability_is_not_proven_past_the_crossing(case: str) -> None:
     """The last stretch, moved up by 1e-20 of the load, reaches beyond the loss of stability: no signs prove that."""
     name, question = CASES[case]
     found = certified(case)
-    kernel = fb.column(name).kernel
+    kernel = fb.column(name, "modes").kernel
     last = found.stretches[-1]
     with balls.precision(600):
         boundary = ritz.boundary(kernel, question, 600)
@@ -203,7 +203,7 @@ def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
     ritz._characteristic.cache_clear()
     try:
         with pytest.raises(Unproven):
-            ritz.certify(fb.column("beck").kernel, Question(5), (20.05, 11.0), 20)
+            ritz.certify(fb.column("beck", "modes").kernel, Question(5), (20.05, 11.0), 20)
     finally:
         ritz._characteristic.cache_clear()
 

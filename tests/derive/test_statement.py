@@ -343,7 +343,7 @@ def test_no_keyword_of_a_public_call_can_be_a_parameter(tmp_path: Path) -> None:
             taken |= {p.name for p in given if p.kind in (p.POSITIONAL_OR_KEYWORD, p.KEYWORD_ONLY)}
     assert {"kappa", "load_max", "chunks", "tolerance", "vectors", "rigid", "progress"} <= taken
     assert taken >= statement.KEYWORDS
-    found = fb.stability_map(fb.column("euler-pinned"), 2, alpha=[0.1, 0.2])
+    found = fb.stability_map(fb.column("euler-pinned", "modes"), 2, alpha=[0.1, 0.2])
     for name in sorted(taken | {*found.data_vars, *found.attrs}):
         message = refusal(written(tmp_path, parameters=f"(Parameter(Symbol({name!r}), 'p', 1, 0, 2),)"))
         assert f"parameter {name!r}: the name is taken" in message and message.count(";") == 1, message

@@ -158,7 +158,7 @@ def test_command(tmp_path, capsys):
     file = tmp_path / "beck.html"
     assert cli.main(["explore", "--column", "beck", "--output", str(file), "--json"]) == 0
     said = json.loads(capsys.readouterr().out)
-    assert said == {"output": str(file), "column": "beck", "basis": "modes", "bytes": file.stat().st_size}
+    assert said == {"output": str(file), "column": "beck", "basis": "legendre", "bytes": file.stat().st_size}
     kept = file.read_bytes()
     assert cli.main(["explore", "--output", str(file)]) == 2
     assert "--force" in capsys.readouterr().err and file.read_bytes() == kept

@@ -16,7 +16,7 @@ def growing(system: fb.System) -> np.ndarray:
 @pytest.mark.parametrize(("name", "own"), [("euler-pinned", {}), ("beck", {"eta": 0.0})])
 def test_a_dead_axial_force_causes_divergence(name: str, own: dict[str, float]) -> None:
     """It "normally causes the static instability (divergence)": an eigenvalue grows without oscillating."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     found = fb.critical_load(column, **own)
     assert found.kind == "divergence"
     for alpha, beta in ((0.0, 0.0), (0.01, 0.2)):
@@ -28,7 +28,7 @@ def test_a_dead_axial_force_causes_divergence(name: str, own: dict[str, float]) 
 @pytest.mark.parametrize("name", ["free-free", "beck"])
 def test_undamped_flutter_is_where_the_two_lowest_frequencies_meet(name: str) -> None:
     """As section 1 defines flutter, and as it reports of Beal (1965)."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     load = fb.critical_load(column).load
 
     def frequencies(P: float) -> np.ndarray:

@@ -119,7 +119,7 @@ def test_critical_is_the_boundary_of_the_spectrum(freebeam):
     found = freebeam("critical", *options).json
     keys = "column modes alpha beta load kind frequency converged load_max"
     assert set(found) >= set(keys.split())
-    assert (found["column"], found["modes"], found["alpha"], found["beta"]) == ("beck", 8, 1e-3, 0.1)
+    assert (found["column"], found["modes"], found["alpha"], found["beta"]) == ("beck", 16, 1e-3, 0.1)
     assert found["kind"] == "flutter" and isinstance(found["converged"], bool)
     growth = []
     for factor in (1 - 1e-6, 1 + 1e-6):
@@ -425,7 +425,7 @@ def test_own_column_in_every_command(freebeam, clamped, tmp_path):
     found = freebeam("critical", "--column", clamped, "--json").json
     assert (found["column"], found["kind"]) == ("clamped-clamped", "divergence")
     assert found["load"] == pytest.approx(4 * math.pi**2, rel=1e-3)
-    assert len(freebeam("spectrum", "--column", clamped, "--load", "1", "--json").json["eigenvalues"]) == 16
+    assert len(freebeam("spectrum", "--column", clamped, "--load", "1", "--json").json["eigenvalues"]) == 32
     assert len(freebeam(*RESPOND, "--column", clamped).table["t"]) == 101
 
     kernels = tmp_path / "kernels"

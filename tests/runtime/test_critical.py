@@ -307,7 +307,7 @@ def test_limits_join_internal_and_external_damping() -> None:
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.parametrize(("alpha", "beta"), [(0.0, 0.0), (1e-3, 0.1), (10.0, 0.0), (1e-3, 1000.0)])
 def test_emitted_kernels_give_the_load_of_the_quadrature(name: str, alpha: float, beta: float) -> None:
-    found = fb.critical_load(fb.column(name), 8, alpha, beta)
+    found = fb.critical_load(fb.column(name, "modes"), 8, alpha, beta)
     other = first_crossing(pencil(name, 8), alpha, beta)
     assert other is not None and found.kind == other.kind
     assert found.load == pytest.approx(other.load, rel=1e-11)
@@ -329,9 +329,9 @@ def test_another_basis_gives_the_same_load() -> None:
 
 
 def test_verdict_on_convergence() -> None:
-    beck = fb.column("beck")
-    assert fb.critical_load(fb.column("free-free")).converged
-    one = fb.critical_load(fb.column("free-free"), 1)  # divergence at one mode
+    beck = fb.column("beck", "modes")
+    assert fb.critical_load(fb.column("free-free", "modes")).converged
+    one = fb.critical_load(fb.column("free-free", "modes"), 1)  # divergence at one mode
     assert one.kind == "divergence" and one.beam.kind == "flutter" and not one.converged
     artefact = fb.critical_load(beck, 8, 10.0)  # of the truncation: the beam has none
     assert artefact.kind == "flutter" and artefact.beam.kind == "none" and artefact.error is None
@@ -343,7 +343,7 @@ def test_verdict_on_convergence() -> None:
 
 def test_many_modes_that_change_little_are_not_converged() -> None:
     """Next to η = 1/2 the modes still diverge where the beam flutters."""
-    found = fb.critical_load(fb.column("beck"), 64, eta=0.50001)
+    found = fb.critical_load(fb.column("beck", "modes"), 64, eta=0.50001)
     assert found.kind == "divergence" and found.beam.kind == "flutter" and not found.converged
     assert found.error == pytest.approx(1 - found.load / 16.0524615771634, rel=1e-3)
 
@@ -435,7 +435,7 @@ def test_branches_that_cross_and_do_not_meet_are_no_flutter() -> None:
 
 def test_a_load_max_just_below_finds_nothing_and_just_above_finds_it() -> None:
     for name in NAMES:
-        column = fb.column(name)
+        column = fb.column(name, "modes")
         load = critical_load(column, 6, 1e-3, 0.1).load
         assert load is not None
         assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 - 1e-9)).kind == "none"
@@ -457,7 +457,7 @@ def test_a_load_max_just_below_finds_nothing_and_just_above_finds_it() -> None:
 )
 def test_bad_input_is_refused_by_name(arguments: dict[str, float], words: str) -> None:
     with pytest.raises(fb.InputError, match=words):
-        fb.critical_load(fb.column("beck"), **arguments)
+        fb.critical_load(fb.column("beck", "modes"), **arguments)
 
 
 def test_a_column_unstable_without_load_is_refused() -> None:

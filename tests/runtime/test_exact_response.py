@@ -19,7 +19,7 @@ from freebeam_sym.response import stepping
 from freebeam_sym.response.inputs import moments
 
 X = np.array([0.1, 0.6])
-FREE = fb.column("free-free")
+FREE = fb.column("free-free", "modes")
 
 
 def generator(system: Any) -> tuple[Any, Any]:

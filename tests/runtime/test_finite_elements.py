@@ -107,7 +107,7 @@ def first_growth(matrices: tuple[Any, Any, Any], alpha: float, beta: float, belo
 def test_finite_elements_converge_to_the_ritz_load_with_the_fourth_power_of_their_length(
     name: str, eta: float, alpha: float, beta: float, kind: str
 ) -> None:
-    ritz = fb.critical_load(fb.column(name), modes=48, alpha=alpha, beta=beta, **own(name, eta))
+    ritz = fb.critical_load(fb.column(name, "modes"), modes=48, alpha=alpha, beta=beta, **own(name, eta))
     assert ritz.kind == kind
     loads = [first_growth(finite_elements(name, n, eta), alpha, beta, 1.5 * ritz.load) for n in (8, 16, 32)]
     first, second = np.diff(loads)
@@ -119,7 +119,7 @@ def test_finite_elements_converge_to_the_ritz_load_with_the_fourth_power_of_thei
 
 def test_finite_elements_flutter_at_the_same_frequency() -> None:
     M, E, H = finite_elements("beck", 20, 1.0)
-    found = fb.critical_load(fb.column("beck"), modes=24)
+    found = fb.critical_load(fb.column("beck", "modes"), modes=24)
     s = np.linalg.eigvals(np.linalg.solve(M, E + found.load * H)).astype(complex)
     pair = np.sort_complex(np.sqrt(s))[:2]  # the two that meet; near there they differ by the root of the error
     assert pair.mean().real == pytest.approx(found.frequency, rel=1e-4)
@@ -169,7 +169,7 @@ def exact_load(name: str, eta: float = 1.0, alpha: float = 0.0, beta: float = 0.
 
     Without damping the double root (F, ∂F/∂s) = 0; with it F = 0 at λ = iω.
     """
-    near = fb.critical_load(fb.column(name), modes=8, alpha=alpha, beta=beta, **own(name, eta))
+    near = fb.critical_load(fb.column(name, "modes"), modes=8, alpha=alpha, beta=beta, **own(name, eta))
     eta = mp.mpf(eta)
     with mp.workdps(30):
         if not (alpha or beta):
@@ -200,7 +200,7 @@ def test_series_and_closed_form_are_the_same_function(p: complex, s: complex, et
 
 def test_becks_load() -> None:
     """20.05 of Beck (1952), from his determinant: where two roots of F(P, ·) meet."""
-    near = fb.critical_load(fb.column("beck"), modes=32)
+    near = fb.critical_load(fb.column("beck", "modes"), modes=32)
     with mp.workdps(30):
         p, s = mp.findroot(
             lambda p, s: (closed_form(p, s), mp.diff(lambda z: closed_form(p, z), s)), (mp.mpf(20), mp.mpf(121))
@@ -226,10 +226,10 @@ def test_the_ritz_load_is_near_that_of_the_beam_itself(
     name: str, eta: float, alpha: float, beta: float, modes: int, relative: float
 ) -> None:
     load, frequency = exact_load(name, eta, alpha, beta)
-    ritz = fb.critical_load(fb.column(name), modes=modes, alpha=alpha, beta=beta, **own(name, eta))
+    ritz = fb.critical_load(fb.column(name, "modes"), modes=modes, alpha=alpha, beta=beta, **own(name, eta))
     assert ritz.load == pytest.approx(load, rel=relative)
     assert ritz.frequency == pytest.approx(frequency, rel=10 * relative)
-    coarse = fb.critical_load(fb.column(name), modes=8, alpha=alpha, beta=beta, **own(name, eta))
+    coarse = fb.critical_load(fb.column(name, "modes"), modes=8, alpha=alpha, beta=beta, **own(name, eta))
     assert abs(coarse.load / load - 1) > relative  # so that the tolerance says something
 
 
@@ -242,7 +242,7 @@ def test_ritz_loads_converge_at_an_algebraic_rate(name: str, eta: float, rate: i
     adjoint's, which limits the rate; nothing says from which side the values come, and both sides occur."""
     exact = math.pi**2 / 4 if eta == 0 else exact_load(name, eta)[0]
     orders = (8, 16, 32, 64)
-    errors = [abs(fb.critical_load(fb.column(name), modes=N, **own(name, eta)).load - exact) for N in orders]
+    errors = [abs(fb.critical_load(fb.column(name, "modes"), modes=N, **own(name, eta)).load - exact) for N in orders]
     slopes = [math.log2(coarse / fine) for coarse, fine in pairwise(errors)]
     assert slopes[-1] == pytest.approx(rate, abs=0.35)
     for slope, following in pairwise(slopes):  # and the slope tends to the rate
@@ -252,7 +252,7 @@ def test_ritz_loads_converge_at_an_algebraic_rate(name: str, eta: float, rate: i
 def test_ritz_loads_are_no_bounds() -> None:
     """At N = 8 the free beam's lies above the exact load, Beck's below."""
     free, beck = (
-        fb.critical_load(fb.column(name), modes=8).load - exact_load(name)[0] for name in ("free-free", "beck")
+        fb.critical_load(fb.column(name, "modes"), modes=8).load - exact_load(name)[0] for name in ("free-free", "beck")
     )
     assert free > 1e-3 and beck < -1e-4
 
@@ -263,7 +263,7 @@ def test_ritz_loads_are_no_bounds() -> None:
 @pytest.mark.parametrize("modes", [1, 2, 9, 40])
 def test_eulers_load(modes: int) -> None:
     """sin √P = 0: the modes of the pinned beam are exact, so that every N gives π²."""
-    found = fb.critical_load(fb.column("euler-pinned"), modes=modes, alpha=0.01, beta=0.1)
+    found = fb.critical_load(fb.column("euler-pinned", "modes"), modes=modes, alpha=0.01, beta=0.1)
     assert found.kind == "divergence" and found.frequency == 0
     assert found.load == pytest.approx(math.pi**2, rel=1e-13)
 
@@ -271,18 +271,18 @@ def test_eulers_load(modes: int) -> None:
 @pytest.mark.parametrize("eta", [-0.5, 0.0, 0.2, 0.4, 0.45])
 def test_divergence_of_the_sub_tangential_cantilever(eta: float) -> None:
     """At ω = 0 the determinant is 1 − (1 − η)(1 − cos √P) = 0: cos √P = −η / (1 − η), π²/4 for a dead load."""
-    found = fb.critical_load(fb.column("beck"), modes=40, eta=eta)
+    found = fb.critical_load(fb.column("beck", "modes"), modes=40, eta=eta)
     exact = math.acos(-eta / (1 - eta)) ** 2
     assert found.kind == "divergence"
     assert found.load == pytest.approx(exact, rel=1e-2 if eta > 0.41 else 2e-3)
-    coarse = fb.critical_load(fb.column("beck"), modes=10, eta=eta).load
+    coarse = fb.critical_load(fb.column("beck", "modes"), modes=10, eta=eta).load
     assert abs(found.load - exact) < abs(coarse - exact) / 2
 
 
 def test_kind_changes_at_half_follower_share() -> None:
     """cos √P = −η / (1 − η) has a root for η ≤ ½ only: divergence below, flutter above; the series' own limit, where
     det(E + P H) loses its roots, tends to ½."""
-    beck = fb.column("beck")
+    beck = fb.column("beck", "modes")
 
     def kind(eta: float, modes: int) -> str:
         return fb.critical_load(beck, modes=modes, eta=eta).kind
@@ -315,7 +315,7 @@ def test_the_reported_load_parts_stability_from_instability(
     name: str, modes: int, eta: float, alpha: float, beta: float
 ) -> None:
     assume(alpha or beta)
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     found = fb.critical_load(column, modes=modes, alpha=alpha, beta=beta, load_max=500.0, **own(name, eta))
     M, E, H = column.matrices(modes, **own(name, eta))
     scale = 1 / np.sqrt(np.diag(M))

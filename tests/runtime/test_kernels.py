@@ -55,10 +55,10 @@ def assert_same_eigenvalues(A: Any, B: Any, tolerance: float) -> None:
 def test_modes_solve_the_beam_equation_and_its_end_conditions(name: str) -> None:
     """φ'''' = γ⁴ φ, and at each end the two derivatives that its kind strikes out. Eqs. (19), (20)."""
     zero = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2), "sliding": (1, 3)}
-    system = fb.column(name).system(40)
+    system = fb.column(name, "modes").system(40)
     x, gamma = np.linspace(0, 1, 101), system.gamma
     np.testing.assert_allclose(system.shapes(x, 4), gamma[:, None] ** 4 * system.shapes(x), rtol=1e-12)
-    for place, end in enumerate(fb.column(name).ends):
+    for place, end in enumerate(fb.column(name, "modes").ends):
         for d in zero[end]:
             assert (np.abs(system.shapes(float(place), d)) < 1e-12 * gamma**d).all()
         for d in set(range(4)) - set(zero[end]):  # and no other, so the conditions are not met by zero functions
@@ -68,7 +68,7 @@ def test_modes_solve_the_beam_equation_and_its_end_conditions(name: str) -> None
 @pytest.mark.parametrize("name", NAMES)
 def test_derivatives_are_derivatives(name: str) -> None:
     """∫ₐᵇ φ⁽ᵈ⁺¹⁾ dx = φ⁽ᵈ⁾(b) − φ⁽ᵈ⁾(a)."""
-    system = fb.column(name).system(12, rigid=True)
+    system = fb.column(name, "modes").system(12, rigid=True)
     x, w = gauss(12)
     a, b = 0.17, 0.83
     for d in range(5):
@@ -80,7 +80,7 @@ def test_derivatives_are_derivatives(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_mode_n_has_the_nodes_of_mode_n(name: str) -> None:
     """Sturm's oscillation: no root is skipped or found twice. A free beam's first mode has two nodes."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     x = (np.arange(20000) + 0.37) / 20000  # no node at a point
     signs = np.sign(column.system(100).shapes(x))
     changes = (signs[:, 1:] != signs[:, :-1]).sum(axis=1)
@@ -91,7 +91,7 @@ def test_mode_n_has_the_nodes_of_mode_n(name: str) -> None:
 @pytest.mark.parametrize("name", NAMES)
 def test_modes_are_orthogonal(name: str, modes: int) -> None:
     """In mass and in bending energy, rigid functions included; the diagonals are M and E."""
-    system = fb.column(name).system(modes, rigid=True)
+    system = fb.column(name, "modes").system(modes, rigid=True)
     x, w = gauss(modes)
     f, bend = system.shapes(x), system.shapes(x, 2)
     gamma = np.concatenate([np.ones(system.rigid_count), system.gamma])
@@ -103,7 +103,7 @@ def test_modes_are_orthogonal(name: str, modes: int) -> None:
 
 @pytest.mark.parametrize("name", NAMES)
 def test_bending_energy_is_the_mass_times_gamma_to_the_fourth(name: str) -> None:
-    system = fb.column(name).system(200)
+    system = fb.column(name, "modes").system(200)
     np.testing.assert_allclose(system.E, np.diag(system.gamma**4 * np.diag(system.M)), rtol=1e-14, atol=0)
     assert (np.diff(system.gamma) > 0).all() and np.count_nonzero(system.M) == 200
 
@@ -115,7 +115,7 @@ def test_bending_energy_is_the_mass_times_gamma_to_the_fourth(name: str) -> None
 @given(name=st.sampled_from(NAMES), modes=st.integers(1, 64), eta=st.floats(-0.5, 1.5), rigid=st.booleans())
 def test_load_matrix_by_quadrature(name: str, modes: int, eta: float, rigid: bool) -> None:
     """H[i, j] = −∫ n φᵢ′φⱼ′ dx + η φᵢ(1) φⱼ′(1), with n the axial force at P = 1 and i the test function. Eq. (11)."""
-    system = fb.column(name).system(modes, rigid=rigid, **own(name, eta))
+    system = fb.column(name, "modes").system(modes, rigid=rigid, **own(name, eta))
     x, w = gauss(modes)
     slope = system.shapes(x, 1)
     H = -(slope * (w * AXIAL[name](x))) @ slope.T
@@ -137,7 +137,7 @@ def test_damping_leaves_out_the_geometric_stiffness(
     name: str, modes: int, load: float, alpha: float, beta: float, rigid: bool
 ) -> None:
     """Eq. (12), C = β M + α (K − K^G), against C of Eq. (11) by quadrature."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     system = column.system(modes, load, alpha, beta, rigid)
     x, w = gauss(modes)
     f, bend = system.shapes(x), system.shapes(x, 2)
@@ -163,7 +163,7 @@ def test_damping_leaves_out_the_geometric_stiffness(
 def test_the_free_beam_is_block_triangular(modes: int, beta: float) -> None:
     """Rigid columns of the elastic rows vanish in M, C and K by quadrature too, with external damping; the reverse
     coupling does not: elastic motion drives the rigid."""
-    system = fb.column("free-free").system(modes, 50.0, 1e-3, beta, rigid=True)
+    system = fb.column("free-free", "modes").system(modes, 50.0, 1e-3, beta, rigid=True)
     x, w = gauss(modes)
     f, slope = system.shapes(x), system.shapes(x, 1)
     M = (f * w) @ f.T
@@ -183,7 +183,7 @@ def test_the_free_beam_is_block_triangular(modes: int, beta: float) -> None:
 @pytest.mark.parametrize("load", [0.0, 60.0, 130.0])
 def test_rigid_functions_leave_the_elastic_spectrum_as_it_is(load: float, alpha: float, beta: float) -> None:
     """Theorem: "the first two rigid body modes are not involved in the instability" (section 3.1)."""
-    column = fb.column("free-free")
+    column = fb.column("free-free", "modes")
     elastic = column.system(6, load, alpha, beta)
     whole = column.system(6, load, alpha, beta, rigid=True)
     expected = np.concatenate([np.linalg.eigvals(state(elastic.M, elastic.C, elastic.K)), [0, 0, -beta, -beta]])
@@ -199,7 +199,7 @@ def test_rigid_functions_leave_the_elastic_spectrum_as_it_is(load: float, alpha:
 
 
 def rigid_state(load: float, alpha: float, beta: float, modes: int = 1) -> Any:
-    system = fb.column("free-free").system(modes, load, alpha, beta, rigid=True)
+    system = fb.column("free-free", "modes").system(modes, load, alpha, beta, rigid=True)
     return state(system.M, system.C, system.K)
 
 
@@ -262,7 +262,7 @@ def printed(system: Any) -> Any:
 
 def test_the_printed_equation_has_the_spectrum_and_not_the_eigenvectors() -> None:
     for load in (5.0, 50.0, 100.0, 130.0):
-        derived = fb.column("free-free").system(8, load, 1e-3, 0.1)
+        derived = fb.column("free-free", "modes").system(8, load, 1e-3, 0.1)
         other = printed(derived)
         scale = np.abs(derived.K).max()
         np.testing.assert_allclose(other.K, derived.K.T, rtol=0, atol=1e-13 * scale)
@@ -277,7 +277,7 @@ def test_the_printed_equation_has_the_spectrum_and_not_the_eigenvectors() -> Non
 
 def test_the_printed_equation_with_rigid_functions_lets_the_drift_into_the_elastic_part() -> None:
     """Transposed, the triangle turns over: the rigid motion drives the elastic."""
-    derived = fb.column("free-free").system(8, 50.0, 1e-3, 0.1, rigid=True)
+    derived = fb.column("free-free", "modes").system(8, 50.0, 1e-3, 0.1, rigid=True)
     other = printed(derived)
     assert not derived.K[2:, :2].any() and np.abs(other.K[2:, :2]).min() > 50
     forced = {"force": np.sin, "force_position": 1.0, "sensors": [0.1]}
@@ -301,7 +301,7 @@ def test_reciprocity(
 ) -> None:
     """Transfer functions: the printed one from x_F to x_s is the derived one from x_s to x_F."""
     lam = complex(abs(lam.real) + 5, lam.imag)  # off the spectrum
-    derived = fb.column("free-free").system(8, load, alpha, beta, rigid)
+    derived = fb.column("free-free", "modes").system(8, load, alpha, beta, rigid)
 
     def transfer(system: Any, x_s: float, x_F: float) -> complex:
         return complex(
@@ -315,7 +315,7 @@ def test_reciprocity(
 
 @pytest.mark.parametrize("rigid", [False, True])
 def test_reciprocity_in_time_and_that_the_responses_differ(rigid: bool) -> None:
-    derived = fb.column("free-free").system(8, 50.0, 1e-3, 0.1, rigid)
+    derived = fb.column("free-free", "modes").system(8, 50.0, 1e-3, 0.1, rigid)
 
     def response(system: Any, sensor: float, place: float) -> Any:
         return fb.respond(
@@ -327,7 +327,7 @@ def test_reciprocity_in_time_and_that_the_responses_differ(rigid: bool) -> None:
     np.testing.assert_allclose(theirs, swapped, rtol=0, atol=1e-9 * np.abs(swapped).max())
     assert np.abs(theirs - ours).max() > 0.2 * np.abs(ours).max()
     # without follower force Betti's theorem holds for the derived system alone
-    free = fb.column("free-free").system(8, 0.0, 1e-3, 0.1, rigid)
+    free = fb.column("free-free", "modes").system(8, 0.0, 1e-3, 0.1, rigid)
     there, back = response(free, 0.1, 1.0), response(free, 1.0, 0.1)
     np.testing.assert_allclose(there, back, rtol=0, atol=1e-9 * np.abs(there).max())
 
@@ -338,15 +338,15 @@ def test_reciprocity_in_time_and_that_the_responses_differ(rigid: bool) -> None:
 @pytest.mark.parametrize(("alpha", "beta"), [(0.0, 0.0), (1e-3, 0.1), (0.2, 3.0), (0.0, 44.0)])
 @pytest.mark.parametrize("name", NAMES)
 def test_frequencies_are_the_eigenvalues_without_load(name: str, alpha: float, beta: float) -> None:
-    system = fb.column(name).system(8, 0.0, alpha, beta)
+    system = fb.column(name, "modes").system(8, 0.0, alpha, beta)
     pair = np.concatenate(system.column.kernel.frequencies(system.gamma, alpha, beta))
     assert_same_eigenvalues(state(system.M, system.C, system.K), pair, 1e-10)
 
 
 def test_heavy_damping_costs_the_slow_eigenvalue_no_digits() -> None:
     """λ₁ λ₂ = γ⁴ and λ₁ + λ₂ = −(β + αγ⁴), where the textbook's formula would lose the small one."""
-    kernel = fb.column("free-free").kernel
-    gamma = fb.column("free-free").system(50).gamma
+    kernel = fb.column("free-free", "modes").kernel
+    gamma = fb.column("free-free", "modes").system(50).gamma
     for alpha, beta in ((0.0, 1e9), (1e3, 0.0), (1e-3, 0.1)):
         first, second = kernel.frequencies(gamma, alpha, beta)
         np.testing.assert_allclose(first * second, gamma**4, rtol=1e-14)
@@ -358,7 +358,7 @@ def test_heavy_damping_costs_the_slow_eigenvalue_no_digits() -> None:
 
 def test_newmark_step_satisfies_what_defines_it() -> None:
     """The equation of motion at the new time and Newmark's two expansions of displacement and velocity."""
-    system = fb.column("beck").system(6, 15.0, 1e-3, 0.3)
+    system = fb.column("beck", "modes").system(6, 15.0, 1e-3, 0.3)
     rng = np.random.default_rng(4)
     M, C, K, h = system.M, system.C, system.K, 0.013
     for b, g in ((0.25, 0.5), (0.0, 0.5), (1 / 6, 0.5), (0.3025, 0.6), (0.1, 0.3)):
@@ -374,7 +374,7 @@ def amplification(xi: float, reach: float, newmark: tuple[float, float]) -> Any:
     """(q, q̇) after a step from unit states of q̈ + 2ξ q̇ + q = 0, step `reach` = ωh."""
     one = np.ones((1, 1))
     q, dq = one * [1.0, 0.0], one * [0.0, 1.0]
-    step = fb.column("free-free").kernel.newmark_step
+    step = fb.column("free-free", "modes").kernel.newmark_step
     q, dq, _ = step(one, 2 * xi * one, one, q, dq, -q - 2 * xi * dq, 0 * q, reach, newmark)
     return np.vstack([q, dq])
 
@@ -386,7 +386,7 @@ def radius(xi: float, reach: float, newmark: tuple[float, float]) -> float:
 @settings(max_examples=150, deadline=None, derandomize=True)
 @given(xi=st.floats(0, 2), b=st.floats(0, 0.6), g=st.floats(0.0, 1.2))
 def test_newmark_limit_parts_decay_from_growth(xi: float, b: float, g: float) -> None:
-    limit = fb.column("beck").kernel.newmark_limit(xi, (b, g))
+    limit = fb.column("beck", "modes").kernel.newmark_limit(xi, (b, g))
     assert limit >= 0
     for part in (0.05, 0.5, 0.99):
         if limit > 0:
@@ -399,7 +399,7 @@ def test_newmark_limit_parts_decay_from_growth(xi: float, b: float, g: float) ->
 
 
 def test_newmark_limits_of_the_textbook() -> None:
-    limit = fb.column("free-free").kernel.newmark_limit
+    limit = fb.column("free-free", "modes").kernel.newmark_limit
     assert limit(0.0, (0.25, 0.5)) == math.inf  # average acceleration
     assert limit(0.0, (1 / 6, 0.5)) == pytest.approx(2 * math.sqrt(3), rel=1e-14)  # linear acceleration
     assert limit(0.0, (0.0, 0.5)) == pytest.approx(2.0, rel=1e-14)  # central differences
@@ -407,7 +407,7 @@ def test_newmark_limits_of_the_textbook() -> None:
 
 
 def test_average_acceleration_keeps_the_energy_without_load_and_damping() -> None:
-    system = fb.column("beck").system(6)
+    system = fb.column("beck", "modes").system(6)
     rng = np.random.default_rng(1)
     q, dq = rng.normal(size=(2, 6)) / system.gamma**2
     ddq = np.linalg.solve(system.M, -system.K @ q)

@@ -19,7 +19,7 @@ import freebeam_sym as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.response import double, modal, powers, stepping
 
-COLUMN = fb.column("free-free")
+COLUMN = fb.column("free-free", "modes")
 STEPS = 1_000_000
 X = np.array([0.1, 0.6])
 

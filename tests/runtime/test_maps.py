@@ -91,7 +91,7 @@ def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, ba
 
 def test_where_one_branch_takes_over_the_lesser_of_two_crossings_is_the_first() -> None:
     """Beck's column between alpha 1.05 and 1.1: the load is continuous with a kink, the frequency jumps."""
-    surface = surface_of(pencil.Pencil(*fb.column("beck").matrices(8)), 1000.0)
+    surface = surface_of(pencil.Pencil(*fb.column("beck", "modes").matrices(8)), 1000.0)
     alpha = np.linspace(1.04, 1.08, 401)
     load, frequency, settled = surface.at(alpha, np.zeros(401))
     assert settled.all() and frequency[0] > 10 * frequency[-1]
@@ -126,7 +126,7 @@ def test_flutter_that_ends_as_the_damping_grows_is_not_passed_over(seed: int) ->
 @pytest.mark.parametrize("name", ["free-free", "beck"])
 def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
     """Along beta = kappa alpha the loads tend to the tangent rule's, kappa from 0 to infinity (the coalescence)."""
-    column = fb.column(name)
+    column = fb.column(name, "modes")
     for kappa, (a, b) in {0.0: (1, 0), 3.0: (1, 3), 500.0: (1, 500), math.inf: (0, 1)}.items():
         size = np.array([1e-14, 1e-12, 1e-10, 1e-9] * 4)
         found = fb.critical_loads(column, alpha=a * size, beta=b * size)
@@ -138,7 +138,7 @@ def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
 
 def test_single_questions_and_maps_agree_in_either_order() -> None:
     """A surface that earlier questions have built changes no answer."""
-    column = fb.column("free-free")
+    column = fb.column("free-free", "modes")
     cold = [_settled(pencil.Pencil(*column.matrices(8)), a, 0.3, 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
     shared = pencil.Pencil(*column.matrices(8))
     for _ in range(6):
@@ -152,7 +152,7 @@ def test_single_questions_and_maps_agree_in_either_order() -> None:
 
 
 def test_blocks_give_the_same_bits_in_any_order() -> None:
-    column = fb.column("free-free")
+    column = fb.column("free-free", "modes")
     alpha, beta = np.geomspace(1e-4, 1.0, 12), np.geomspace(1e-2, 10.0, 10)
     blocks = [{"alpha": a, "beta": b} for a, b in itertools.product(np.split(alpha, 2), np.split(beta, 2))]
     runs = []
@@ -167,7 +167,7 @@ def test_blocks_give_the_same_bits_in_any_order() -> None:
 
 
 def test_a_map_is_labelled_in_the_order_of_its_axes() -> None:
-    column = fb.column("beck")
+    column = fb.column("beck", "modes")
     axes = {"beta": np.array([0.1, 1.0]), "eta": np.array([0.3, 0.8, 1.0]), "alpha": np.array([0.0, 1e-3, 1e-2, 0.1])}
     done: list[float] = []
     found = fb.stability_map(column, 6, load_max=300.0, step=done.append, **axes)
@@ -185,14 +185,14 @@ def test_a_map_is_labelled_in_the_order_of_its_axes() -> None:
 
 def test_a_load_that_truncation_invents_is_marked() -> None:
     """Beck's crossing at internal damping 10 wanders with N; at light damping N = 8 has converged."""
-    found = fb.stability_map(fb.column("beck"), alpha=np.array([1e-3, 10.0]), beta=np.array([0.0, 0.1]))
+    found = fb.stability_map(fb.column("beck", "modes"), alpha=np.array([1e-3, 10.0]), beta=np.array([0.0, 0.1]))
     assert found["converged"].values[0].all() and not found["converged"].values[1].any()
 
 
 def test_a_map_survives_its_file(tmp_path: Path) -> None:
     pytest.importorskip("h5py")
     xarray = pytest.importorskip("xarray")
-    found = fb.stability_map(fb.column("free-free"), 4, alpha=np.geomspace(1e-4, 1, 5), beta=np.geomspace(0.1, 10, 4))
+    found = fb.stability_map(fb.column("free-free", "modes"), 4, alpha=np.geomspace(1e-4, 1, 5), beta=np.geomspace(0.1, 10, 4))
     path = tmp_path / "map.nc"
     axes = ["--alpha", "1e-4", "1", "5", "--beta", "0.1", "10", "4"]
     assert cli.main(["map", "--modes", "4", *axes, "--output", str(path)]) == 0
@@ -204,7 +204,7 @@ def test_a_map_survives_its_file(tmp_path: Path) -> None:
 
 
 def test_loads_broadcast() -> None:
-    column = fb.column("beck")
+    column = fb.column("beck", "modes")
     alpha, beta, eta = (
         np.array([[0.0], [1e-3], [2.0]]),
         np.array([0.0, 0.1, 30.0, 1000.0]),
@@ -218,12 +218,12 @@ def test_loads_broadcast() -> None:
         assert found.kind[where] == one.kind
         if one.load is not None:
             assert found.load[where] == pytest.approx(one.load, rel=1e-10)
-    assert fb.critical_loads(fb.column("euler-pinned")).load == pytest.approx(math.pi**2, rel=1e-12)
+    assert fb.critical_loads(fb.column("euler-pinned", "modes")).load == pytest.approx(math.pi**2, rel=1e-12)
     assert fb.critical_loads(column, alpha=np.empty((0, 3))).load.shape == (0, 3)
 
 
 def test_spectra_broadcast() -> None:
-    column = fb.column("beck")
+    column = fb.column("beck", "modes")
     load, alpha, eta = np.array([[0.0], [15.0], [40.0]]), np.array([0.0, 1e-2]), np.array([[[0.6]], [[1.0]]])
     found = fb.eigenvalues(column, load, alpha, modes=4, eta=eta)
     assert found.shape == (2, 3, 2, 8)
@@ -237,7 +237,7 @@ def test_spectra_broadcast() -> None:
 
 
 def test_the_boundary_of_becks_column_over_eta_turns_from_divergence_to_flutter() -> None:
-    column = fb.column("beck")
+    column = fb.column("beck", "modes")
     curve = fb.trace_boundary(column, "eta", 0.3, 0.7, modes=4, load_max=100.0)
     (event,) = curve.events
     assert event.what == "divergence to flutter"
@@ -252,7 +252,7 @@ def test_the_boundary_of_becks_column_over_eta_turns_from_divergence_to_flutter(
 
 
 def test_the_boundary_over_internal_damping_has_the_place_where_another_branch_takes_over() -> None:
-    curve = fb.trace_boundary(fb.column("beck"), "alpha", 1e-3, 10.0, log=True)
+    curve = fb.trace_boundary(fb.column("beck", "modes"), "alpha", 1e-3, 10.0, log=True)
     (event,) = curve.events
     assert event.what == "another branch" and 1.05 < event.value < 1.1
     assert event.load[0] == pytest.approx(event.load[1], rel=1e-7)
@@ -262,7 +262,7 @@ def test_the_boundary_over_internal_damping_has_the_place_where_another_branch_t
 @pytest.mark.parametrize("damping", [{}, {"kappa": 2.0}, {"alpha": 1e-3, "beta": 0.1}, {"alpha": 1.0}, {"beta": 100.0}])
 def test_points_of_a_boundary_are_first_critical_loads(damping: dict[str, float]) -> None:
     """Random points against proven loads, those next to the events against the search."""
-    column = fb.column("beck")
+    column = fb.column("beck", "modes")
     curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
     assert len(curve.values) > 50
     assert curve.events[0].what == "divergence to flutter"
@@ -290,10 +290,10 @@ def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int
 
 
 def test_a_boundary_without_events() -> None:
-    curve = fb.trace_boundary(fb.column("euler-pinned"), "beta", 0.0, 10.0, modes=3)
+    curve = fb.trace_boundary(fb.column("euler-pinned", "modes"), "beta", 0.0, 10.0, modes=3)
     assert not curve.events and np.allclose(curve.load, math.pi**2, rtol=1e-12) and (curve.frequency == 0).all()
-    curve = fb.trace_boundary(fb.column("free-free"), "alpha", 1e-6, 10.0, log=True)
-    limit = fb.critical_load(fb.column("free-free"), kappa=0.0).load
+    curve = fb.trace_boundary(fb.column("free-free", "modes"), "alpha", 1e-6, 10.0, log=True)
+    limit = fb.critical_load(fb.column("free-free", "modes"), kappa=0.0).load
     assert not curve.events and curve.load[0] == pytest.approx(limit, rel=1e-9)
 
 
@@ -319,11 +319,11 @@ def test_a_boundary_without_events() -> None:
 )
 def test_maps_refuse_what_makes_no_sense(given: dict, message: str) -> None:
     with pytest.raises(fb.InputError, match=message):
-        fb.stability_map(fb.column("beck"), **given)
+        fb.stability_map(fb.column("beck", "modes"), **given)
 
 
 def test_boundaries_and_arrays_refuse_what_makes_no_sense() -> None:
-    beck = fb.column("beck")
+    beck = fb.column("beck", "modes")
     with pytest.raises(fb.InputError, match="low must be below high"):
         fb.trace_boundary(beck, "eta", 1.0, 0.0)
     with pytest.raises(fb.InputError, match="no such parameter"):

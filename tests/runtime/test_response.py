@@ -58,6 +58,9 @@ class Beam:
     def modes(self) -> int:
         return len(self.gamma)
 
+    def mode(self, number: int = 1) -> Any:
+        return np.eye(len(self.M))[self.rigid_count + number - 1]
+
     def shapes(self, x: Any, derivative: int = 0) -> Any:
         x = np.asarray(x, dtype=float)
         functions = elastic(self.gamma, x, derivative)

@@ -42,7 +42,7 @@ def test_eigenpairs_solve_the_quadratic_problem(name: str, alpha: float, beta: f
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS)
 def test_unloaded_spectrum_is_the_formula_of_the_modes(alpha: float, beta: float) -> None:
     """Eq. (23) at P = 0 for every mode, and λ₀ of Eq. (26) from mode 1 where it is not overdamped."""
-    system = fb.column("free-free").system(modes=8, load=0.0, alpha=alpha, beta=beta)
+    system = fb.column("free-free", "modes").system(modes=8, load=0.0, alpha=alpha, beta=beta)
     s = system.gamma**4
     half, root = -(beta + alpha * s) / 2, np.sqrt(((beta + alpha * s) / 2) ** 2 - s + 0j)
     fast = half - np.where(root.real > 0, root, 0) - np.where(root.real > 0, 0, root)
@@ -60,7 +60,7 @@ def test_unloaded_spectrum_is_the_formula_of_the_modes(alpha: float, beta: float
 
 def test_reference_frequency_ends_where_mode_one_is_overdamped() -> None:
     """α = 2/γ₁² at β = 0."""
-    column = fb.column("free-free")
+    column = fb.column("free-free", "modes")
     limit = 2 / column.system(modes=1).gamma[0] ** 2
     assert spectrum(column.system(load=10.0, alpha=limit * 0.999)).reference_frequency is not None
     assert spectrum(column.system(load=10.0, alpha=limit * 1.001)).reference_frequency is None
@@ -95,7 +95,7 @@ def test_unstable_count_changes_at_the_critical_load(name: str, alpha: float, be
 @pytest.mark.parametrize(("alpha", "beta"), DAMPINGS)
 def test_rigid_functions_leave_the_elastic_spectrum_alone(alpha: float, beta: float) -> None:
     """Beside the elastic eigenvalues: 0 and −β, each twice, to the last digit, at any load."""
-    column = fb.column("free-free")
+    column = fb.column("free-free", "modes")
     plain = spectrum(column.system(8, 60.0, alpha, beta))
     system = column.system(8, 60.0, alpha, beta, rigid=True)
     whole = spectrum(system)
@@ -114,7 +114,7 @@ def test_rigid_functions_leave_the_elastic_spectrum_alone(alpha: float, beta: fl
 
 def test_transposed_load_matrix_has_the_same_eigenvalues_but_not_vectors() -> None:
     """Eq. (11) as printed has H transposed: M and C are symmetric, so no eigenvalue shows it."""
-    system = fb.column("free-free").system(modes=8, load=50.0, alpha=1e-3, beta=0.1)
+    system = fb.column("free-free", "modes").system(modes=8, load=50.0, alpha=1e-3, beta=0.1)
     printed = SimpleNamespace(M=system.M, C=system.C, E=system.E, K=system.K.T, alpha=1e-3, beta=0.1, rigid_count=0)
     a, b = spectrum(system), spectrum(printed)
     assert distance_of_sets(a.eigenvalues, b.eigenvalues) < 1e-9 * np.abs(a.eigenvalues).max()
@@ -167,8 +167,8 @@ def test_branches_do_not_depend_on_the_loads_between(name: str, alpha: float, be
 def test_branches_run_on_through_an_undamped_coalescence() -> None:
     """Two frequencies meet and part into growth ±r: the smaller number of each pair grows, above the axis and below."""
     loads = np.linspace(100.0, 120.0, 9)
-    found = branches(fb.column("free-free"), loads, 8).eigenvalues
-    critical = fb.critical_load(fb.column("free-free")).load
+    found = branches(fb.column("free-free", "modes"), loads, 8).eigenvalues
+    critical = fb.critical_load(fb.column("free-free", "modes")).load
     assert critical is not None
     after = found[loads > critical]
     assert (after[:, :2].real > 0).all() and (after[:, 2:4].real < 0).all()
@@ -177,7 +177,7 @@ def test_branches_run_on_through_an_undamped_coalescence() -> None:
 
 
 def test_branches_with_vectors_and_rigid_functions() -> None:
-    column, loads = fb.column("free-free"), [0.0, 40.0, 80.0]
+    column, loads = fb.column("free-free", "modes"), [0.0, 40.0, 80.0]
     found = branches(column, loads, 5, 1e-3, 0.1, rigid=True, vectors=True)
     assert found.vectors is not None and found.vectors.shape == (3, 7, 14)
     for k, load in enumerate(loads):

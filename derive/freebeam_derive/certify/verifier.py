@@ -295,7 +295,7 @@ def _stretch(data: dict[str, Any]) -> Stretch:
 
 def _check_column(stated: Statement, forms: dict[str, Form]) -> None:
     """Ends, forms and damping are those that the emitted kernel of that name states, exactly."""
-    kernel = import_module(f"freebeam_kernels.{COLUMNS[stated.column]}")
+    kernel = import_module(f"freebeam_kernels.{COLUMNS[stated.column][stated.basis]}")
     own, what = stated.parameters, f"those of the column {stated.column}"
     require(set(own) == {p["name"] for p in kernel.COLUMN["parameters"]}, f"the parameters are not {what}")
     require(stated.ends == tuple(kernel.COLUMN["ends"]), f"the ends are not {what}")
