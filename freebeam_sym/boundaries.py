@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, computable, count, finite, positive, refusal
+from freebeam_sym.checks import InputError, computable, finite, positive, refusal
 from freebeam_sym.columns import is_column
 from freebeam_sym.critical import CriticalLoad, critical_load
 from freebeam_sym.pencil import Kind

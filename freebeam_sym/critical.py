@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import LARGEST, InputError, computable, count, nonnegative, positive
+from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
 from freebeam_sym.columns import is_column
 from freebeam_sym.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.crossings import LIGHTEST_SCAN, FirstLoss, first_loss, polished, rounding

@@ -147,7 +147,7 @@ class Solved(NamedTuple):
 
 def solved(
     column: Column,
-    modes: int,
+    modes: int | None,
     parameters: Mapping[str, Any],
     load_max: float = 1000.0,
     convergence: bool = True,

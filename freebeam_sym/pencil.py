@@ -154,8 +154,9 @@ class Pencil:
 
 
 def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
-    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e), each to the digits of its own size. Raises InputError where M
-    or E is not positive definite."""
+    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e), each to the digits of its own size.
+
+    Raises InputError where M or E is not positive definite."""
     try:
         np.linalg.cholesky(M)
     except np.linalg.LinAlgError:

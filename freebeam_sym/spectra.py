@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, computable, count, reals, refusal
+from freebeam_sym.checks import InputError, computable, reals, refusal
 from freebeam_sym.columns import is_column, is_system
 from freebeam_sym.pencil import diagonalise
 

@@ -539,9 +539,7 @@ def test_flutter_does_not_pass_for_divergence(given: Data, high: str) -> None:
 # --- files ------------------------------------------------------------------------------------------------------
 
 
-def test_files_that_would_use_up_time_or_memory_are_not_begun(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_files_that_would_use_up_time_or_memory_are_not_begun(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Refused on reading, before a matrix is computed; each number that is checked is short by then."""
     monkeypatch.setattr(verifier, "matrices", lambda *_: pytest.fail("a matrix was computed"))
     data, path = certificate("damped"), tmp_path / "file.json"

@@ -192,7 +192,9 @@ def test_a_load_that_truncation_invents_is_marked() -> None:
 def test_a_map_survives_its_file(tmp_path: Path) -> None:
     pytest.importorskip("h5py")
     xarray = pytest.importorskip("xarray")
-    found = fb.stability_map(fb.column("free-free", "modes"), 4, alpha=np.geomspace(1e-4, 1, 5), beta=np.geomspace(0.1, 10, 4))
+    found = fb.stability_map(
+        fb.column("free-free", "modes"), 4, alpha=np.geomspace(1e-4, 1, 5), beta=np.geomspace(0.1, 10, 4)
+    )
     path = tmp_path / "map.nc"
     axes = ["--alpha", "1e-4", "1", "5", "--beta", "0.1", "10", "4"]
     assert cli.main(["map", "--modes", "4", *axes, "--output", str(path)]) == 0

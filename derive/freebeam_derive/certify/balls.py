@@ -228,8 +228,10 @@ def matrices(
 
 def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
     """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
-    stated = {f"form {name}": [v for part in parts for v in part.values()]
-              for name, parts in kernel.forms(Fraction(1), **own).items()}
+    stated = {
+        f"form {name}": [v for part in parts for v in part.values()]
+        for name, parts in kernel.forms(Fraction(1), **own).items()
+    }
     stated["damping"] = kernel.damping_factors(Fraction(1), Fraction(1), **own)
     for where, factors in stated.items():
         for factor in factors:

@@ -42,9 +42,9 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "alpha": written(alpha),
         "beta": written(beta),
         "kappa": None if kappa is None else written(kappa),
-        "damping": None if question.undamped else {
-            "of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None
-        },
+        "damping": None
+        if question.undamped
+        else {"of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None},
         "kind": found.kind,
         "load": None if found.load is None else [written(v) for v in found.load],
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],

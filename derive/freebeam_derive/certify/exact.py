@@ -412,9 +412,7 @@ def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> Exac
     return _flutter(Coalescence(beam), (near[0], near[1] ** 2), digits)
 
 
-def flutter_damped(
-    beam: Beam, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int
-) -> ExactCrossing:
+def flutter_damped(beam: Beam, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
     return _flutter(Damped(beam, alpha, beta), near, digits)
 

@@ -179,9 +179,9 @@ class Statement:
             "alpha": said(self.alpha) if ours else None,
             "beta": said(self.beta) if ours else None,
             "kappa": said(self.kappa) if ours and self.kappa is not None else None,
-            "damping": None if damping is None else {
-                "of_M": said(damping.of_M), "of_E": said(damping.of_E), "vanishing": damping.vanishing
-            },
+            "damping": None
+            if damping is None
+            else {"of_M": said(damping.of_M), "of_E": said(damping.of_E), "vanishing": damping.vanishing},
             "kind": self.kind,
             "load_lower": load[0],
             "load_upper": load[1],
