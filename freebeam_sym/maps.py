@@ -65,6 +65,7 @@ def critical_loads(
     alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
     parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
     """
+    is_column(column)
     modes = column.number(modes)
     load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})

@@ -433,7 +433,7 @@ def test_own_column_in_every_command(freebeam, clamped, tmp_path):
     assert freebeam("generate", clamped, "--output", kernels, "--check").status == 0
     file, polynomials = sorted(file for file in kernels.glob("*.py") if file.name != "__init__.py")
     assert polynomials.stem == f"{file.stem}_legendre"
-    assert freebeam("critical", "--column", file, "--json").json == found
+    assert freebeam("critical", "--column", polynomials, "--json").json == found
     file.write_text(file.read_text(encoding="utf-8") + "# edited\n", encoding="utf-8")
     run = freebeam("generate", clamped, "--output", kernels, "--check")
     assert run.status == 1 and "# edited" in run.out + run.err

@@ -471,7 +471,7 @@ def test_a_column_with_one_damping_is_mapped(
     file = tmp_path / "one.py"
     file.write_text(ONE_DAMPING, encoding="utf-8")
     assert fb.column(file).damping == ("beta",)
-    command = ["map", "--column", str(file), "--modes", "2", "--beta", "0.1", "1", "3", "--json"]
+    command = ["map", "--column", str(file), "--modes", "12", "--beta", "0.1", "1", "3", "--json"]
     assert cli.main(command) == 0
     assert np.allclose(json.loads(capsys.readouterr().out)["load"], math.pi**2, rtol=1e-12)
 

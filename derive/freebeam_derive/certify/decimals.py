@@ -1,4 +1,4 @@
-"""Rational numbers as text, exact and of any length: Python itself turns no integer of more than 4,300 digits to text."""
+"""Rational numbers as text, exact and of any length: Python itself turns no integer beyond 4,300 digits into text."""
 
 from __future__ import annotations
 
