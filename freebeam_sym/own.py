@@ -5,9 +5,12 @@ from __future__ import annotations
 import ast
 import hashlib
 import importlib.util
+import json
 import os
 import sys
 import tempfile
+from contextlib import suppress
+from importlib.abc import InspectLoader
 from importlib.metadata import version
 from pathlib import Path
 from types import ModuleType
@@ -16,13 +19,15 @@ from freebeam_sym.checks import InputError
 
 __all__ = ["cache_folder", "kernel_of"]
 
+MANIFEST = "MANIFEST.json"
+
 
 def kernel_of(path: str | Path, basis: str | None = None) -> ModuleType:
     """The kernel module of a column's file: a statement, or a kernel that was emitted from one in whichever basis.
 
     A statement is derived, emitted in the basis asked for (its own where None) and verified when it is first seen, or
-    has changed; later it is read from the cache. Raises InputError where the file cannot be read, does not parse, or
-    states no sound column.
+    has changed; later it is read from the cache, where that is the user's alone and holds it as it was emitted. Raises
+    InputError where the file cannot be read, does not parse, or states no sound column.
     """
     path = Path(path)
     try:
@@ -38,7 +43,7 @@ def kernel_of(path: str | Path, basis: str | None = None) -> ModuleType:
         reason = error.msg if isinstance(error, SyntaxError) else error
         raise InputError(f"{path}{where}: does not parse as Python: {reason}") from None
     if _is_kernel(tree):
-        return _load(path, hashlib.sha256(source).hexdigest())
+        return _load(path, source, hashlib.sha256(source).hexdigest())
     kernel = _generated(path, basis or "legendre", _key(path, source, basis or "legendre"))
     stated = str(kernel.COLUMN["default"]["basis"])
     return kernel if basis or stated == "legendre" else _generated(path, stated, _key(path, source, stated))
@@ -83,27 +88,34 @@ def _key(path: Path, source: bytes, basis: str) -> str:
 
 
 def _generated(path: Path, basis: str, key: str) -> ModuleType:
-    kept = cache_folder() / key[:32]
-    if (found := _kernel_file(kept)) is not None:
-        return _load(found, key)
+    folder = cache_folder()
+    kept = folder / key[:32]
+    if _private(folder) and _private(kept) and (found := _emitted(kept, key)) is not None:
+        return _load(*found, key)
     try:
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        temporary = tempfile.TemporaryDirectory(dir=kept.parent, prefix=".new-", ignore_cleanup_errors=True)
-    except OSError:  # a home that cannot be written to: the kernel serves this process only
+        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        if not _private(folder):
+            raise PermissionError
+        temporary = tempfile.TemporaryDirectory(dir=folder, prefix=".new-", ignore_cleanup_errors=True)
+    except OSError:  # it cannot be written to, or not by the user alone: the kernel serves this process only
         temporary = tempfile.TemporaryDirectory(prefix="freebeam-", ignore_cleanup_errors=True)
-    with temporary as folder:
-        emitted = Path(folder) / "kernel"
-        _generate(path, basis, emitted)
-        file = _kernel_file(emitted)
-        if file is None:
+    with temporary as new:
+        made = Path(new) / "kernel"
+        made.mkdir(mode=0o700)
+        _generate(path, basis, made)
+        manifest = json.loads((made / MANIFEST).read_text(encoding="utf-8"))
+        (made / MANIFEST).write_text(json.dumps({**manifest, "key": key}, indent=2) + "\n", encoding="utf-8")
+        emitted = _emitted(made, key)
+        if emitted is None:
             raise RuntimeError(f"{path}: no kernel was emitted")
-        if Path(folder).parent == kept.parent:
-            try:
-                os.replace(emitted, kept)
+        file, source = emitted
+        if Path(new).parent == folder:
+            with suppress(OSError):  # the disk is full, or another process puts its own there
+                if os.path.lexists(kept):  # not as it was emitted, or of another process that was first
+                    os.replace(kept, Path(new) / "old")
+                os.replace(made, kept)
                 file = kept / file.name
-            except OSError:  # another process was first, or the disk is full: ours is as good
-                pass
-        return _load(file, key)
+        return _load(file, source, key)
 
 
 def _generate(path: Path, basis: str, output: Path) -> None:
@@ -119,23 +131,50 @@ def _generate(path: Path, basis: str, output: Path) -> None:
         raise InputError(f"{path}: its kernel fails verification and cannot be used: {error}") from error
 
 
-def _kernel_file(folder: Path) -> Path | None:
-    files = [file for file in sorted(folder.glob("*.py")) if file.name != "__init__.py"]
-    return files[0] if len(files) == 1 else None
+def _private(folder: Path) -> bool:
+    """Whether a folder is there that nobody but its user can have put anything into."""
+    try:
+        found = folder.stat()
+    except OSError:
+        return False
+    if os.name == "nt":  # where the cache lies in the user's profile, and modes say nothing
+        return True
+    return found.st_uid == os.geteuid() and not found.st_mode & 0o022
 
 
-def _load(file: Path, key: str) -> ModuleType:
-    """Import a file under a name of its own, without touching sys.path; once a process."""
+def _emitted(folder: Path, key: str) -> tuple[Path, bytes] | None:
+    """The kernel's file in a folder and its text, where the manifest beside it is of this key and has its hash."""
+    try:
+        manifest = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))
+        ((name, entry),) = manifest["files"].items()
+        source = (folder / name).read_bytes()
+        sound = manifest["key"] == key and entry["sha256"] == hashlib.sha256(source).hexdigest()
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, RecursionError):
+        return None
+    return (folder / name, source) if sound else None
+
+
+class _Text(InspectLoader):
+    """Loads a module from its text as it was read and checked: the file is not read again, nor bytecode beside it."""
+
+    def __init__(self, source: bytes) -> None:
+        self.source = source
+
+    def get_source(self, fullname: str) -> str:
+        return importlib.util.decode_source(self.source)
+
+
+def _load(file: Path, source: bytes, key: str) -> ModuleType:
+    """Import a file's text under a name of its own, without touching sys.path; once a process."""
     name = f"freebeam_own_{file.stem}_{key[:16]}"
     if name in sys.modules:
         return sys.modules[name]
-    spec = importlib.util.spec_from_file_location(name, file)
-    if spec is None or spec.loader is None:
-        raise InputError(f"{file}: is not a Python file")
-    module = importlib.util.module_from_spec(spec)
+    loader = _Text(source)
+    module = ModuleType(name)
+    module.__file__, module.__loader__ = str(file), loader
     sys.modules[name] = module
     try:
-        spec.loader.exec_module(module)
+        exec(loader.source_to_code(source, str(file)), module.__dict__)
     except Exception as error:
         del sys.modules[name]
         reason = " ".join(str(error).split())

@@ -18,10 +18,11 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import lru_cache, partial
 from importlib import import_module
+from importlib.abc import InspectLoader
 from itertools import islice, product
 from pathlib import Path
 from types import ModuleType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ class Sweep:
         """The same as a record that can be compared and stored."""
         from importlib.metadata import version
 
-        kernel = Path(str(self.column.kernel.__file__)).read_bytes()
+        kernel = _text(self.column.kernel).encode()
         return {
             "column": self.column.name,
             "basis": self.column.basis_name,
@@ -144,7 +145,12 @@ def recipe(column: Column) -> tuple[str, str]:
     """What a column is made of again elsewhere: a name and a basis, or the source of a kernel and nothing."""
     if column.kernel.__name__.startswith("freebeam_kernels."):
         return column.name, column.basis_name
-    return Path(str(column.kernel.__file__)).read_text(encoding="utf-8"), ""
+    return _text(column.kernel), ""
+
+
+def _text(kernel: ModuleType) -> str:
+    """The text that a kernel was loaded from; its file may be gone."""
+    return str(cast(InspectLoader, kernel.__loader__).get_source(kernel.__name__))
 
 
 @lru_cache(maxsize=8)

@@ -53,7 +53,10 @@ def columns(as_json: JsonOption = False) -> None:
 def generate(
     targets: Annotated[
         list[str] | None,
-        typer.Argument(metavar="[COLUMN|FILE]...", help="Columns to derive; freebeam's own by default."),
+        typer.Argument(
+            metavar="[COLUMN|FILE]...",
+            help="Columns to derive; freebeam's own by default. A column's file is a Python program, which is run.",
+        ),
     ] = None,
     output: Annotated[
         Path | None, typer.Option(metavar="DIR", help="Folder of the kernels; freebeam's own by default.")

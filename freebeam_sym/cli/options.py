@@ -145,7 +145,10 @@ def nondimensional(units: Units) -> Iterator[None]:
 
 _BEAM = "Beam in SI units (all three: input and output are SI then)"
 ColumnOption = Annotated[
-    str, typer.Option("--column", metavar="NAME|FILE", help="Name of a column, or a column's file.")
+    str,
+    typer.Option(
+        "--column", metavar="NAME|FILE", help="Name of a column, or a column's file: a Python program, which is run."
+    ),
 ]
 ModesOption = Annotated[
     int | None,
