@@ -180,17 +180,36 @@ class Products:
         """The whole matrix of a bilinear form, rigid functions first, in integers of 2^-BITS."""
         size = len(self.rigid) + self.count
         total = np.zeros((size, size), dtype=object)
-        for (k, p, q), factor in form.along.items():
-            if (k, p, q) not in self._integrals:
-                powers = np.array([_fixed(node**k) for node in self.nodes], dtype=object)
-                left, right = self._rows(p), self._rows(q)
-                summed = ((left * ((self.weights * powers) >> BITS)) >> BITS) @ right.T
-                self._integrals[k, p, q] = ((summed * self._powers(p)[:, None]) >> 2 * BITS) * self._powers(q) >> BITS
-            total = total + (_fixed(_number(factor, parameters)) * self._integrals[k, p, q] >> BITS)
+        for key, factor in form.along.items():
+            total = total + (_fixed(number_of(factor, parameters)) * self._integral(*key) >> BITS)
         for (a, p, b, q), factor in form.points.items():
             product = self._at(int(a), p)[:, None] * self._at(int(b), q) >> BITS
-            total = total + (_fixed(_number(factor, parameters)) * product >> BITS)
+            total = total + (_fixed(number_of(factor, parameters)) * product >> BITS)
         return total
+
+    def errors(self, computed: Any, form: Form, parameters: dict[str, float]) -> Any:
+        """|computed − exact| of each entry of a form's matrix, in floats."""
+        mantissa, exponent = np.frexp(computed)
+        shifts = (exponent - 53 + BITS).ravel().tolist()
+        pairs = zip((int(v) for v in np.ldexp(mantissa, 53).ravel()), shifts, strict=True)
+        whole = np.array([v << n if n >= 0 else v >> -n for v, n in pairs], dtype=object)
+        return np.abs(whole.reshape(computed.shape) - self.form(form, parameters)).astype(float) * 2.0**-BITS
+
+    def norms(self, order: int) -> Any:
+        """(∫ (φ^(order))² dx)^½ of each function, rigid ones first, in floats."""
+        return np.sqrt(np.diagonal(self._integral(0, order, order)).astype(float)) * 2.0 ** (-BITS / 2)
+
+    def at_end(self, end: int, order: int) -> Any:
+        """φ^(order) at an end of each function, rigid ones first, in floats."""
+        return self._at(end, order).astype(float) * 2.0**-BITS
+
+    def _integral(self, k: int, p: int, q: int) -> Any:
+        if (k, p, q) not in self._integrals:
+            powers = np.array([_fixed(node**k) for node in self.nodes], dtype=object)
+            left, right = self._rows(p), self._rows(q)
+            summed = ((left * ((self.weights * powers) >> BITS)) >> BITS) @ right.T
+            self._integrals[k, p, q] = ((summed * self._powers(p)[:, None]) >> 2 * BITS) * self._powers(q) >> BITS
+        return self._integrals[k, p, q]
 
     def _powers(self, order: int) -> Any:
         return np.array([_fixed(g**order) for g in [mpmath.mpf(1)] * len(self.rigid) + self.roots], dtype=object)
@@ -227,8 +246,8 @@ def _coefficients(function: Expr, order: int) -> tuple[tuple[int, int], ...]:
     return tuple((int(c.p), int(c.q)) for c in Poly(derivative, x).all_coeffs())
 
 
-def _number(factor: Expr, parameters: dict[str, float]) -> mpmath.mpf:
-    """A factor of a form at given parameters."""
+def number_of(factor: Expr, parameters: dict[str, float]) -> mpmath.mpf:
+    """A factor of a form at given parameters, to the digits of the scope."""
     symbols = sorted(factor.free_symbols, key=str)
     value = lambdify(symbols, factor, "mpmath")(*(mpmath.mpf(parameters[str(s)]) for s in symbols))
     return mpmath.mpf(value)
@@ -283,10 +302,56 @@ def exactly(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))
 
 
-def rational_factor(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
+class PolynomialProducts:
+    """Integrals of x^k φ_i^(p) φ_j^(q) and end values of polynomials, exact."""
+
+    def __init__(self, functions: list[list[fmpq_poly]]) -> None:
+        self.functions = functions
+        self._integrals: dict[tuple[int, int, int], Any] = {}
+
+    def form(self, form: Form, parameters: dict[str, float]) -> Any:
+        """The whole matrix of a bilinear form, rigid functions first: exact, irrational factors to 60 digits."""
+        total = np.full((len(self.functions),) * 2, fmpq(0), dtype=object)
+        for key, factor in form.along.items():
+            total = total + _rational(factor, parameters)[0] * self._integral(*key)
+        for (a, p, b, q), factor in form.points.items():
+            product = self._at(int(a), p)[:, None] * self._at(int(b), q)
+            total = total + _rational(factor, parameters)[0] * product
+        return total
+
+    def errors(self, computed: Any, form: Form, parameters: dict[str, float]) -> Any:
+        """|computed − exact| of each entry of a form's matrix, in floats."""
+        pairs = zip(computed.ravel().tolist(), self.form(form, parameters).flat, strict=True)
+        return np.array([abs(float(exactly(fraction(v) - e))) for v, e in pairs]).reshape(computed.shape)
+
+    def norms(self, order: int) -> Any:
+        """(∫ (φ^(order))² dx)^½ of each function, rigid ones first, in floats."""
+        return np.sqrt([float(exactly(integral_of(f[order] * f[order]))) for f in self.functions])
+
+    def at_end(self, end: int, order: int) -> Any:
+        """φ^(order) at an end of each function, rigid ones first, in floats."""
+        return np.array([float(exactly(v)) for v in self._at(end, order)])
+
+    def _integral(self, k: int, p: int, q: int) -> Any:
+        if (k, p, q) not in self._integrals:
+            left = [fmpq_poly([0] * k + [1]) * f[p] for f in self.functions]
+            rows = [[integral_of(a * f[q]) for f in self.functions] for a in left]
+            self._integrals[k, p, q] = np.array(rows, dtype=object)
+        return self._integrals[k, p, q]
+
+    def _at(self, end: int, order: int) -> Any:
+        return np.array([f[order](end) for f in self.functions], dtype=object)
+
+
+def rational(form: Form, parameters: dict[str, float]) -> bool:
+    """Whether a form's factors are all rational at given parameters."""
+    return all(_rational(factor, parameters)[1] for factor in (*form.along.values(), *form.points.values()))
+
+
+def _rational(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
     """A factor of a form at given parameters, and whether it is exact: an irrational one has 60 digits."""
     given = {s: Rational(*parameters[str(s)].as_integer_ratio()) for s in factor.free_symbols}
     value = factor.xreplace(given)
     if value.is_Rational:
         return fmpq(int(value.p), int(value.q)), True
-    return fmpq(_fixed(_number(factor, parameters)), 2**BITS), False
+    return fmpq(_fixed(number_of(factor, parameters)), 2**BITS), False

@@ -252,16 +252,14 @@ def _entry(built: Kernel, basis: str, text: str) -> dict[str, object]:
         count = verify.POLYNOMIALS
         cost = {"matrix_products": built.products, "exact_in_fractions_up_to": count}
         bounds = {
-            f"matrix entries up to N = {count}, of the norms of their terms": verify.SERIES_BOUND,
-            f"polynomials up to N = {count} and their derivatives to the third, of the largest value": (
-                verify.SERIES_BOUND
-            ),
+            f"matrix entries up to N = {count}, of the norms of their terms": verify.BOUND,
+            f"polynomials up to N = {count} and their derivatives to the third, of the largest value": verify.BOUND,
         }
     else:
         assert isinstance(built, ColumnKernel)
         cost = {"operations_per_entry": built.operations}
         bounds = {
-            f"matrix entries up to N = {verify.MATRIX_MODES}, of max(|entry|, gamma_i gamma_j)": verify.BOUND,
+            f"matrix entries up to N = {verify.MATRIX_MODES}, of the norms of their terms": verify.BOUND,
             f"modes up to {verify.EXACT_MODES} and their derivatives to the third, of the largest value": verify.BOUND,
             f"modes up to {max(verify.HIGH_MODES)}, of the largest value, in units of gamma times 2^-53": 4,
         }

@@ -51,6 +51,10 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
         return repr(float(e)) if e.q in _EXACT else f"{e.p} / {e.q}"
 
     def _print_Mul(self, e: Expr) -> str:
+        below = [f for f in e.args if f.is_Pow and f.exp.is_Rational and f.exp.is_negative]
+        if len(below) == 1 and below[0].exp.is_Integer and below[0].exp < -2 and below[0].exp % 2:
+            # several factors below the stroke get brackets; one that is printed as a product does not
+            return str(self._print(e.xreplace({below[0]: 1 / Symbol(f"({self._print(1 / below[0])})")})))
         number, rest = e.as_coeff_Mul()
         if number.is_Rational and number.q not in (1, *_EXACT):
             # division rounds once, and is exact in exact numbers

@@ -16,22 +16,22 @@ from typing import Any
 import mpmath
 import numpy as np
 from flint import fmpq, fmpq_poly
-from sympy import lambdify
+from sympy import Add, Expr, Rational, Symbol, expand, lambdify
 
 from freebeam_derive.independent import (
-    BITS,
     DIGITS,
     Mode,
+    PolynomialProducts,
     Products,
     VerificationError,
     exactly,
     fraction,
     independent_mode,
     independent_polynomials,
-    integral_of,
     none_skipped,
+    number_of,
     polynomial_at,
-    rational_factor,
+    rational,
 )
 from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
 from freebeam_derive.notation import EI, L, gamma, m
@@ -45,7 +45,6 @@ EXACT_MODES = 40  # modes and derivatives within BOUND up to here
 HIGH_MODES = (48, 64, 100, 200)  # and within 4 u gamma at these
 POLYNOMIALS = 40  # elastic polynomials, all entries and derivatives up to the third
 BOUND = 1e-14
-SERIES_BOUND = BOUND  # of polynomials, their derivatives and matrices
 _UNIT = 2.0**-53
 
 Progress = Callable[[str], None]
@@ -108,7 +107,7 @@ def _verify_modes(kernel: ColumnKernel, module: ModuleType, say: Progress) -> li
     figures += _figures_shapes(module, modes)
     say("matrices")
     products = Products([modes[n] for n in range(1, MATRIX_MODES + 1)], kernel.rigid)
-    figures += _figures_matrices(kernel, module, products)
+    figures += _figures_matrices(kernel, module, products, MATRIX_MODES)
     if kernel.damped is not None:
         figures += _figures_frequencies(kernel, module, modes)
     return figures
@@ -150,59 +149,124 @@ def _exact_values(mode: Mode) -> list[list[mpmath.mpf]]:
     return [[mpmath.mpf(v) for v in row] for row in mode.values([mpmath.mpf(place) for place in _PLACES])]
 
 
-def _samples(kernel: Kernel) -> list[dict[str, float]]:
-    """Values of the column's own parameters: defaults, and both ends of their ranges."""
-    own = kernel.column.parameters
-    return [
-        {p.name: float(v) for p, v in zip(own, values, strict=True)}
-        for values in dict.fromkeys(
-            [tuple(p.default for p in own), tuple(p.low for p in own), tuple(p.high for p in own)]
-        )
-    ]
-
+# --- matrices -----------------------------------------------------------------------------------------------
 
 _DAMPING = {"alpha": 0.0123, "beta": 0.456}
+_POWERS = (0, 2, -2, 5, -5, 10, -10, 20, -20, 40, -40)
 
 
-def _matrices(kernel: Kernel, module: ModuleType) -> dict[str, tuple[Form, Callable[..., Any]]]:
-    """Each matrix: its form, and the function that computes it."""
-    system = kernel.system
-    return {
+def _figures_matrices(
+    kernel: Kernel, module: ModuleType, reference: Products | PolynomialProducts, N: int, in_fractions: Any = None
+) -> Iterator[Figure]:
+    """Each entry within the bound of what its terms can be: monomials times norms (∫ φ² dx)^½ and end values.
+
+    Raises VerificationError where M, E or H of a basis in fractions is not exactly what the integrals are.
+    """
+    basis, system = module.basis(N), kernel.system
+    defaults = {p.name: float(p.default) for p in kernel.column.parameters}
+    matrices: dict[str, tuple[Form, Callable[..., Any]]] = {
         "M": (system.M, module.mass),
         "E": (system.E, module.stiffness_elastic),
         "H": (system.H, module.stiffness_load),
-        "C": (system.C, lambda basis, rigid, **own: module.damping(basis, *_DAMPING.values(), rigid, **own)),
+        "C": (system.C, lambda basis, rigid, **own: module.damping(basis, rigid=rigid, **own)),
     }
-
-
-def _figures_matrices(kernel: ColumnKernel, module: ModuleType, products: Products) -> Iterator[Figure]:
-    """Each entry within the bound of max(|entry|, γ_i γ_j); γ is taken as 1 for a rigid function."""
-    basis = module.basis(MATRIX_MODES)
-    size = [1.0] * len(kernel.rigid) + [float(g) for g in products.roots]
-    for letter, (form, function) in _matrices(kernel, module).items():
+    for letter, (form, function) in matrices.items():
+        damping = _DAMPING if letter == "C" else {}
         worst = ("", 0.0)
-        for own in _samples(kernel):
-            exact = products.form(form, own | _DAMPING)
-            computed = function(basis, True, **own)
-            if not np.array_equal(function(basis, False, **own), computed[-MATRIX_MODES:, -MATRIX_MODES:]):
+        for values in _samples(form, defaults | damping):
+            computed = function(basis, True, **values)
+            where = ", ".join(f"{name} = {value:.6g}" for name, value in values.items()) or "no parameters"
+            if not np.isfinite(computed).all():
+                raise VerificationError(f"{letter} is not finite at {where}")
+            if not np.array_equal(function(basis, False, **values), computed[-N:, -N:]):
                 raise VerificationError(
                     f"{letter} without the rigid functions is not the elastic block of the one with them"
                 )
-            errors = np.abs((_in_units(computed) - exact).astype(float)) * 2.0**-BITS
-            errors /= np.maximum(np.abs(exact.astype(float)) * 2.0**-BITS, np.outer(size, size))
+            if letter == "C":  # a sum of two matrices, whose own terms may cancel
+                shares = ((system.c_M, system.M), (system.c_E, system.E))
+                scale = sum(_size(c, values) * _scale(part, values, reference) for c, part in shares)
+            else:
+                scale = _scale(form, values, reference)
+            if in_fractions is not None and letter != "C" and rational(form, values):
+                exact = reference.form(form, values)
+                found = function(in_fractions, True, **{name: fraction(value) for name, value in values.items()})
+                if any(a != b for a, b in zip(found.flat, exact.flat, strict=True)):
+                    raise VerificationError(f"{letter} in exact fractions is not what the integrals are, at {where}")
+            errors = reference.errors(computed, form, values)
+            errors[errors <= 1e-40 * np.max(scale)] = 0  # of the reference, in what vanishes
+            errors = np.divide(errors, scale, out=np.where(errors > 0, np.inf, 0.0), where=scale > 0)
             i, j = np.unravel_index(int(errors.argmax()), errors.shape)
             if errors[i, j] >= worst[1]:
-                worst = (f"row {i + 1}, column {j + 1}, {own or 'no parameters'}", float(errors[i, j]))
-        yield Figure(f"entries of {letter} up to N = {MATRIX_MODES}, of max(|entry|, γ_i γ_j)", *worst, BOUND)
+                worst = (f"row {i + 1}, column {j + 1}, {where}", float(errors[i, j]))
+        yield Figure(f"entries of {letter} up to N = {N}, of the norms of their terms", *worst, BOUND)
 
 
-def _in_units(array: Any) -> Any:
-    """A float array in integers of 2^-BITS, exactly."""
-    mantissa, exponent = np.frexp(array)
-    whole = np.array([int(v) for v in np.ldexp(mantissa, 53).ravel()], dtype=object)
-    shifts = exponent.ravel().astype(int) - 53 + BITS
-    shifted = [v << n if n >= 0 else v >> -n for v, n in zip(whole, shifts.tolist(), strict=True)]
-    return np.array(shifted, dtype=object).reshape(array.shape)
+def _scale(form: Form, values: dict[str, float], reference: Products | PolynomialProducts) -> Any:
+    """What the terms of each entry can be: nothing cancels in it."""
+    scale: Any = 0.0
+    for (_, p, q), factor in form.along.items():
+        scale = scale + _size(factor, values) * np.outer(reference.norms(p), reference.norms(q))
+    for (a, p, b, q), factor in form.points.items():
+        product = np.outer(reference.at_end(int(a), p), reference.at_end(int(b), q))
+        scale = scale + _size(factor, values) * np.abs(product)
+    return scale
+
+
+def _size(factor: Expr, values: dict[str, float]) -> float:
+    """The sum of the sizes of a factor's monomials."""
+    return float(sum(abs(number_of(term, values)) for term in Add.make_args(expand(factor))))
+
+
+def _samples(form: Form, defaults: dict[str, float]) -> list[dict[str, float]]:
+    """Values of the parameters at which the form's constant tables are seen, one after the other.
+
+    A form is a sum of constant tables, each times a monomial in the parameters. Beside the defaults there is a place
+    for each table, at which its monomial has as large a share as can be had. Functions of a parameter are looked at
+    for all sizes of it and both signs, as far as they are real numbers and its assumptions allow.
+    """
+    sizes: dict[Expr, float] = {}  # of the largest number before each monomial
+    for factor in (*form.along.values(), *form.points.values()):
+        for number, monomial in (term.as_coeff_Mul() for term in Add.make_args(expand(factor))):
+            sizes[monomial] = max(sizes.get(monomial, 0.0), abs(float(number)))
+    symbols = sorted({s for monomial in sizes for s in monomial.free_symbols}, key=str)
+    if not symbols:
+        return [defaults]
+    compiled = lambdify(symbols, list(sizes), "mpmath")
+    names = [str(symbol) for symbol in symbols]
+
+    def shares(place: tuple[float, ...]) -> list[float]:
+        """Of each monomial in the sum of their sizes; all nothing where the form has no value."""
+        try:
+            found = [abs(mpmath.mpf(v)) * size for v, size in zip(compiled(*place), sizes.values(), strict=True)]
+        except (ArithmeticError, TypeError, ValueError):  # a pole, or not real
+            found = []
+        total = sum(found)
+        sound = all(map(_allowed, symbols, place)) and 0 < total < 1e100
+        return [float(v / total) for v in found] if sound else [0.0] * len(sizes)
+
+    # sums of few powers of two: floats hold them, and no two parameters are alike
+    tried = [
+        [sign * math.ldexp(17 + 2 * n, power - 4) for power in _POWERS for sign in (1, -1)] for n in range(len(symbols))
+    ]
+    start = tuple(defaults[name] for name in names)
+    places = [start]
+    for k in range(len(sizes)):
+        place = start
+        for n in [*range(len(symbols))] * 2:
+            others = [(*place[:n], value, *place[n + 1 :]) for value in tried[n]]
+            place = max([place, *others], key=lambda p: shares(p)[k] if p not in places else -1.0)
+        places.append(place)
+    if not all(monomial.is_polynomial(*symbols) for monomial in sizes):
+        star = [(*start[:n], value, *start[n + 1 :]) for n in range(len(symbols)) for value in tried[n]]
+        places += [place for place in star if any(shares(place))]
+    return [defaults | dict(zip(names, place, strict=True)) for place in dict.fromkeys(places)]
+
+
+def _allowed(symbol: Symbol, value: float) -> bool:
+    """Whether a parameter's assumptions allow a value."""
+    number = Rational(*value.as_integer_ratio())
+    said = ((getattr(symbol, kind), getattr(number, kind)) for kind in ("is_positive", "is_negative", "is_integer"))
+    return all(assumed in (None, true) for assumed, true in said)
 
 
 def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
@@ -330,7 +394,10 @@ def _verify_polynomials(kernel: PolynomialKernel, module: ModuleType, say: Progr
     functions = independent_polynomials(kernel, POLYNOMIALS)
     figures = [*_figures_polynomials(module, functions)]
     say("matrices")
-    return [*figures, *_figures_series(kernel, module, functions)]
+    orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
+    orders[:] = [fmpq(n) for n in range(len(orders))]
+    in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
+    return [*figures, *_figures_matrices(kernel, module, PolynomialProducts(functions), POLYNOMIALS, in_fractions)]
 
 
 def _figures_polynomials(module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
@@ -346,66 +413,4 @@ def _figures_polynomials(module: ModuleType, functions: list[list[fmpq_poly]]) -
                 error = error and (error / largest[n] if largest[n] else math.inf)
                 if error >= worst[1]:
                     worst = (f"function {n + 1}, x = {place:.4g}", error)
-        yield Figure(
-            f"derivative {order} of polynomials up to N = {POLYNOMIALS}, of the largest value", *worst, SERIES_BOUND
-        )
-
-
-def _figures_series(kernel: PolynomialKernel, module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
-    """Each entry within the bound of what its terms can be: factors times norms (∫ f² dx)^½ and end values.
-
-    Raises VerificationError where M, E or H in fractions is not exactly what the integrals are.
-    """
-    basis = module.basis(POLYNOMIALS)
-    orders = np.empty(len(basis.order), dtype=object)
-    orders[:] = [fmpq(n) for n in range(len(orders))]
-    in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
-    integrals: dict[tuple[int, int, int], Any] = {}
-
-    def integral(k: int, p: int, q: int) -> Any:
-        if (k, p, q) not in integrals:
-            power = fmpq_poly([0] * k + [1])
-            left = [power * f[p] for f in functions]
-            integrals[k, p, q] = np.array([[integral_of(a * b[q]) for b in functions] for a in left], dtype=object)
-        return integrals[k, p, q]
-
-    def at_end(end: int, order: int) -> Any:
-        return np.array([f[order](end) for f in functions], dtype=object)
-
-    norms = [np.sqrt([float(exactly(integral_of(f[p] * f[p]))) for f in functions]) for p in range(4)]
-    for letter, (form, function) in _matrices(kernel, module).items():
-        worst = ("", 0.0)
-        for own in _samples(kernel):
-            exact = np.full((len(functions),) * 2, fmpq(0), dtype=object)
-            scale, rational = np.zeros(exact.shape), True
-            for (k, p, q), factor in form.along.items():
-                size, sharp = rational_factor(factor, own | _DAMPING)
-                rational &= sharp
-                exact = exact + size * integral(k, p, q)
-                scale += abs(float(exactly(size))) * np.outer(norms[p], norms[q])
-            for (a, p, b, q), factor in form.points.items():
-                size, sharp = rational_factor(factor, own | _DAMPING)
-                rational &= sharp
-                product = at_end(int(a), p)[:, None] * at_end(int(b), q)
-                exact = exact + size * product
-                scale += abs(float(exactly(size))) * np.abs([[float(exactly(v)) for v in row] for row in product])
-            computed = function(basis, True, **own)
-            if not np.array_equal(function(basis, False, **own), computed[-POLYNOMIALS:, -POLYNOMIALS:]):
-                raise VerificationError(
-                    f"{letter} without the rigid functions is not the elastic block of the one with them"
-                )
-            if letter != "C" and rational:
-                found = function(in_fractions, True, **{name: fraction(value) for name, value in own.items()})
-                if any(a != b for a, b in zip(found.flat, exact.flat, strict=True)):
-                    raise VerificationError(f"{letter} in exact fractions is not what the integrals are")
-            errors = np.array(
-                [
-                    [abs(float(exactly(fraction(v) - e))) for v, e in zip(*rows, strict=True)]
-                    for rows in zip(computed.tolist(), exact.tolist(), strict=True)
-                ]
-            )
-            errors = np.divide(errors, scale, out=np.where(errors > 0, np.inf, 0.0), where=scale > 0)
-            i, j = np.unravel_index(int(errors.argmax()), errors.shape)
-            if errors[i, j] >= worst[1]:
-                worst = (f"row {i + 1}, column {j + 1}, {own or 'no parameters'}", float(errors[i, j]))
-        yield Figure(f"entries of {letter} up to N = {POLYNOMIALS}, of the norms of their terms", *worst, SERIES_BOUND)
+        yield Figure(f"derivative {order} of polynomials up to N = {POLYNOMIALS}, of the largest value", *worst, BOUND)
