@@ -221,18 +221,16 @@ def _samples(form: Form, defaults: dict[str, float]) -> list[dict[str, float]]:
     """Values of the parameters at which the form's constant tables are seen, one after the other.
 
     A form is a sum of constant tables, each times a monomial in the parameters. Beside the defaults there is a place
-    for each table, at which its monomial has as large a share as can be had. Functions of a parameter are looked at
-    for all sizes of it and both signs, as far as they are real numbers and its assumptions allow.
+    for each table, at which its monomial has as large a share as can be had; parameters that are in none take another
+    value too. Functions of a parameter are looked at for all sizes of it and both signs, as far as they are real and
+    its assumptions allow.
     """
     sizes: dict[Expr, float] = {}  # of the largest number before each monomial
     for factor in (*form.along.values(), *form.points.values()):
         for number, monomial in (term.as_coeff_Mul() for term in Add.make_args(expand(factor))):
             sizes[monomial] = max(sizes.get(monomial, 0.0), abs(float(number)))
     symbols = sorted({s for monomial in sizes for s in monomial.free_symbols}, key=str)
-    if not symbols:
-        return [defaults]
     compiled = lambdify(symbols, list(sizes), "mpmath")
-    names = [str(symbol) for symbol in symbols]
 
     def shares(place: tuple[float, ...]) -> list[float]:
         """Of each monomial in the sum of their sizes; all nothing where the form has no value."""
@@ -244,22 +242,24 @@ def _samples(form: Form, defaults: dict[str, float]) -> list[dict[str, float]]:
         sound = all(map(_allowed, symbols, place)) and 0 < total < 1e100
         return [float(v / total) for v in found] if sound else [0.0] * len(sizes)
 
-    # sums of few powers of two: floats hold them, and no two parameters are alike
-    tried = [
-        [sign * math.ldexp(17 + 2 * n, power - 4) for power in _POWERS for sign in (1, -1)] for n in range(len(symbols))
-    ]
-    start = tuple(defaults[name] for name in names)
+    def beside(place: tuple[float, ...], n: int) -> list[tuple[float, ...]]:
+        """Places with other values of the n-th parameter: sums of few powers of two, unlike for each parameter."""
+        values = (sign * math.ldexp(17 + 2 * n, power - 4) for power in _POWERS for sign in (1, -1))
+        return [(*place[:n], value, *place[n + 1 :]) for value in values]
+
+    start = tuple(defaults[str(symbol)] for symbol in symbols)
     places = [start]
     for k in range(len(sizes)):
         place = start
         for n in [*range(len(symbols))] * 2:
-            others = [(*place[:n], value, *place[n + 1 :]) for value in tried[n]]
-            place = max([place, *others], key=lambda p: shares(p)[k] if p not in places else -1.0)
+            tried = [place, *beside(place, n)]
+            place = max(tried, key=lambda p: -1.0 if p in places else shares(p)[k] or -1.0)
         places.append(place)
     if not all(monomial.is_polynomial(*symbols) for monomial in sizes):
-        star = [(*start[:n], value, *start[n + 1 :]) for n in range(len(symbols)) for value in tried[n]]
-        places += [place for place in star if any(shares(place))]
-    return [defaults | dict(zip(names, place, strict=True)) for place in dict.fromkeys(places)]
+        places += [place for n in range(len(symbols)) for place in beside(start, n) if any(shares(place))]
+    others = {name: value + 0.8125 for name, value in defaults.items()}
+    found = [others | dict(zip(map(str, symbols), place, strict=True)) for place in dict.fromkeys(places)]
+    return [defaults, *(values for values in found if values != defaults)]
 
 
 def _allowed(symbol: Symbol, value: float) -> bool:

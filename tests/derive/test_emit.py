@@ -403,7 +403,7 @@ def test_a_spring_at_a_free_end_is_met_by_the_series(module_of: Module, derived:
     [("tan(k / 9)", "_tan("), ("atan(k)", "_atan("), ("Abs(k) + sinh(k)", "_sinh("), ("Max(k, 1)", "max(")],
 )
 def test_functions_of_a_parameter(stiffness: str, called: str, derived: Derived) -> None:
-    """Whatever NumPy has is emitted and verified."""
+    """Whatever NumPy has is emitted, and has its value."""
     text, module = with_stiffness(sp.sympify(stiffness, {"k": K}), derived)
     assert called in text
     basis = module.basis(3)

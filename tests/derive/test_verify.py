@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import mpmath
 import pytest
 import sympy as sp
 
-from freebeam_derive import independent, verify
+from freebeam_derive import emit, independent, pipeline, ritz, statement, verify
 from freebeam_derive.pipeline import Derivation
 from freebeam_derive.verify import VerificationError
 
@@ -202,6 +203,121 @@ def test_true_kernels_pass(column: str, derived: Derived, text_of: Text) -> None
     ):
         assert part in whats
     assert told == ["roots", "modes", "matrices", "the rest"]
+
+
+TABLES = """
+from sympy import Symbol, sqrt
+
+from freebeam_derive.notation import P, t, x, y
+from freebeam_derive.statement import Column, Parameter, at, delta, integral
+
+k, mu = Symbol("k", real=True), Symbol("mu", positive=True)
+
+column = Column(
+    name="tables",
+    title="A column whose matrices hold every kind of table",
+    T=integral((1 + mu * x) * y.diff(t) ** 2) / 2 + sqrt(mu) * at(y.diff(t), 1) ** 2 / 2,
+    V=integral((1 + k**2 * x**3) * y.diff(x, 2) ** 2 + k * mu * y**2) / 2 + 3 * k * at(y, 1) ** 2 / 2,
+    W_c=P * integral((1 - k * x) * y.diff(x) ** 2) / 2,
+    dW_nc=-P * k * (1 - k) * at(y.diff(x), 1) * at(delta(y), 1) - P * mu / 7 * integral(x * y.diff(x) * delta(y)),
+    ends=("clamped", "free"),
+    parameters=(Parameter(k, "k", RANGE), Parameter(mu, "mu", 0.5, 0.1, 1)),
+)
+"""
+BASES = ("kernel", "polynomials")
+
+
+def stated(folder: Path, text: str) -> Derivation:
+    file = folder / "column.py"
+    file.write_text(text, encoding="utf-8")
+    return pipeline.derive(statement.load_column(file))
+
+
+def altered(form: ritz.Form) -> Iterator[tuple[str, ritz.Form]]:
+    """Forms with one thing changed in one of their constant tables: a constant, its sign, the order of its indices."""
+    for part, factors in (("along", form.along), ("points", form.points)):
+        for key, factor in factors.items():
+            for term in sp.Add.make_args(factor):
+                for what, change in (("constant", sp.Rational(1, 10**12)), ("sign", -2)):
+                    changed_ = {**factors, key: factor + change * term}
+                    yield f"{what} of {term} at {key}", dataclasses.replace(form, **{part: changed_})
+            turned = (key[0], key[2], key[1]) if part == "along" else (key[2], key[3], key[0], key[1])
+            if turned != key:
+                others = {other: value for other, value in factors.items() if other != key}
+                yield f"indices at {key}", dataclasses.replace(form, **{part: {**others, turned: factor}})
+
+
+@pytest.mark.parametrize("basis", BASES)
+@pytest.mark.parametrize("letter", ["M", "E", "H"])
+def test_every_constant_table_is_verified(
+    letter: str, basis: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A kernel that is wrong in one table, in whatever power of the parameters, is none of the statement."""
+    monkeypatch.setattr(verify, "POLYNOMIALS", 6)
+    derivation = stated(tmp_path, TABLES.replace("RANGE", "0.5, 0, 1"))
+    true = getattr(derivation, basis)
+    verify.verify(true, emit.emit(true))
+    seen = 0
+    for what, form in altered(getattr(derivation.system, letter)):
+        wrong = dataclasses.replace(derivation, system=dataclasses.replace(derivation.system, **{letter: form}))
+        with pytest.raises(VerificationError, match=rf"\b{letter}\b"):
+            verify.verify(true, emit.emit(getattr(wrong, basis)))
+            raise AssertionError(f"not seen: {what}")
+        seen += 1
+    assert seen >= 6
+
+
+@pytest.mark.parametrize("basis", BASES)
+def test_a_parameter_that_a_matrix_does_not_depend_on(basis: str, derived: Derived) -> None:
+    kernel = getattr(derived("foundation"), basis)
+    text = changed(emit.emit(kernel), "mass", r"return M$", "return M * (1 + (k_w - 100) / 10**12)")
+    with pytest.raises(VerificationError, match=r"\bM\b"):
+        verify.verify(kernel, text)
+
+
+NEAR = {  # terms that nearly cancel, at an end of the range or throughout it
+    "a softening foundation at a natural frequency": ("- k * integral(y**2) / 2", "10.0, 0.0, 9135000.0"),
+    "a spring on a foundation": ("+ k * integral(y.diff(x) ** 2) / 2 - k * at(y, 1) ** 2 / 2", "10.0, 0.0, 1e6"),
+    "a factor": ("+ (k - k**2 / 1000001) * at(y, 1) ** 2 / 2", "10.0, 0.0, 1e6"),
+    "a factor at its default": ("+ (k - k**2 / 1000001) * at(y, 1) ** 2 / 2", "1e6, 0.0, 1e6"),
+}
+
+
+@pytest.mark.parametrize("case", NEAR)
+@pytest.mark.parametrize("basis", BASES)
+def test_sums_that_nearly_cancel_are_no_errors(
+    case: str, basis: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """And a declared range decides nothing: figures with another one are the same."""
+    monkeypatch.setattr(verify, "MATRIX_MODES", 20)
+    monkeypatch.setattr(verify, "HIGH_MODES", (20,))
+    monkeypatch.setattr(verify, "POLYNOMIALS", 12)
+    more, range_ = NEAR[case]
+    plain = (
+        TABLES[: TABLES.index("    T=")]
+        + "    T=integral(y.diff(t) ** 2) / 2,\n"
+        + f"    V=integral(y.diff(x, 2) ** 2) / 2 {more},\n"
+        + "    W_c=P * integral(y.diff(x) ** 2) / 2,\n    dW_nc=0,\n"
+        + '    ends=("clamped", "free"),\n    parameters=(Parameter(k, "k", RANGE),),\n)\n'
+    )
+    figures = []
+    for given in (range_, range_.split(",")[0] + ", -1e7, 1e7"):
+        kernel = getattr(stated(tmp_path, plain.replace("RANGE", given)), basis)
+        figures.append(verify.verify(kernel, emit.emit(kernel)))
+    assert figures[0] == figures[1]
+
+
+@pytest.mark.parametrize("function", ["sqrt(1 + k**2)", "Abs(k)", "exp(-k)", "1 / (2 + k)", "Max(k, 1)"])
+def test_functions_of_a_parameter_are_verified_at_all_its_sizes(function: str, tmp_path: Path) -> None:
+    """What agrees at the default, and near it, is not what was stated."""
+    text = TABLES.replace("RANGE", "0.5, 0, 1").replace("import Symbol", "import Abs, Max, Symbol, exp")
+    kernel = stated(tmp_path, text.replace("3 * k * at(y, 1)", f"({function}) * at(y, 1)")).kernel
+    emitted = emit.emit(kernel)
+    verify.verify(kernel, emitted)
+    for bound in ("k if k < 1000 else 1000.0", "k if k > -0.25 else -0.25"):
+        wrong = changed(emitted, "stiffness_elastic", r"    moment_0 = basis\.moment_0$", rf"\g<0>\n    k = {bound}")
+        with pytest.raises(VerificationError, match=r"\bE\b"):
+            verify.verify(kernel, wrong)
 
 
 def test_another_statement_s_kernel_is_refused(derived: Derived, text_of: Text) -> None:
