@@ -249,7 +249,7 @@ def test_columns_are_exact_and_accurate(
     """The tree's columns and users' ones, as they are verified when they are emitted."""
     polynomials = derived(name).polynomials
     figures = verify.verify(polynomials, emit.emit(polynomials))
-    assert {figure.bound for figure in figures if "up to N = 40" in figure.what} == {verify.SERIES_BOUND}
+    assert {figure.bound for figure in figures if "up to N = 40" in figure.what} == {verify.BOUND}
     assert sum("entries of" in figure.what for figure in figures) == 4
 
 
