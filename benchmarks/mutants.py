@@ -2,8 +2,7 @@
 
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
 comparisons, signs, numbers, `and` and `or`, `not`, loops. Each is put into a copy of the tree, in which the tests of
-its part are run until one fails. Those that survive are listed in build/mutants.json, with what was changed;
-docs/mutants.md says of known ones why they are no faults.
+its part are run until one fails. Those that survive are listed in build/mutants.json, with what was changed.
 """
 
 from __future__ import annotations

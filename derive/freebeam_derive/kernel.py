@@ -352,7 +352,7 @@ def _refuse_coupled(column: Column, beam: ComparisonBeam, columns: dict[str, tup
                 raise StatementError(
                     f"ends {column.ends[0]} and {column.ends[1]} let the beam move rigidly as {function}, and its "
                     f"{what} couples that to the bending, so that the elastic spectrum alone does not decide "
-                    "stability; hold the beam at an end, or leave out what couples them"
+                    "stability; this is not supported"
                 )
 
 

@@ -125,10 +125,13 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
     E = K.map(lambda f: f.subs(P, 0))
     H = K.map(lambda f: f.coeff(P, 1))
     if not H:
-        raise StatementError("the load P does no work on the beam: it enters no stiffness; state it in W_c or in dW_nc")
+        raise StatementError("the load P does no work on the beam: it enters no stiffness")
     for name, form in (("M", M), ("K at zero load", E)):
         if not form.symmetric:
-            raise StatementError(f"{name} is not symmetric: only the load's work may lack a potential")
+            raise StatementError(
+                f"{name} = {display_form(form)} is not symmetric; work without a potential is supported of the load P "
+                "alone"
+            )
     _refuse_driving(C)
     c_M, c_E = _proportions(M, C, E)
     forces = _forces(motion)
@@ -213,8 +216,8 @@ def _form(motion: EquationOfMotion, rate: int) -> Form:
                     a, b = test.args[3], trial.args[3]
                     if {a, b} - {S.Zero, motion.length}:
                         raise StatementError(
-                            f"the work {show(factor * test * trial)}: loads act along the beam or at its ends; "
-                            "inside it only F_0 does"
+                            f"the work {show(factor * test * trial)}: springs, masses and loads inside the beam, or "
+                            "beyond its ends, are not supported; only F_0 acts inside"
                         )
                     points[a, p, b, q] = factor
                     continue
@@ -224,7 +227,8 @@ def _form(motion: EquationOfMotion, rate: int) -> Form:
                     powers = None
                 if powers is None or powers.degree() > HIGHEST_POWER or any(c.has(x) for c in powers.coeffs()):
                     raise StatementError(
-                        f"the factor {factor} must be a polynomial in x of degree {HIGHEST_POWER} or less"
+                        f"the factor {factor} is no polynomial in x of degree {HIGHEST_POWER} or less; others are not "
+                        "supported"
                     )
                 for (k,), coefficient in powers.terms():
                     along[k, p, q] = along.get((k, p, q), S.Zero) + coefficient
@@ -243,8 +247,8 @@ def _refuse_driving(C: Form) -> None:
     for form in squares.values():
         if all(factor.is_nonpositive for factor in (*form.along.values(), *form.points.values())):
             raise StatementError(
-                f"dW_nc: the damping C = {display_form(form)} feeds energy in, whatever the motion; damping opposes "
-                f"the motion, such as -beta * y.diff(t) * delta(y): change its sign"
+                f"dW_nc: the damping C = {display_form(form)} feeds energy in, whatever the motion, which is not "
+                "supported; damping opposes the motion, such as -beta * y.diff(t) * delta(y)"
             )
 
 
@@ -260,8 +264,8 @@ def _proportions(M: Form, C: Form, E: Form) -> tuple[Expr, Expr]:
     if _difference(rest, M.map(lambda f: c_M * f)) or c_M.has(x) or c_E.has(x):
         raise StatementError(
             f"the damping {display_form(C)} is not of the form C = beta M + alpha E (Eq. (12)) with "
-            f"M = {display_form(M)}, E = {display_form(E)}; damp every mass with beta and every stiffness, springs "
-            f"too, with alpha"
+            f"M = {display_form(M)}, E = {display_form(E)}, all masses and all stiffnesses, springs too; no other "
+            "damping is supported"
         )
     return expand(c_M), expand(c_E)
 
@@ -277,11 +281,13 @@ def _forces(motion: EquationOfMotion) -> tuple[tuple[Expr, Expr], ...]:
         size = expand(alone / F_0)
         if int(test.args[1]) or test.args[3] != x_F or size != 1:
             raise StatementError(
-                f"the work {show(alone * test)}: a transversal force is F_0 * at(delta(y), x_F), with x_F free"
+                f"the work {show(alone * test)} is not supported; the transversal force is F_0 * at(delta(y), x_F)"
             )
         found.append((test.args[3], size))
     if motion.weak.density.xreplace(dict.fromkeys(jets(motion.weak.density, 0), S.Zero)) != 0:
-        raise StatementError("a force along the beam without y: only the transversal force F_0 at a place is known")
+        raise StatementError(
+            "a force along the beam without y is not supported; the transversal force is F_0 * at(delta(y), x_F)"
+        )
     return tuple(found)
 
 

@@ -2,7 +2,7 @@
 
 A column's file states one `column = Column(...)` with four helpers: `integral` (over the beam), `at` (a value
 at a point), `delta` (the variation) and `Parameter`. `load_column` reads such a file from anywhere. A statement
-that makes no sense is refused with the reason, as a `StatementError`.
+that makes no sense, or that is not supported, is refused with the reason, as a `StatementError`.
 
 Inside the program a functional is held in jets: `jet(field, p, r, place)` is d^p/dx^p d^r/dt^r of the deflection
 (field 0) or of the virtual displacement (field 1), along the beam or at a point, so that it is a polynomial.
@@ -14,6 +14,9 @@ import keyword
 import math
 import re
 import runpy
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
@@ -27,7 +30,9 @@ from sympy import (
     Integer,
     Integral,
     Mul,
+    Piecewise,
     Poly,
+    PolynomialError,
     S,
     Subs,
     Symbol,
@@ -43,8 +48,12 @@ from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, variation
 # are derived from the energies (variation.py).
 GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": (1,), "clamped": (0, 1)}
 
+ALONG = Symbol("along")  # the place of a jet that is a function of x
+jet = Function("jet")
+
 BASES = ("modes", "legendre")
-RESERVED = ("np", "basis", "rigid")  # what every emitted function of a matrix knows by these names
+# what every emitted function of a matrix knows by these names, and the name of the place above
+RESERVED = ("np", "basis", "rigid", "along")
 # What public calls that take a column's own parameters as keywords call so themselves; a test compares these with the
 # calls' signatures.
 KEYWORDS = frozenset(
@@ -69,29 +78,47 @@ _MARKED = rf"{_PLAIN}|\\(?:mathrm|mathsf|mathbf|hat|bar|tilde|dot|ddot)\{{(?:{_P
 _SCRIPT = rf"(?:{_MARKED}|\{{(?:{_MARKED}|,)+\}})"
 _LETTER = re.compile(rf"(?:(?:{_MARKED})(?:_{_SCRIPT})?(?:\^{_SCRIPT})?|/)+")
 
-ALONG = Symbol("along")  # the place of a jet that is a function of x
-jet = Function("jet")
-
 
 class StatementError(ValueError):
     """A column's statement that makes no sense; the message is one line with the reason and the cure."""
 
 
+_LOST = "a term that is zero is refused, since SymPy may have lost what it was to be"
+
+
 def integral(density: Expr, length: Expr = S.One) -> Expr:
-    """Integral of a density over the beam, x from 0 to `length` (1 in a nondimensional statement)."""
-    return Integral(density, (x, 0, length))
+    """Integral of a density over the beam, x from 0 to `length` (1 in a nondimensional statement).
+
+    Raises StatementError where the density is zero: a term was lost before it came here.
+    """
+    return Integral(_not_zero("integral", density), (x, 0, length))
 
 
 def at(expression: Expr, place: Expr | int) -> Expr:
-    """Value of an expression in y or delta(y) at a place along the beam."""
-    return Subs(expression, x, sympify(place))
+    """Value of an expression in y or delta(y) at a place along the beam.
+
+    Raises StatementError where the expression is zero: a term was lost before it came here.
+    """
+    return Subs(_not_zero("at", expression), x, sympify(place))
 
 
 def delta(expression: Expr) -> Expr:
-    """First variation of an expression in y: y -> y + epsilon delta_y, differentiated at epsilon = 0. Eq. (7)."""
-    epsilon = Dummy("epsilon")
-    varied = expression.subs(y, y + epsilon * variation_of_y).doit()
-    return varied.diff(epsilon).subs(epsilon, 0).doit()
+    """First variation of an expression in y, whether along the beam or at a place. Eq. (7).
+
+    Raises StatementError where nothing varies.
+    """
+    expression = sympify(expression)
+    variation = show(varied(_fields_of(expression, "delta")))
+    if variation == 0:
+        raise StatementError(f"delta({expression}) is zero: it does not hold the y of freebeam_derive.notation")
+    return variation
+
+
+def _not_zero(helper: str, expression: Expr) -> Expr:
+    expression = sympify(expression)
+    if expression == 0:
+        raise StatementError(f"{helper}(0): {_LOST}")
+    return expression
 
 
 @dataclass(frozen=True)
@@ -198,71 +225,111 @@ class Column:
 # --- reading a statement into jets ------------------------------------------------------------------------
 
 
-def _fields_of(expression: Expr) -> Expr:
-    """Replace derivatives and values of y and delta_y by jets."""
+FIELDS = (y.func, variation_of_y.func)
 
-    def one(e: Expr, place: Expr, orders: tuple[int, int]) -> Expr:
-        return jet(Integer(0 if e.func == y.func else 1), Integer(orders[0]), Integer(orders[1]), place)
+
+def _fields_of(expression: Expr, name: str) -> Expr:
+    """Replace derivatives and values of y and delta_y by jets. name: what is read, for messages.
+
+    Raises StatementError for a value at an instant, or at a place that moves along the beam.
+    """
+
+    def one(e: Expr, field: AppliedUndef, orders: tuple[int, int]) -> Expr:
+        place, time = field.args
+        if time != t:
+            raise StatementError(f"{name}: {e} is not taken at the time t; y at other instants is not supported")
+        if place != x and place.has(x, t):
+            raise StatementError(f"{name}: {e} is not taken at x or at a fixed place; such a place is not supported")
+        if place != x and orders[0]:
+            raise StatementError(f"{name}: {e} differentiates a value at a place; write at(y.diff(x), {place})")
+        which = Integer(FIELDS.index(field.func))
+        return jet(which, Integer(orders[0]), Integer(orders[1]), ALONG if place == x else place)
 
     def convert(e: Expr) -> Expr:
-        if isinstance(e, Subs):
-            inner, place = convert(e.expr), e.point[0]
-            along = {j: jet(*j.args[:3], place) for j in inner.atoms(jet) if j.args[3] == ALONG}
-            return inner.xreplace(along).xreplace({x: place})
-        if (
-            isinstance(e, Derivative)
-            and isinstance(e.expr, AppliedUndef)
-            and e.expr.func in (y.func, variation_of_y.func)
-        ):
-            orders = {v: int(n) for v, n in e.variable_count}
-            place = e.expr.args[0]
-            if set(orders) <= {x, t}:
-                return one(e.expr, ALONG if place == x else place, (orders.get(x, 0), orders.get(t, 0)))
-        if isinstance(e, AppliedUndef) and e.func in (y.func, variation_of_y.func):
-            return one(e, ALONG if e.args[0] == x else e.args[0], (0, 0))
-        if not e.args or isinstance(e, AppliedUndef | Derivative):
+        if not e.has(*FIELDS):
             return e
+        if isinstance(e, Subs):
+            place = e.point[0]
+            if set(e.variables) != {x} or set(e.point) != {place} or place.has(x, t) or e.expr.has(Integral):
+                raise StatementError(f"{name}: {e} is not taken at a fixed place; such a value is not supported")
+            return at_place(convert(e.expr), place)
+        if isinstance(e, Derivative):
+            orders = {v: int(n) for v, n in e.variable_count}
+            if isinstance(e.expr, AppliedUndef) and e.expr.func in FIELDS and set(orders) <= {x, t}:
+                return one(e, e.expr, (orders.get(x, 0), orders.get(t, 0)))
+            done = e.doit(integrals=False)
+            if done == e:
+                raise StatementError(f"{name}: {e} is no derivative of y in x and t; others are not supported")
+            return convert(done)
+        if isinstance(e, AppliedUndef) and e.func in FIELDS:
+            return one(e, e, (0, 0))
         return e.func(*(convert(a) for a in e.args))
 
     return expand(convert(expression))
 
 
+def at_place(expression: Expr, place: Expr) -> Expr:
+    """An expression in x and in jets along the beam, taken at a place."""
+    moved = {j: jet(*j.args[:3], place) for j in expression.atoms(jet) if j.args[3] == ALONG}
+    return expression.xreplace(moved).xreplace({x: place})
+
+
+def varied(expression: Expr) -> Expr:
+    """First variation of an expression in jets. Eq. (7)."""
+    epsilon = Dummy("epsilon")
+    moved = {j: j + epsilon * jet(Integer(1), *j.args[1:]) for j in jets(expression, 0)}
+    return expand(expression.xreplace(moved).diff(epsilon).xreplace({epsilon: S.Zero}))
+
+
 def read_functional(expression: Expr, name: str, length: Expr) -> Functional:
     """Split a work or an energy into its density and its point values, both in jets.
 
-    Raises StatementError for a field that is not varied, and for terms that are neither an integral over the
-    beam nor values at points.
+    Raises StatementError for what is not read: a function beside y and F_0, a term that is neither an integral over
+    the beam nor values at points, and a term that vanishes.
     """
     density, points = [], []
     # 0.5 stands for 1/2: nothing is rounded in a derivation
     exact = expression.replace(lambda e: e.is_Float, lambda e: nsimplify(e, rational=True))
     for term in Add.make_args(expand(exact)):
+        if term.has(S.NaN, S.Infinity, S.NegativeInfinity, S.ComplexInfinity, S.ImaginaryUnit):
+            raise StatementError(f"{name}: the term {term} is not a finite real number times y")
         integrals = [f for f in Mul.make_args(term) if isinstance(f, Integral)]
         rest = Mul(*(f for f in Mul.make_args(term) if not isinstance(f, Integral)))
         if not integrals:
-            points.append(_fields_of(term))
-            continue
-        if len(integrals) > 1 or rest.has(y.func, variation_of_y.func, x):
+            read = _fields_of(term, name)
+            points.append(read)
+        elif len(integrals) > 1 or rest.has(*FIELDS, x):
             raise StatementError(
                 f"{name}: the term {term} multiplies an integral by {rest}; only constants may stand there"
             )
-        (variable, *bounds), *more = integrals[0].limits
-        if more or variable != x or bounds != [0, length]:
-            raise StatementError(f"{name}: {integrals[0]} must run over the beam; write integral(...)")
-        density.append(_fields_of(rest * integrals[0].function))
+        else:
+            (variable, *bounds), *more = integrals[0].limits
+            if more or variable != x or bounds != [0, length]:
+                raise StatementError(
+                    f"{name}: {integrals[0]} does not run over the beam, x from 0 to {length}; "
+                    "other integrals are not supported"
+                )
+            read = _fields_of(rest * integrals[0].function, name)
+            density.append(read)
+        if read == 0 and expression != 0:
+            raise StatementError(f"{name}: the term {term} is zero; {_LOST}")
     result = Functional(expand(Add(*density)), expand(Add(*points)))
-    for part, where in ((result.density, "under the integral"), (result.points, "outside an integral")):
-        for applied in part.atoms(AppliedUndef):
+    for part, inside in ((result.density, True), (result.points, False)):
+        for applied in sorted(part.atoms(AppliedUndef), key=str):
             if applied.func not in (jet, F_0.func):
                 raise StatementError(
-                    f"{name}: the field {applied} is never varied; Hamilton's principle here varies y alone: "
-                    f"write it in terms of y, or give it as a Parameter"
+                    f"{name}: {applied} is never varied; fields and functions beside y and F_0 are not supported"
                 )
-            if applied.func == jet and (applied.args[3] == ALONG) != (part is result.density):
+            if applied.func != jet or (applied.args[3] == ALONG) == inside:
+                continue
+            if inside:
                 raise StatementError(
-                    f"{name}: {show(applied)} stands {where}; use integral(...) for densities "
-                    "and at(..., place) for values at points"
+                    f"{name}: {show(applied)} stands under the integral; a value at a place is not supported there"
                 )
+            raise StatementError(
+                f"{name}: {show(applied)} stands outside an integral; use integral(...) for densities "
+                "and at(..., place) for values at points"
+            )
     if result.points.has(x):
         raise StatementError(f"{name}: x stands outside an integral; use integral(...) or at(..., place)")
     return result
@@ -297,15 +364,21 @@ def jets(expression: Expr, which: int | None = None) -> list[Expr]:
     return sorted(found, key=lambda j: tuple(str(a) for a in j.args))
 
 
-def _degree(expression: Expr, which: int) -> tuple[int, int]:
-    """Lowest and highest total degree of an expression in the jets of one field."""
+def _degree(name: str, expression: Expr, which: int) -> tuple[int, int]:
+    """Lowest and highest total degree of an expression in the jets of one field.
+
+    Raises StatementError where it is no polynomial of them.
+    """
     variables = jets(expression, which)
     if not variables or expression == 0:
         return 0, 0
     try:
         degrees = [sum(monomial) for monomial in Poly(expression, *variables).monoms()]
-    except Exception:
-        return -1, 99
+    except PolynomialError:
+        if expression.has(Piecewise):
+            raise StatementError(f"{name}: {show(expression)} is piecewise in x or y, which is not supported") from None
+        what = "not linear in the variation" if which else "of higher than second degree in y, or no polynomial of it"
+        raise StatementError(f"{name}: {show(expression)} is {what}, which is not supported") from None
     return min(degrees), max(degrees)
 
 
@@ -336,14 +409,17 @@ def _refuse_unknown(column: Column) -> None:
     for name in ("T", "V", "W_c", "dW_nc"):
         for symbol in sorted(getattr(column.energies, name).free_symbols - known, key=str):
             if str(symbol) in NOTATION and NOTATION[str(symbol)].symbol == symbol:
-                cure = (
-                    "leave it out: a nondimensional statement, Eq. (5), holds x, t, P, alpha, beta, x_F and parameters"
+                what = (
+                    "has no place in a nondimensional statement, Eq. (5), which holds x, t, P, alpha, beta, x_F and "
+                    "the column's own parameters"
                 )
             elif str(symbol) in NOTATION:
-                cure = f"import {symbol} from freebeam_derive.notation"
+                what = f"is not known; import {symbol} from freebeam_derive.notation"
+            elif str(symbol) in map(str, own):
+                what = "is not the one that is declared; use one Symbol for both, of the same assumptions"
             else:
-                cure = f"declare it: parameters=(Parameter({symbol}, ...),)"
-            raise StatementError(f"{name}: the symbol {symbol} is not known; {cure}")
+                what = f"is not known; declare it: parameters=(Parameter({symbol}, ...),)"
+            raise StatementError(f"{name}: the symbol {symbol} {what}")
     for parameter in column.parameters:
         _refuse_name(parameter.name)
         if parameter.latex and not (isinstance(parameter.latex, str) and _LETTER.fullmatch(parameter.latex)):
@@ -387,65 +463,78 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
                     f"{name}: time t stands in {show(part)} by itself; only y and F_0 may depend on time here"
                 )
             if name == "dW_nc":
-                if part != 0 and _degree(part, 1) != (1, 1):
-                    raise StatementError(
-                        "dW_nc: the virtual work is not linear in the variation; every term must hold delta(...) once"
-                    )
-                if any(j.args[2] != 0 for j in jets(part, 1)):
-                    raise StatementError(
-                        "dW_nc: a virtual displacement has no rate; write the variation without a time derivative"
-                    )
-                low, high = _degree(part, 0)
-                if high > 1 or low < 0:
-                    raise StatementError(
-                        "dW_nc: the virtual work is not linear in y; a linear stability analysis needs it linearised"
-                    )
-                for j in jets(part, 0):
-                    if int(j.args[2]) > 2:
-                        raise StatementError(f"dW_nc: holds {show(j)}; rates of y up to the second are known")
-                    if int(j.args[2]) == 1 and part.coeff(j).has(P):
-                        raise StatementError(f"dW_nc: the load P multiplies {show(j)}; a load does no work on a rate")
-                undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) == 1})
-                if undamped.has(alpha, beta):
-                    raise StatementError("dW_nc: alpha and beta are dampings; they multiply first rates of y alone")
-                continue
-            if jets(part, 1):
-                raise StatementError(f"{name}: an energy holds no delta(...); virtual work goes into dW_nc")
-            low, high = _degree(part, 0)
-            if high > 2 or low < 0:
-                raise StatementError(
-                    f"{name}: of higher than second degree in y; a linear stability analysis needs quadratic energies"
-                )
-            if part.has(F_0) and high > 1:
-                raise StatementError(
-                    f"{name}: F_0 must not multiply a square of y; it is a transversal force, not a load"
-                )
-            for j in jets(part, 0):
-                if int(j.args[2]) != (1 if name == "T" else 0):
-                    kind = "first rates of y only" if name == "T" else "y without rates"
-                    raise StatementError(f"{name}: holds {show(j)}; it must be made of {kind}")
-            if name == "T" and low < 2 and part != 0:
-                raise StatementError("T: must be quadratic in the rates of y")
+                _refuse_virtual_work(part)
+            else:
+                _refuse_energy(name, part)
     if works["T"].density == 0:
         raise StatementError(
-            "T: no kinetic energy along the beam, so the field is never set in motion; state T with y.diff(t)**2"
+            "T: holds no y.diff(t)**2 under an integral; a beam without mass along the beam is not supported"
         )
     bending = works["V"].density.coeff(jet(Integer(0), Integer(2), Integer(0), ALONG), 2)
     if bending == 0:
-        raise StatementError("V: the bending energy does not contain y'' squared; a beam needs y.diff(x, 2)**2 in V")
+        raise StatementError(
+            "V: holds no y.diff(x, 2)**2 under an integral; a beam without bending stiffness is not supported"
+        )
     inertia = works["T"].density.coeff(jet(Integer(0), Integer(0), Integer(1), ALONG), 2)
     for name, size in (("T", inertia), ("V", bending)):
         if size.is_negative:
-            raise StatementError(f"{name}: the energy {display(works[name])} is negative; change its sign")
+            raise StatementError(f"{name}: the energy {display(works[name])} is negative; check its sign")
     for name in ("T", "V", "W_c"):
         for symbol in (P, alpha, beta) if name != "W_c" else (alpha, beta):
             if works[name].density.has(symbol) or works[name].points.has(symbol):
                 what = "load P does its work in W_c or dW_nc" if symbol == P else f"damping {symbol} acts in dW_nc"
                 raise StatementError(f"{name}: the {what}, not in {name}")
-    for name in ("W_c", "dW_nc"):
-        for part in (works[name].density, works[name].points):
-            if part.has(P) and (part.diff(P, 2) != 0 or part.subs(P, 0).has(P)):
-                raise StatementError(f"{name}: the load P must enter linearly (K = E + P H)")
+
+
+def _refuse_virtual_work(part: Expr) -> None:
+    """What δW_nc holds, along the beam or at points."""
+    if part != 0 and _degree("dW_nc", part, 1) != (1, 1):
+        raise StatementError(
+            "dW_nc: the virtual work is not linear in the variation; every term must hold delta(...) once"
+        )
+    for j in jets(part, 1):
+        if j.args[2] != 0:
+            raise StatementError(f"dW_nc: holds {show(j)}; a virtual displacement has no rate")
+    if _degree("dW_nc", part, 0)[1] > 1:
+        raise StatementError("dW_nc: the virtual work is not linear in y; only linear systems are supported")
+    for j in jets(part, 0):
+        if int(j.args[2]) > 2:
+            raise StatementError(f"dW_nc: holds {show(j)}; rates of y up to the second are known")
+        if int(j.args[2]) and part.coeff(j).has(P):
+            raise StatementError(f"dW_nc: the load P multiplies {show(j)}; a load on a rate of y is not supported")
+        if part.coeff(j).has(F_0):
+            raise StatementError(f"dW_nc: F_0 multiplies {show(j)}; it is a transversal force, not a load")
+    undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) == 1})
+    if undamped.has(alpha, beta):
+        raise StatementError("dW_nc: alpha and beta are dampings; they multiply first rates of y alone")
+    _refuse_powers_of_the_load("dW_nc", part)
+
+
+def _refuse_energy(name: str, part: Expr) -> None:
+    """What T, V or W_c holds, along the beam or at points."""
+    if jets(part, 1):
+        raise StatementError(f"{name}: an energy holds no delta(...), which stands in dW_nc alone")
+    low, high = _degree(name, part, 0)
+    if high > 2:
+        raise StatementError(f"{name}: of higher than second degree in y; only quadratic energies are supported")
+    if part.has(F_0) and high > 1:
+        raise StatementError(f"{name}: F_0 must not multiply a square of y; it is a transversal force, not a load")
+    for j in jets(part, 0):
+        if int(j.args[2]) != (1 if name == "T" else 0):
+            kind = "first rates of y only" if name == "T" else "y without rates"
+            raise StatementError(f"{name}: holds {show(j)}; it must be made of {kind}")
+    if name == "T" and low < 2 and part != 0:
+        raise StatementError("T: must be quadratic in the rates of y")
+    for term in Add.make_args(part):
+        if term != 0 and not jets(term):
+            raise StatementError(f"{name}: the term {show(term)} does not hold y, so that it does no work")
+    _refuse_powers_of_the_load(name, part)
+
+
+def _refuse_powers_of_the_load(name: str, part: Expr) -> None:
+    times = part.coeff(P, 1)
+    if times.has(P) or expand(part - part.coeff(P, 0) - P * times) != 0:
+        raise StatementError(f"{name}: the load P must enter linearly (K = E + P H)")
 
 
 def check(column: Column) -> None:
@@ -475,7 +564,8 @@ def load_column(path: Path | str) -> Column:
     if path.is_dir():
         raise StatementError(f"{path}: is a folder; give the file of a column, such as column.py")
     try:
-        found = runpy.run_path(str(path)).get("column")
+        with _lost_derivatives_refused():
+            found = runpy.run_path(str(path)).get("column")
     except StatementError as error:
         raise StatementError(f"{path}: {error}") from error
     except SyntaxError as error:
@@ -490,6 +580,34 @@ def load_column(path: Path | str) -> Column:
     if not isinstance(found, Column):
         raise StatementError(f"{path}: states no column; it must end in `column = Column(...)`")
     return found
+
+
+_ONE_FILE = threading.RLock()  # a file may load another
+
+
+@contextmanager
+def _lost_derivatives_refused() -> Iterator[None]:
+    """While a file is read, a derivative of y or delta_y that is zero is refused, and not lost.
+
+    The value y(1, t) does not hold x, so that SymPy takes its derivative in x for zero at once, and nothing is left of
+    the term that it stood in: a follower force, say. The same becomes of a derivative in another Symbol("x").
+    """
+    with _ONE_FILE:
+        zero = Derivative.__dict__["_get_zero_with_shape_like"]  # what SymPy calls for such a derivative
+
+        def refuse(kind: type, expression: Expr) -> Expr:
+            if expression.has(*FIELDS):
+                raise StatementError(
+                    f"a derivative of {expression} is zero: a value at a place is taken after the derivative, such as "
+                    "at(y.diff(x), 1), and x and t are those of freebeam_derive.notation"
+                )
+            return zero.__func__(kind, expression)
+
+        Derivative._get_zero_with_shape_like = classmethod(refuse)
+        try:
+            yield
+        finally:
+            Derivative._get_zero_with_shape_like = zero
 
 
 @lru_cache(maxsize=1)

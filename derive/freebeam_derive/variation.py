@@ -22,10 +22,12 @@ from freebeam_derive.statement import (
     Energies,
     Functional,
     StatementError,
+    at_place,
     display,
     jet,
     jets,
     show,
+    varied,
 )
 
 STAGE = "variation"
@@ -87,8 +89,8 @@ def by_parts(density: Expr) -> tuple[Expr, Expr]:
     """
     interior, bracket = S.Zero, S.Zero
     delta_0 = jet(Integer(1), Integer(0), Integer(0), ALONG)
-    for varied in jets(density, 1):
-        factor, p = density.coeff(varied), int(varied.args[1])
+    for virtual in jets(density, 1):
+        factor, p = density.coeff(virtual), int(virtual.args[1])
         for order in range(p):
             bracket += (-1) ** order * factor * raised(delta_0, p=p - 1 - order)
             factor = total_derivative(factor)
@@ -102,10 +104,7 @@ def by_parts(density: Expr) -> tuple[Expr, Expr]:
 def first_variation(work: Functional) -> Functional:
     """δ of a functional in the jets of y. Eq. (7)."""
 
-    def vary(part: Expr) -> Expr:
-        return expand(Add(*(part.diff(j) * jet(Integer(1), *j.args[1:]) for j in jets(part, 0))))
-
-    return Functional(vary(work.density), vary(work.points))
+    return Functional(varied(work.density), varied(work.points))
 
 
 def off_the_rates(work: Functional) -> Functional:
@@ -113,12 +112,12 @@ def off_the_rates(work: Functional) -> Functional:
 
     def move(part: Expr) -> Expr:
         result = part
-        for varied in jets(part, 1):
-            rate = int(varied.args[2])
+        for virtual in jets(part, 1):
+            rate = int(virtual.args[2])
             if rate:
-                factor = part.coeff(varied)
+                factor = part.coeff(virtual)
                 moved = Add(*(factor.coeff(j) * raised(j, r=rate) for j in jets(factor, 0)))
-                result = result - factor * varied + (-1) ** rate * moved * raised(varied, r=-rate)
+                result = result - factor * virtual + (-1) ** rate * moved * raised(virtual, r=-rate)
         return expand(result)
 
     return Functional(move(work.density), move(work.points))
@@ -126,8 +125,7 @@ def off_the_rates(work: Functional) -> Functional:
 
 def at_end(expression: Expr, place: Expr) -> Expr:
     """An expression along the beam, taken at a place."""
-    moved = {j: jet(*j.args[:3], place) for j in jets(expression) if j.args[3] == ALONG}
-    return expand(expression.xreplace(moved).subs(x, place))
+    return expand(at_place(expression, place))
 
 
 def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False) -> EquationOfMotion:
@@ -140,8 +138,8 @@ def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False)
     _refuse_double_work(W_c, dW_nc)
     steps: list[Step] = []
 
-    varied = {"T": first_variation(T), "V": first_variation(V), "W_c": first_variation(W_c)}
-    action = varied["T"] + varied["V"].scaled(-1) + varied["W_c"] + dW_nc
+    of_T, of_V, of_W_c = map(first_variation, (T, V, W_c))
+    action = of_T + of_V.scaled(-1) + of_W_c + dW_nc
     steps.append(
         Step(
             STAGE,
@@ -160,8 +158,8 @@ def derive(energies: Energies, ends: tuple[str, str], dimensional: bool = False)
             STAGE,
             "Integrate the kinetic term by parts in time",
             "δy vanishes at both instants, so the rate moves from δy to the motion with a change of sign",
-            display(varied["T"], length),
-            display(off_the_rates(varied["T"]), length),
+            display(of_T, length),
+            display(off_the_rates(of_T), length),
             "Eq. (7)",
             "no rate of δy is left",
         )
@@ -313,7 +311,7 @@ def _refuse_contradiction(kind: str, end: int, place: Expr, points: Expr, natura
         if j.args[3] == place and int(j.args[1]) in held and int(j.args[2]) == 0:
             raise StatementError(
                 f"the end x = {place} is stated {kind}, which holds {show(j)} at zero, but the statement lets a force "
-                f"do work there; change the end, or leave the force out"
+                "do work there"
             )
     for order in sorted(set(range(2)) - set(held)):
         # of the comparison beam: bending moment against the slope, shear force against the deflection
@@ -322,5 +320,5 @@ def _refuse_contradiction(kind: str, end: int, place: Expr, points: Expr, natura
             what = "shear force" if order == 0 else "bending moment"
             raise StatementError(
                 f"the end x = {place} is stated {kind}, but bending gives no {what} there, so no natural condition of "
-                f"a {kind} end; the bending stiffness must not vanish at an end that moves"
+                f"a {kind} end; a bending stiffness that vanishes at an end that moves is not supported"
             )
