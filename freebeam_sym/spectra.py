@@ -90,7 +90,8 @@ class Spectrum:
         condition = np.linalg.norm(_left(W), axis=1)
         # to first order; where two meet, the root of rounding
         off = size * np.minimum(EPSILON * condition, math.sqrt(EPSILON))
-        return self._of_all(np.asarray(off / np.abs(found))[_order(found)])
+        relative = np.divide(off, np.abs(found), out=np.zeros(len(found)), where=found != 0)
+        return self._of_all(relative[_order(found)])
 
     @cached_property
     def error(self) -> Real:
