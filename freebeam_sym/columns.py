@@ -258,7 +258,7 @@ class Column:
         """
         own, modes = self.own_parameters(parameters), self.number(modes)
         if not isinstance(rigid, bool | np.bool_):
-            raise InputError(f"rigid = {rigid!r}: must be True or False")
+            raise refusal("rigid", rigid, "must be True or False")
         load = computable("load", finite("load", load, "nondimensional load P"))
         alpha, beta = self.dampings(alpha, beta)
         M, E, H = self.matrices(modes, rigid, **own)
@@ -401,11 +401,9 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     kernels = import_module("freebeam_kernels")
     known = kernels.COLUMNS
     if not isinstance(name, str | os.PathLike):
-        raise InputError(
-            f"column = {name!r}: must be a name, one of {', '.join(known)}, or the path of a column's file"
-        )
+        raise refusal("column", name, f"must be a name, one of {', '.join(known)}, or the path of a column's file")
     if basis is not None and basis not in BASES:
-        raise InputError(f"basis = {basis!r}: must be one of {', '.join(BASES)}")
+        raise refusal("basis", basis, f"must be one of {', '.join(BASES)}")
     text = os.fspath(name)
     if text in known:
         found = _tree(known[text][basis or "legendre"])

@@ -459,7 +459,8 @@ class _Follower:
         h = b.load - a.load
         if h == 0:
             last = True
-        gap = np.abs(b.values - a.values[:, None] - h / 2 * (a.rates[:, None] + b.rates))
+        with np.errstate(over="ignore", invalid="ignore"):  # of rates without bound, where two meet
+            gap = np.nan_to_num(np.abs(b.values - a.values[:, None] - h / 2 * (a.rates[:, None] + b.rates)), nan=np.inf)
         order: NDArray[np.intp] = gap.argmin(axis=1)
         k = np.arange(len(order))
         room = np.minimum(_room(a.values), _room(b.values)[order])

@@ -27,7 +27,7 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, count
+from freebeam_sym.checks import InputError, count, refusal
 from freebeam_sym.columns import Column, column
 from freebeam_sym.convergence import verdict
 from freebeam_sym.grids import solve_grid
@@ -122,7 +122,7 @@ def chunk_sizes(chunks: Any, axes: Mapping[str, Any]) -> tuple[int, ...]:
         )
     if isinstance(chunks, Sequence) and not isinstance(chunks, str):
         if len(chunks) != len(lengths):
-            raise InputError(f"chunks = {chunks!r}: must be one number, or one of each axis: {', '.join(lengths)}")
+            raise refusal("chunks", chunks, f"must be one number, or one of each axis: {', '.join(lengths)}")
         return chunk_sizes(dict(zip(lengths, chunks, strict=True)), axes)
     size = count("chunks", chunks, 1, max(lengths.values()), "values of the longest axis in a block")
     return tuple(min(size, n) for n in lengths.values())
@@ -246,7 +246,7 @@ def run(
 
 def _checked(scheduler: Any, workers: Any) -> None:
     if isinstance(scheduler, str) and scheduler not in SCHEDULERS:
-        raise InputError(f"scheduler = {scheduler!r}: must be one of {', '.join(SCHEDULERS)}, or a Dask client")
+        raise refusal("scheduler", scheduler, f"must be one of {', '.join(SCHEDULERS)}, or a Dask client")
     if workers is not None:
         count("workers", workers, 1, hint="processes or threads")
         if scheduler == "synchronous" or not isinstance(scheduler, str | None):
@@ -319,7 +319,7 @@ def _client(scheduler: str | Client | None, workers: int | None, blocks: int) ->
             here = "processes"
     if not isinstance(here, str | None):
         if not isinstance(here, distributed.Client) or here.asynchronous:
-            raise InputError(f"scheduler = {scheduler!r}: must be one of {', '.join(SCHEDULERS)}, or a Dask client")
+            raise refusal("scheduler", scheduler, f"must be one of {', '.join(SCHEDULERS)}, or a Dask client")
         yield here
         return
     number = min(workers or os.cpu_count() or 1, blocks)

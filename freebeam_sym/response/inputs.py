@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals
+from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals, refusal
 from freebeam_sym.response.double import BITS, Fixed, exponential, fixed
 from freebeam_sym.response.messages import Message
 
@@ -58,7 +58,7 @@ def checked_parameters(newmark: tuple[float, float]) -> tuple[float, float]:
     try:
         b, g = newmark
     except (TypeError, ValueError):
-        raise InputError(f"newmark = {newmark!r}: must be two numbers (b, g), such as (0.25, 0.5)") from None
+        raise refusal("newmark", newmark, "must be two numbers (b, g), such as (0.25, 0.5)") from None
     return nonnegative("newmark[0]", b), nonnegative("newmark[1]", g)
 
 

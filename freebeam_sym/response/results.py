@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, refusal
 from freebeam_sym.response.inputs import moments
 from freebeam_sym.response.messages import Message
 
@@ -92,7 +92,7 @@ def names_of(outputs: Sequence[str], rigid: bool, states: bool, target: Target |
     """Names of the arrays that are asked for. Raises InputError for those that there are not."""
     named = isinstance(outputs, Sequence) and not isinstance(outputs, str) and len(outputs)
     if not named or any(name not in OUTPUTS for name in outputs):
-        raise InputError(f'outputs = {outputs!r}: must be a sequence of names from "y", "dy", "ddy"')
+        raise refusal("outputs", outputs, 'must be a sequence of names from "y", "dy", "ddy"')
     parts = ("", "_elastic", "_rigid") if rigid else ("",)
     names = [name + part for part in parts for name in OUTPUTS if name in outputs]
     names += ["q", "dq"] if states else []

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, positions, positive
+from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
 from freebeam_sym.response.coordinates import Scaled, coordinates_of
 from freebeam_sym.response.exact import Exact
@@ -232,7 +232,7 @@ def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[d
 
 def _method(system: System, method: str | None, newmark: tuple[float, float] | None) -> Method:
     if method not in (None, "exact", "newmark"):
-        raise InputError(f'method = {method!r}: must be "exact" or "newmark"')
+        raise refusal("method", method, 'must be "exact" or "newmark"')
     if newmark is None and method != "newmark":
         return Exact()
     if method == "exact":
