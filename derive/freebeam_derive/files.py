@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
-import tempfile
+import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import count
@@ -55,15 +55,13 @@ def written(path: Path, replace: bool) -> Iterator[IO[bytes]]:
 @contextmanager
 def _beside(place: Path) -> Iterator[tuple[IO[bytes], str]]:
     """A new file in the same folder, and its name; it is gone in the end unless it was moved away."""
-    handle, name = tempfile.mkstemp(dir=place.parent, prefix=f".{place.name[:100]}-")
+    # the name is known before the file is there: a signal in between leaves none behind
+    name = place.with_name(f".{place.name[:100]}-{secrets.token_hex(8)}")
     try:
-        with open(handle, "wb") as stream:
-            mask = os.umask(0)  # mkstemp lets nobody else read; a result is an ordinary file
-            os.umask(mask)
-            os.chmod(name, 0o666 & ~mask)
-            yield stream, name
+        with open(name, "xb") as stream:
+            yield stream, str(name)
     finally:
-        Path(name).unlink(missing_ok=True)
+        name.unlink(missing_ok=True)
 
 
 def _put(beside: str, place: Path) -> bool:
