@@ -169,11 +169,18 @@ def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, in
         return Wave(whole, frequency, exponential((0, fixed(frequency) * fixed(h) >> BITS))), whole.shape
     if callable(force):
         step = Fraction(repr(h))
+        cases = _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
 
         def sampled(begin: int, end: int) -> Array:
-            return _evaluate("force", force, moments(step, begin, end))
+            found = _evaluate("force", force, moments(step, begin, end))
+            if found.shape[:-1] != cases:
+                raise InputError(
+                    f"force gives values of shape {found.shape[:-1]} at one time and {cases} at another: must be one "
+                    "number at each time, or one for each load case"
+                )
+            return found
 
-        return sampled, _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
+        return sampled, cases
     values = array("force", force)
     if values.ndim == 0:
         return Wave(np.asarray(complex(finite("force", force))), 0.0, exponential((0, 0))), ()

@@ -17,6 +17,7 @@ import pytest
 from scipy.linalg import eigvals, expm
 from scipy.optimize import brentq
 
+import freebeam_sym as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.response import Response, respond, state_space
 
@@ -505,3 +506,9 @@ def test_state_space_is_the_same_system() -> None:
     for outputs in ("y", ["speed"], []):
         with pytest.raises(InputError, match="outputs"):
             state_space(system, 0.4, X, outputs=outputs)
+
+
+def test_a_force_of_values_that_are_no_load_cases_is_refused() -> None:
+    system = fb.column("free-free").system()
+    with pytest.raises(fb.InputError, match="force gives values of shape"):
+        fb.respond(system, duration=1.0, step=0.1, force=lambda t: [1.0, 2.0], force_position=1)
