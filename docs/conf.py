@@ -91,7 +91,7 @@ def _commands(app: Sphinx, page: str, source: list[str]) -> None:
         return
     import typer.main
 
-    from freebeam_sym.cli import app as freebeam
+    from freebeam_sym.cli.application import app as freebeam
 
     group = typer.main.get_command(freebeam)
     for name in group.list_commands(None):
