@@ -319,10 +319,9 @@ class System:
         r = self.rigid_count
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
-        L = np.linalg.cholesky(self.E[r:, r:])  # 1/γ⁴ from the elastic energy's side: the low modes keep their digits
-        half = np.linalg.solve(L, self.M[r:, r:])
-        inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
-        v = np.linalg.solve(L.T, Y[:, -1 - k]) / np.sqrt(inverse[-1 - k])
+        from freebeam_sym.pencil import diagonalise
+
+        v = diagonalise(self.M[r:, r:], self.E[r:, r:])[1][:, k]
         return np.concatenate([np.zeros(r), v * np.sign(v[np.abs(v).argmax()])])
 
     def Q(self, x_F: float) -> Array:

@@ -112,10 +112,10 @@ def verdict(
 
 
 def digits_that_hold(value: float, error: float, most: int = 10) -> str:
-    """A value as text, to as many significant digits as its relative error leaves, two at least.
+    """A value as text, to as many significant digits as its relative error leaves, one at least.
 
     >>> digits_that_hold(9.8696044, 3e-4), digits_that_hold(20.050953619, 1e-14)
     ('9.87', '20.05095362')
     """
-    digits = most if error <= 10.0**-most else max(2, math.floor(-math.log10(min(error, 0.1))))
+    digits = most if error <= 10.0**-most else max(1, math.floor(-math.log10(min(error, 0.1))))
     return f"{value:#.{min(digits, most)}g}".rstrip(".")

@@ -50,8 +50,8 @@ neighbour: far enough for the counts, since at a touch ω² falls as the square 
 ROUNDING = 1e-15
 """Of the matrices' entries, relative to the matrices' norms."""
 STEPS = 400
-"""Most steps of Arnoldi's method. 10,000 random questions of the package's columns (N to 40, any damping) took 20 in
-the median and 120 at most."""
+"""Most steps of Arnoldi's method. 10,000 random questions of the package's columns (N to 40, any damping) took 12 in
+the median and 214 at most."""
 
 
 @dataclass(frozen=True)
@@ -221,9 +221,9 @@ def _flutters(pencil: Pencil, damping: Damping, bound: float) -> Iterator[Event]
         real = np.flatnonzero((np.abs(mu.imag) <= NEAR * mu.real) & (mu.real < after))
         if not len(real):
             return
-        real = real[mu.real[real] >= mu.real[real[0]] * (1 - CLOSE)]
+        real = real[mu.real[real] >= mu.real[real[0]] * (1 - 2 * NEAR)]
         yield from _told_apart(pencil, damping, operator, mu[real], vectors[real])
-        after = float(mu.real[real[-1]]) * (1 - NEAR)
+        after = float(mu.real[real[-1]]) * (1 - NEAR / 10)
 
 
 def _told_apart(pencil: Pencil, damping: Damping, operator: _Operator, mu: Complex, vectors: Complex) -> list[Event]:

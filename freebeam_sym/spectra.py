@@ -79,10 +79,7 @@ class Spectrum:
     def rounding(self) -> Real:
         """By how much each of `eigenvalues` may be off, relative, for the rounding of a float, (2n,): near a
         coalescence half of the digits are lost. 0 where λ = 0."""
-        s, r = self.system, self.system.rigid_count
-        e = slice(r, None)
-        E, B = _coordinates(s.M[e, e], s.E[e, e])
-        found, V = _eigen(np.eye(len(E)), B.T @ s.C[e, e] @ B, E + B.T @ (s.K - s.E)[e, e] @ B)
+        E, _, found, V = _elastic(self.system)
         size = np.abs(found).max()
         # states in the norm of the energy, in which all modes weigh alike
         W = np.vstack([np.sqrt(np.abs(np.diag(E)))[:, None] * V, V * found])
@@ -137,8 +134,7 @@ def spectrum(system: System) -> Spectrum:
     r, n = system.rigid_count, len(system.M)
     M, C, K = system.M, system.C, system.K
     e = slice(r, n)
-    E, B = _coordinates(M[e, e], system.E[e, e])
-    elastic, vectors = _eigen(np.eye(len(E)), B.T @ C[e, e] @ B, E + B.T @ (K - system.E)[e, e] @ B)
+    E, B, elastic, vectors = _elastic(system)
     vectors = B @ vectors
     eigenvalues, full = elastic, vectors
     if r:
@@ -146,7 +142,7 @@ def spectrum(system: System) -> Spectrum:
     order, order_e = _order(eigenvalues), _order(elastic)
     full = full[:, order]
     peak = full[np.abs(full).argmax(axis=0), np.arange(2 * n)]
-    reference = _reference(M[e, e], C[e, e], system.E[e, e])
+    reference = _reference(E, B.T @ C[e, e] @ B)
     places = np.argsort(order)[order_e]
     return Spectrum(eigenvalues[order], full / peak, elastic[order_e], reference, system, places)
 
@@ -169,6 +165,14 @@ def beam_errors(
         off = (np.abs(given - two[nearest]) + apart[nearest]) / size
         errors[row] = np.where(apart[nearest] <= AGREED * size, off, np.nan)
     return errors
+
+
+def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
+    """E and B of `_coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
+    e = slice(system.rigid_count, None)
+    E, B = _coordinates(system.M[e, e], system.E[e, e])
+    C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
+    return E, B, *_eigen(np.eye(len(E)), C, E + load)
 
 
 def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
@@ -235,12 +239,11 @@ def _order(values: Complex) -> NDArray[np.intp]:
     return np.lexsort((values.imag, values.real, digits))
 
 
-def _reference(M: Real, C: Real, E: Real) -> float | None:
-    """|Im λ| of mode 1 at P = 0: Eq. (23) with γ₁⁴ the least eigenvalue of E − s M and β + α γ₁⁴ = vᵀ C v / vᵀ M v."""
-    L = np.linalg.cholesky(E)
-    inverse, Y = np.linalg.eigh(np.linalg.solve(L, np.linalg.solve(L, M).T))
-    v = np.linalg.solve(L.T, Y[:, -1])
-    square = 1 / float(inverse[-1]) - (float(v @ C @ v) / float(v @ M @ v) / 2) ** 2
+def _reference(E: Real, C: Real) -> float | None:
+    """|Im λ| of mode 1 at P = 0: Eq. (23) with γ₁⁴ the least eigenvalue of E, in coordinates where M = I, and
+    β + α γ₁⁴ the damping of its mode."""
+    s, V = np.linalg.eigh(E)
+    square = float(s[0]) - (float(V[:, 0] @ C @ V[:, 0]) / 2) ** 2
     return math.sqrt(square) if square > 0 else None
 
 
