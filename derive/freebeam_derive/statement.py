@@ -20,6 +20,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cache, cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 from sympy import (
     Add,
@@ -36,6 +37,7 @@ from sympy import (
     S,
     Subs,
     Symbol,
+    Tuple,
     expand,
     nsimplify,
     sympify,
@@ -258,6 +260,8 @@ def _fields_of(expression: Expr, name: str) -> Expr:
             if isinstance(e.expr, AppliedUndef) and e.expr.func in FIELDS and set(orders) <= {x, t}:
                 return one(e, e.expr, (orders.get(x, 0), orders.get(t, 0)))
             done = e.doit(integrals=False)
+            if done == 0:
+                raise StatementError(f"{name}: the derivative of {e.expr} is zero: {e} does not vary")
             if done == e:
                 raise StatementError(f"{name}: {e} is no derivative of y in x and t; others are not supported")
             return convert(done)
@@ -593,21 +597,23 @@ def _lost_derivatives_refused() -> Iterator[None]:
     the term that it stood in: a follower force, say. The same becomes of a derivative in another Symbol("x").
     """
     with _ONE_FILE:
-        zero = Derivative.__dict__["_get_zero_with_shape_like"]  # what SymPy calls for such a derivative
+        before = Derivative.__dict__["__new__"]
 
-        def refuse(kind: type, expression: Expr) -> Expr:
-            if expression.has(*FIELDS):
+        def refuse(kind: type, expression: Any, *variables: Any, **settings: Any) -> Expr:
+            found = before.__func__(kind, expression, *variables, **settings)
+            named = {str(s) for v in variables for s in (v if isinstance(v, tuple | Tuple) else (v,))}
+            if found == 0 and named & {"x", "t"} and sympify(expression).has(*FIELDS):
                 raise StatementError(
                     f"a derivative of {expression} is zero: a value at a place is taken after the derivative, such as "
                     "at(y.diff(x), 1), and x and t are those of freebeam_derive.notation"
                 )
-            return zero.__func__(kind, expression)
+            return found
 
-        Derivative._get_zero_with_shape_like = classmethod(refuse)
+        Derivative.__new__ = staticmethod(refuse)
         try:
             yield
         finally:
-            Derivative._get_zero_with_shape_like = zero
+            Derivative.__new__ = before
 
 
 @lru_cache(maxsize=1)

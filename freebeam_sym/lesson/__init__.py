@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
+    from freebeam_sym.convergence import BeamLoss
     from freebeam_sym.lesson.blocks import Lesson
 
 __all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show"]
@@ -85,7 +86,17 @@ def _subtitle(facts: Any) -> str:
     found = facts.critical
     if found.load is None:
         return f"Derived from its energies; stable up to a load of {found.load_max:g}"
-    return f"Derived from its energies, to the {'flutter' if facts.flutters else 'divergence'} load {found.load:.6g}"
+    kind, beam = "flutter" if facts.flutters else "divergence", found.beam
+    known = "" if beam is None or beam.load is None else f"; the beam itself: {_lost(beam)}"
+    return f"Derived from its energies, to the {kind} load {found.load:.6g} of eight modes{known}"
+
+
+def _lost(beam: BeamLoss) -> str:
+    """Kind and load of the beam's own loss of stability, to the digits that hold."""
+    from freebeam_sym.convergence import digits_that_hold
+
+    assert beam.load is not None
+    return f"{beam.kind} at {digits_that_hold(beam.load, beam.uncertainty, 6)}"
 
 
 def _opening(facts: Any) -> list[Any]:

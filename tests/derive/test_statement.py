@@ -60,6 +60,13 @@ def refusal(path: Path) -> str:
     return message
 
 
+def test_an_energy_may_be_a_derivative_in_a_parameter(tmp_path: Path) -> None:
+    """Nothing of y is lost by it: k y′²/2 in k is y′²/2."""
+    plain = considered(written(tmp_path)).energies.functional("W_c")
+    stated = considered(written(tmp_path, W_c="P * integral((k * y.diff(x) ** 2 / 2).diff(k))"))
+    assert stated.energies.functional("W_c") == plain
+
+
 def test_the_sound_statement_is_accepted(tmp_path: Path) -> None:
     """Beck's: the load stands in W_c and in dW_nc, and is not counted twice. Every case below departs from it."""
     assert considered(written(tmp_path)).ends == ("clamped", "free")
