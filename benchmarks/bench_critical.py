@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym import pencil
 
 CASES = {

@@ -13,7 +13,7 @@ import pytest
 import sympy as sp
 from scipy.integrate import quad_vec
 
-import freebeam_sym as fb
+import freebeam as fb
 
 CLAIM = "one column from its energies to emitted NumPy source, after imports"
 

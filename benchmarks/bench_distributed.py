@@ -17,7 +17,7 @@ import dask
 import numpy as np
 from distributed import Client, LocalCluster
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.sweeps import LOCAL
 
 CLAIM = "a map of 2,000 × 2,000 points, N = 8, in blocks of 250 × 2,000: overhead of Dask on two workers"

@@ -13,8 +13,8 @@ from typing import Any
 
 import pytest
 
-import freebeam_sym as fb
-from freebeam_sym.explorer import page as page_of
+import freebeam as fb
+from freebeam.explorer import page as page_of
 
 CLAIM = "a slider's step in the explorer at N = 8"
 STEP = "(values) => { freebeam.set(values); return new Promise((done) => queueMicrotask(() => done(0))); }"

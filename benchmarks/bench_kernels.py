@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 CLAIM = "M, E, H and C at N = 8, modes at hand"
 

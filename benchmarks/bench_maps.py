@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym import pencil
 from freebeam_sym.crossings import first_crossing
 

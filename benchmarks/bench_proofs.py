@@ -8,7 +8,7 @@ from typing import Any
 import mpmath as mp
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify import balls, beam, exact, ritz
 
 RITZ = "A critical load at N = 8, free-free, to so many digits"

@@ -18,7 +18,7 @@ from numba import njit
 from scipy.integrate import solve_ivp
 from scipy.signal import cont2discrete, dlsim
 
-import freebeam_sym as fb
+import freebeam as fb
 
 STEPS, STEP, SENSOR, RATE = 1_000_000, 0.01, 0.1, 3.0
 CLAIMS = {

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import eigvals
 
-import freebeam_sym as fb
+import freebeam as fb
 
 GROWTH = "cost in N of a spectrum"
 MODES = (25, 50, 100, 200)

@@ -20,8 +20,8 @@ from typing import Any
 
 import numpy as np
 
-from freebeam_sym.figures.files import image_of
-from freebeam_sym.figures.look import INK, MUTED, figure, style
+from freebeam.figures.look import INK, MUTED, figure, style
+from freebeam.figures.saving import image_of
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGE, PICTURE = "benchmarks.md", "growth.svg"

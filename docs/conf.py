@@ -9,7 +9,7 @@ from typing import Any
 from docutils import nodes
 from sphinx.application import Sphinx
 
-from freebeam_sym.lesson.mathematics import mathml
+from freebeam.lesson.mathematics import mathml
 
 project = "freebeam"
 copyright = "2026, the freebeam developers"
@@ -38,7 +38,7 @@ python_use_unqualified_type_names = True
 
 html_theme = "furo"
 html_title = "freebeam"
-html_static_path = ["style", "../freebeam_sym/lesson/font"]
+html_static_path = ["style", "../front/freebeam/lesson/font"]
 html_css_files = ["site.css"]
 html_extra_path = ["made"]
 html_math_renderer = "mathml"
@@ -91,7 +91,7 @@ def _commands(app: Sphinx, page: str, source: list[str]) -> None:
         return
     import typer.main
 
-    from freebeam_sym.cli.application import app as freebeam
+    from freebeam.cli.application import app as freebeam
 
     group = typer.main.get_command(freebeam)
     for name in group.list_commands(None):

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import freebeam_sym as fb
-from freebeam_sym.figures.files import image_of
-from freebeam_sym.figures.look import figure
+import freebeam as fb
+from freebeam.figures.look import figure
+from freebeam.figures.saving import image_of
 
 
 def main() -> None:

@@ -22,7 +22,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-import freebeam_sym as fb
+import freebeam as fb
 
 column = fb.column("free-free")
 undamped = fb.critical_load(column)

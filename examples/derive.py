@@ -20,7 +20,7 @@
 # %%
 import numpy as np
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive import pipeline
 from freebeam_derive.notation import P, alpha, beta, t, x, y
 from freebeam_derive.ritz import display_form

@@ -21,7 +21,7 @@
 import matplotlib.pyplot as plt
 import numpy as np
 
-import freebeam_sym as fb
+import freebeam as fb
 
 column = fb.column("free-free")
 ax = fb.figures.beam(column)
@@ -86,7 +86,7 @@ ax = fb.figures.mode_shape(column, **damping)
 # some out. Below the critical load damping takes more, at it both are equal, above it the beam gains.
 
 # %%
-from freebeam_sym.figures import curves
+from freebeam.figures import curves
 
 with fb.figures.style():
     figure, axes = plt.subplots(1, 3, figsize=(11, 3.2), sharey=True)

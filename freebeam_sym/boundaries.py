@@ -123,7 +123,7 @@ def trace_boundary(
     missed.
     `fixed`: the other parameters. Raises InputError for bad values.
 
-    >>> import freebeam_sym as fb
+    >>> import freebeam as fb
     >>> curve = fb.trace_boundary(fb.column("beck"), "eta", 0.4, 0.6, modes=4, load_max=100)
     >>> [event.what for event in curve.events]
     ['divergence to flutter']

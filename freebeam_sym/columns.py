@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections import OrderedDict
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache
@@ -28,6 +29,7 @@ from freebeam_sym.checks import (
     reals,
     refusal,
 )
+from freebeam_sym.kernels import read_kernel
 
 __all__ = ["Column", "Parameter", "System", "column", "names"]
 
@@ -60,6 +62,8 @@ class Column:
     kernel: ModuleType
     path: Path | None = None
     """Its file, of a column of one's own."""
+    relative: Callable[[str], Column] | None = field(default=None, repr=False)
+    """What gives the same column in another basis, by the basis's name."""
     _cache: OrderedDict[Any, Any] = field(default_factory=OrderedDict, repr=False)
 
     @property
@@ -89,12 +93,10 @@ class Column:
         another basis, with none of polynomials beside it."""
         if self.basis_name == "legendre":
             return self
-        if self.path is None:
-            return column(self.name, "legendre")
-        if Path(str(self.kernel.__file__)) != self.path:  # derived from a statement
-            return column(self.path, "legendre")
-        beside = self.path.with_stem(f"{self.path.stem}_legendre")
-        return column(beside) if beside.is_file() else None
+        if self.relative is not None:
+            return self.relative("legendre")
+        beside = self.path and self.path.with_stem(f"{self.path.stem}_legendre")
+        return column(beside) if beside and beside.is_file() else None
 
     def number(self, modes: int | None) -> int:
         """N: the number of elastic functions, checked, where none is given the column's own.
@@ -385,38 +387,40 @@ def names() -> tuple[str, ...]:
 
 
 def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
-    """A column by its name, or by the path of a user's own column file (or of a kernel emitted from one).
+    """A column by its name, or by the path of a kernel that was emitted for it.
 
     basis: the trial functions, "modes" of the unloaded beam or "legendre": polynomials, with which critical loads
     converge exponentially in their number; where None, what the column states: polynomials, if nothing else. A kernel's
     file has the one that it was emitted for.
-    A column file is derived, emitted and verified when it is first used, and kept for later.
 
     >>> column("free-free", basis="legendre").basis_name
     'legendre'
 
-    Raises InputError for a name that no column has, a file that makes no sense and a basis that there is not.
+    Raises InputError for a name that no column has, a file that is no kernel and a basis that there is not.
     """
-    kernels = import_module("freebeam_kernels")
-    known = kernels.COLUMNS
+    known = import_module("freebeam_kernels").COLUMNS
+    path = file_of(name, basis)
+    if path is not None:
+        return column_of(path, read_kernel(path), basis)
+    assert isinstance(name, str)
+    found = _tree(known[name][basis or "legendre"])
+    stated = found.kernel.COLUMN["default"]["basis"]
+    return found if basis or stated == found.basis_name else _tree(known[name][stated])
+
+
+def file_of(name: object, basis: object = None) -> Path | None:
+    """The file that names a column; None where `name` is that of a column of the package. Raises InputError where it is
+    neither, and for a basis that there is not."""
+    known = names()
     if not isinstance(name, str | os.PathLike):
         raise refusal("column", name, f"must be a name, one of {', '.join(known)}, or the path of a column's file")
     if basis is not None and basis not in BASES:
         raise refusal("basis", basis, f"must be one of {', '.join(BASES)}")
     text = os.fspath(name)
     if text in known:
-        found = _tree(known[text][basis or "legendre"])
-        stated = found.kernel.COLUMN["default"]["basis"]
-        return found if basis or stated == found.basis_name else _tree(known[text][stated])
+        return None
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
-        from freebeam_sym.own import kernel_of
-
-        found = Column(kernel_of(Path(name), basis), Path(name))
-        if basis not in (None, found.basis_name):
-            raise InputError(
-                f"{text}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file"
-            )
-        return found
+        return Path(text)
     near = difflib.get_close_matches(text, known, 1)
     raise InputError(
         f"column {text if len(text) < 60 else text[:57] + '...'!r} is not known; there are {', '.join(known)}"
@@ -425,7 +429,16 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     )
 
 
+def column_of(path: Path, kernel: ModuleType, basis: str | None) -> Column:
+    """The column of an emitted kernel. Raises InputError where that is in another basis than the one asked for."""
+    found = Column(kernel, path)
+    if basis not in (None, found.basis_name):
+        raise InputError(f"{path}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file")
+    return found
+
+
 @cache
 def _tree(module: str) -> Column:
     """A column of the package, by the module of its kernel."""
-    return Column(import_module(f"freebeam_kernels.{module}"))
+    kernel = import_module(f"freebeam_kernels.{module}")
+    return Column(kernel, relative=lambda basis: column(str(kernel.COLUMN["name"]), basis))

@@ -57,7 +57,7 @@ def critical_loads(
 ) -> CriticalLoads:
     """`critical_load` over arrays of alpha, beta and the column's own parameters, which broadcast like NumPy's.
 
-    >>> import freebeam_sym as fb
+    >>> import freebeam as fb
     >>> loads = fb.critical_loads(fb.column("beck"), alpha=[[1e-3], [1e-2]], beta=[0.1, 0.5, 1.0])
     >>> loads.load.shape
     (2, 3)
@@ -103,7 +103,7 @@ def stability_map(
     numbers are fixed, and those not given are 0 (damping) or at their default.
 
     >>> import numpy as np
-    >>> import freebeam_sym as fb
+    >>> import freebeam as fb
     >>> found = fb.stability_map(fb.column("free-free"), alpha=np.logspace(-6, -1, 20), beta=np.logspace(-2, 0, 10))
     >>> found["load"].dims, found["load"].shape
     (('alpha', 'beta'), (20, 10))

@@ -258,7 +258,7 @@ def eigenvalues(
     """Eigenvalues λ of the elastic motion over arrays of load, alpha, beta and own parameters, which broadcast like
     NumPy's: complex, of their shape and (2N,) more, each row sorted as `spectrum` sorts. Eqs. (24)-(25).
 
-    >>> import freebeam_sym as fb
+    >>> import freebeam as fb
     >>> fb.eigenvalues(fb.column("beck", "modes"), modes=8, load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
     (2, 3, 16)
 

@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 import typer.main
 
-import freebeam_sym as fb
-from freebeam_sym.cli.application import app
+import freebeam as fb
+from freebeam.cli.application import app
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
@@ -54,5 +54,5 @@ def test_commands_are_understood(line: str) -> None:
 
 def test_every_public_name_is_in_the_reference() -> None:
     page = (ROOT / "docs" / "reference" / "runtime.md").read_text(encoding="utf-8")
-    named = set(re.findall(r"freebeam_sym\.(\w+)", page))
+    named = set(re.findall(r"freebeam\.(\w+)", page))
     assert {name for name in fb.__all__ if not name.startswith("__")} <= named

@@ -10,7 +10,7 @@ import matplotlib
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 FOLDER = Path(__file__).parents[1] / "examples"
 NOTEBOOKS = {file.stem: file for file in sorted(FOLDER.glob("*.py"))}

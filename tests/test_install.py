@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from freebeam_sym.cli.application import ORDER
+from freebeam.cli.application import ORDER
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = {
     "freebeam_derive": ROOT / "derive" / "freebeam_derive",
     "freebeam_kernels": ROOT / "generated" / "freebeam_kernels",
     "freebeam_sym": ROOT / "freebeam_sym",
+    "freebeam": ROOT / "front" / "freebeam",
 }
 MADE = shutil.ignore_patterns("__pycache__", "report.json")  # what running leaves in a tree
 COMMANDS = [

@@ -13,7 +13,7 @@ from flint import arb, arb_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify import balls, crossings, ritz
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.crossings import Crossing, Inseparable

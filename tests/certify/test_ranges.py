@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from flint import arb
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.ranges import BITS, Line, _Family
 

@@ -15,7 +15,7 @@ from flint import arb
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify import balls, certificate, ritz, verifier
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.ritz import Enclosure, Question

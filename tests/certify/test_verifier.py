@@ -18,7 +18,7 @@ import flint
 import pytest
 from flint import arb, arb_poly, arb_series
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify import verifier
 
 F = Fraction

@@ -489,7 +489,7 @@ def test_unknown_name_lists_the_known(tmp_path: Path) -> None:
 
 def test_no_keyword_of_a_public_call_can_be_a_parameter(tmp_path: Path) -> None:
     """Every name that a call takes beside a column's own parameters, and what a map's dataset holds, are refused."""
-    import freebeam_sym as fb
+    import freebeam as fb
 
     calls = [getattr(fb, name) for name in fb.__all__ if name != "__version__"]
     calls += [method for kind in (fb.Column, fb.System) for _, method in inspect.getmembers(kind, inspect.isfunction)]

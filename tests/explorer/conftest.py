@@ -6,8 +6,8 @@ from typing import Any
 
 import pytest
 
-import freebeam_sym as fb
-from freebeam_sym import explorer
+import freebeam as fb
+from freebeam import explorer
 
 SETTLED = "() => window.freebeam && freebeam.settled()"
 

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 from numpy.polynomial import chebyshev
 
-import freebeam_sym as fb
-from freebeam_sym import cli
+import freebeam as fb
+from freebeam import cli
+from freebeam.explorer import page
+from freebeam.explorer.content import LOAD_MAX, MODES, content
 from freebeam_sym.checks import InputError
-from freebeam_sym.explorer import page
-from freebeam_sym.explorer.content import LOAD_MAX, MODES, content
 
 
 class Kernel(SimpleNamespace):

@@ -9,8 +9,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
-from freebeam_sym import cli
+import freebeam as fb
+from freebeam import cli
 
 FULL = "#P=42.5&alpha=0.02&beta=0&N=11&sensor=0.35"
 

@@ -19,13 +19,10 @@ from fontTools.ttLib import TTFont
 from markdown_it import MarkdownIt
 from matplotlib.mathtext import MathTextParser
 
-import freebeam_sym as fb
-from freebeam_derive import emit, latex, legendre, pipeline, proofs, statement, verify
-from freebeam_derive.record import Step
-from freebeam_sym.cli import main
-from freebeam_sym.columns import Column
-from freebeam_sym.lesson import FORMATS, lesson, printed
-from freebeam_sym.lesson.blocks import (
+import freebeam as fb
+from freebeam.cli import main
+from freebeam.lesson import FORMATS, lesson, printed
+from freebeam.lesson.blocks import (
     Block,
     Cell,
     Check,
@@ -40,13 +37,16 @@ from freebeam_sym.lesson.blocks import (
     spans,
     walk,
 )
-from freebeam_sym.lesson.errata import entries
-from freebeam_sym.lesson.facts import Facts
-from freebeam_sym.lesson.mathematics import mathml, typst
-from freebeam_sym.lesson.notebook import unexecuted
-from freebeam_sym.lesson.pdf import source as typeset
-from freebeam_sym.lesson.tex import _ESCAPES, text_of
-from freebeam_sym.lesson.writer import Writer
+from freebeam.lesson.errata import entries
+from freebeam.lesson.facts import Facts
+from freebeam.lesson.mathematics import mathml, typst
+from freebeam.lesson.notebook import unexecuted
+from freebeam.lesson.pdf import source as typeset
+from freebeam.lesson.tex import _ESCAPES, text_of
+from freebeam.lesson.writer import Writer
+from freebeam_derive import emit, latex, legendre, pipeline, proofs, statement, verify
+from freebeam_derive.record import Step
+from freebeam_sym.columns import Column
 
 ROOT = Path(__file__).parents[2]
 OWN = ROOT / "tests" / "derive" / "columns"
@@ -82,7 +82,7 @@ def made(name: str) -> Lesson:
     residuals(name)  # before what computes it is replaced
     with pytest.MonkeyPatch.context() as patch:
         if name not in statement.columns():
-            patch.setattr("freebeam_sym.columns.column", lambda _, basis=None: compiled(name, basis or "modes"))
+            patch.setattr("freebeam.own.column", lambda _, basis=None: compiled(name, basis or "modes"))
         patch.setattr(Step, "residual", lambda step: residuals(name)[f"{step.stage}: {step.what}: {step.why}"])
         patch.setattr("freebeam_derive.pipeline.derive", lambda _: derived(name))
         return lesson(name if name in statement.columns() else file_of(name))
@@ -391,8 +391,8 @@ def test_notebook_runs_when_the_statement_is_changed(monkeypatch: pytest.MonkeyP
     cells = [source for kind, source in unexecuted(made("free-free")) if kind == "code"]
     assert sum("column = Column(" in cell for cell in cells) == 1
     seen: list[Any] = []
-    monkeypatch.setattr("freebeam_sym.lesson._display", seen.append)
-    monkeypatch.setattr("freebeam_sym.lesson.compiled", lambda column: kernels)
+    monkeypatch.setattr("freebeam.lesson._display", seen.append)
+    monkeypatch.setattr("freebeam.lesson.compiled", lambda column: kernels)
     monkeypatch.setattr("freebeam_derive.pipeline.derive", lambda column: derived(column.name))
     monkeypatch.setattr(
         "freebeam_derive.record.Step.residual",
@@ -411,7 +411,7 @@ def test_notebook_runs_when_the_statement_is_changed(monkeypatch: pytest.MonkeyP
 
 # --- letters ------------------------------------------------------------------------------------------------------
 
-FONT = ROOT / "freebeam_sym" / "lesson" / "font" / "math.woff2"
+FONT = ROOT / "front" / "freebeam" / "lesson" / "font" / "math.woff2"
 
 
 def slanted(letter: str) -> str:
@@ -450,9 +450,9 @@ def test_the_documentation_has_the_same_letters() -> None:
     style = (docs / "style" / "site.css").read_text(encoding="utf-8")
     (named,) = re.findall(r"url\((.*?)\)", style)
     assert [docs / folder / named for folder in folders if (docs / folder / named).is_file()] == [
-        docs / "../freebeam_sym/lesson/font" / FONT.name
+        docs / "../front/freebeam/lesson/font" / FONT.name
     ]
-    for family in (style, (ROOT / "freebeam_sym" / "lesson" / "page.css").read_text(encoding="utf-8")):
+    for family in (style, (ROOT / "front" / "freebeam" / "lesson" / "page.css").read_text(encoding="utf-8")):
         assert family.count('"Freebeam Math"') == 2
 
 
@@ -582,8 +582,8 @@ def test_latex_of_a_parameter_is_shown_in_every_format(tmp_path: Path) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """The lesson that was made, and a printer that is quick."""
-    monkeypatch.setattr("freebeam_sym.lesson.lesson", lambda column, report=None: made("euler-pinned"))
-    monkeypatch.setattr("freebeam_sym.lesson.printed", lambda found, format, output: {output: b"text"})
+    monkeypatch.setattr("freebeam.lesson.lesson", lambda column, report=None: made("euler-pinned"))
+    monkeypatch.setattr("freebeam.lesson.printed", lambda found, format, output: {output: b"text"})
 
 
 def test_command_writes_once(tmp_path: Path, capsys: pytest.CaptureFixture[str], quick: None) -> None:
@@ -630,4 +630,4 @@ def test_every_kind_of_block_is_printed() -> None:
 
 def test_formats_have_printers() -> None:
     for module in FORMATS.values():
-        assert (ROOT / "freebeam_sym" / "lesson" / f"{module}.py").is_file()
+        assert (ROOT / "front" / "freebeam" / "lesson" / f"{module}.py").is_file()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from freebeam_sym.ledger.book import Ledger, ledger
+from freebeam.ledger.book import Ledger, ledger
 
 
 @pytest.fixture(scope="session")

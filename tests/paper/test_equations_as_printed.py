@@ -9,12 +9,12 @@ import pytest
 import sympy as sp
 from sympy import Derivative, Eq, Function, Integral, Symbol
 
+from freebeam.paper import compare as comparison
+from freebeam.paper.printed import EQUATIONS, FIELDS, WITH_DIMENSIONS, Printed
+from freebeam.paper.reader import Names, ReadingError, misprinted, read
+from freebeam.paper.typeset import latex
 from freebeam_derive.latex import Printer
 from freebeam_derive.notation import alpha, t, x, y
-from freebeam_derive.paper import compare as comparison
-from freebeam_derive.paper.printed import EQUATIONS, FIELDS, WITH_DIMENSIONS, Printed
-from freebeam_derive.paper.reader import Names, ReadingError, misprinted, read
-from freebeam_derive.paper.tex import latex
 
 
 @pytest.mark.parametrize("printed", EQUATIONS, ids=lambda printed: f"({printed.number})")
@@ -91,7 +91,7 @@ def test_a_repair_must_find_its_place() -> None:
 
 @pytest.fixture(scope="module")
 def rows() -> tuple[comparison.Comparison, ...]:
-    from freebeam_sym.ledger.proven import equations
+    from freebeam.ledger.proven import equations
 
     return tuple(equations())
 

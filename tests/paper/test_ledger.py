@@ -12,14 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
-from freebeam_sym import cli
-from freebeam_sym.ledger import book as books
-from freebeam_sym.ledger import loads, motion, proven
-from freebeam_sym.ledger.book import CLAIM_VERDICTS, Ledger, judged
-from freebeam_sym.ledger.finding import CHECKS, Finding, enclosure
-from freebeam_sym.ledger.page import page
-from freebeam_sym.ledger.quotes import QUOTES
+import freebeam as fb
+from freebeam import cli
+from freebeam.ledger import book as books
+from freebeam.ledger import loads, proven, responses
+from freebeam.ledger.book import CLAIM_VERDICTS, Ledger, judged
+from freebeam.ledger.finding import CHECKS, Finding, enclosure
+from freebeam.ledger.page import page
+from freebeam.ledger.quotes import QUOTES
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
@@ -96,7 +96,7 @@ def test_a_claim_in_the_wrong_direction_fails() -> None:
     """Along β = 0.1 the load does not rise throughout; nor does it fall and rise where it only rises."""
     assert not loads.falls_then_rises("0.02", "0.03", "0.1").holds
     assert not loads.rises("internal", "0.001", "0.0012", "0.1").holds
-    assert not motion.fixed_amplitude(("5",)).holds
+    assert not responses.fixed_amplitude(("5",)).holds
 
 
 # --- what is proven, by another route -----------------------------------------------------------------------
@@ -173,8 +173,8 @@ def test_the_drift_is_that_of_newmark() -> None:
     s = fb.column("free-free").system(8, 5.0, 1e-3, 0.1, rigid=True)
     force = {"force": fb.Harmonic(1e-3, 3.0), "force_position": 1.0}
     response = fb.respond(s, 40.0, 0.005, sensors=[0.1], method="newmark", **force)
-    assert motion.drift()["whole"] == pytest.approx(response.y[-1, 0], rel=1e-4)
-    assert motion.drift()["elastic part"] == pytest.approx(response.y_elastic[-1, 0], rel=1e-3)
+    assert responses.drift()["whole"] == pytest.approx(response.y[-1, 0], rel=1e-4)
+    assert responses.drift()["elastic part"] == pytest.approx(response.y_elastic[-1, 0], rel=1e-3)
 
 
 def test_enclosures_round_outwards() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 
 def growing(system: fb.System) -> np.ndarray:

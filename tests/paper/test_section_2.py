@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 EI, m, L = 2.3e6, 41.0, 17.5  # N m², kg/m, m
 C_alpha, C_beta, P_0 = 3.1e-3, 55.0, 9.4e4  # s, kg/(m s), N

@@ -13,7 +13,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 N = 8
 P, ALPHA, BETA = 50.0, 1e-3, 0.1

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 # A real part below this is taken for zero. Rounding gives the undamped beam some 1e-13 before coalescence; the least
 # that a first unstable step gives is 6e-7, at α = 1e-6.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 
 
 @pytest.mark.parametrize(("alpha", "beta"), [(1e-3, 0.0), (0.0, 0.1), (1e-3, 0.1)])

@@ -16,7 +16,7 @@ from fractions import Fraction
 import numpy as np
 from flint import arb, arb_mat
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_derive.certify import balls
 
 BITS = 200

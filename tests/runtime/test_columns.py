@@ -11,8 +11,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
-from freebeam_sym import cli
+import freebeam as fb
+from freebeam import cli
 
 NAMES = ("free-free", "beck", "euler-pinned")
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.counts import unstable_count
 from freebeam_sym.critical import critical_load
 from freebeam_sym.crossings import _Krylov, _Operator, first_crossing, first_loss

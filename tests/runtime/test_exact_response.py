@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.response import stepping
 from freebeam_sym.response.inputs import moments

@@ -18,7 +18,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
+import freebeam as fb
 
 NAMES = ("free-free", "beck", "euler-pinned")
 

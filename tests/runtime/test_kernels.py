@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.linalg import expm
 
-import freebeam_sym as fb
+import freebeam as fb
 
 NAMES = ("free-free", "beck", "euler-pinned")
 AXIAL = {"free-free": lambda x: x, "beck": np.ones_like, "euler-pinned": np.ones_like}  # axial force / P, Eq. (3)

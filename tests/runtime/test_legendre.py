@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from numpy.polynomial import legendre
 
-import freebeam_sym as fb
-from freebeam_sym import cli
+import freebeam as fb
+from freebeam import cli
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import Column
 

@@ -15,7 +15,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.response import double, modal, powers, stepping
 

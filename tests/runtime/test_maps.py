@@ -15,8 +15,9 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
-from freebeam_sym import cli, grids, pencil
+import freebeam as fb
+from freebeam import cli
+from freebeam_sym import grids, pencil
 from freebeam_sym.critical import _settled
 from freebeam_sym.crossings import first_crossing
 from freebeam_sym.surface import leaves, surface_of

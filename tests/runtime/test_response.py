@@ -17,7 +17,7 @@ import pytest
 from scipy.linalg import eigvals, expm
 from scipy.optimize import brentq
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.response import Response, respond, state_space
 

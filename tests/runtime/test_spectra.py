@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym.spectra import branches, spectrum, state_matrix
 
 NAMES = ("free-free", "beck", "euler-pinned")

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 import xarray
 
-import freebeam_sym as fb
+import freebeam as fb
 from freebeam_sym import sweeps
 from freebeam_sym.checks import InputError
 
@@ -161,7 +161,7 @@ def test_a_killed_run_goes_on(serial: xarray.Dataset, tmp_path: Path, computed: 
     """SIGKILL in mid-run, after some blocks: these are read, the others computed, the bits are those of one run."""
     store = tmp_path / "map.zarr"
     code = (
-        "import sys, time, numpy as np, freebeam_sym as fb\n"
+        "import sys, time, numpy as np, freebeam as fb\n"
         "def step(share):\n"
         "    print(share, flush=True)\n"
         "    if share > 0.4: time.sleep(60)\n"
@@ -292,7 +292,7 @@ def test_the_command_goes_on_from_a_store(
     tmp_path: Path, computed: list[int], capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Blocks kept by another run, here from Python, are those of the command: all is read, nothing computed."""
-    from freebeam_sym.cli import main
+    from freebeam.cli import main
 
     whole = mapped(store=tmp_path / "map.zarr", chunks=4)
     computed.clear()

@@ -1,3 +1,0 @@
-from freebeam_sym.cli import main
-
-raise SystemExit(main())

@@ -1,0 +1,93 @@
+"""Stability of columns under follower forces: spectra, critical loads and responses, with pictures and proofs.
+
+    import freebeam as fb
+    column = fb.column("free-free")
+    fb.critical_load(column, modes=8, alpha=1e-3, beta=0.1).load
+
+Each name loads its module when it is first used, so that importing this package costs next to nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+import freebeam_sym as _runtime
+
+if TYPE_CHECKING:
+    import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
+    from freebeam.own import column
+    from freebeam.proofs import (
+        Certified,
+        CertifiedCrossing,
+        ExactSpectrum,
+        Truncation,
+        certified_crossings,
+        certified_load,
+        exact_load,
+        exact_spectrum,
+        truncation_error,
+        verify_certificate,
+    )
+    from freebeam_sym import (
+        Boundary,
+        BoundaryEvent,
+        Branches,
+        Column,
+        CriticalLoad,
+        CriticalLoads,
+        Harmonic,
+        InputError,
+        Response,
+        Spectrum,
+        System,
+        branches,
+        column_names,
+        critical_load,
+        critical_loads,
+        eigenvalues,
+        respond,
+        spectrum,
+        stability_map,
+        state_space,
+        trace_boundary,
+    )
+
+__all__ = [
+    "column", "column_names", "Column", "System",
+    "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
+    "critical_load", "CriticalLoad",
+    "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
+    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+    "respond", "state_space", "Harmonic", "Response",
+    "InputError",
+    "__version__",
+]  # fmt: skip
+
+# Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
+# module, because importing the module would put it in the name's place.
+_HOMES = {"own": ["column"], "proofs": [
+    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+]}  # fmt: skip
+_PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
+
+
+def __getattr__(name: str) -> object:
+    home = next((module for module, names in _HOMES.items() if name in names), None)
+    value: object
+    if name in _PACKAGES:
+        value = import_module(f"{__name__}.{name}")
+    elif home is not None:
+        value = getattr(import_module(f"{__name__}.{home}"), name)
+    elif name in __all__:
+        value = getattr(_runtime, name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted({*__all__, *_PACKAGES})

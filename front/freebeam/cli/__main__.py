@@ -1,0 +1,3 @@
+from freebeam.cli import main
+
+raise SystemExit(main())

@@ -1,0 +1,196 @@
+"""The lesson: a column's whole derivation and its physics, printed from the record of the program that did it.
+
+    from freebeam.lesson import lesson, printed
+    files = printed(lesson("free-free"), "html", "lesson.html")
+
+`lesson` makes the tree (blocks.py), `printed` prints it in one of FORMATS; a notebook's cells use `show`, `proven`,
+`compiled` and `draw`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from importlib import import_module
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from freebeam_sym.checks import InputError
+
+if TYPE_CHECKING:
+    from freebeam.lesson.blocks import Lesson
+    from freebeam_sym.convergence import BeamLoss
+
+__all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show"]
+
+FORMATS = {"html": "html", "md": "markdown", "tex": "tex", "ipynb": "notebook", "pdf": "pdf"}
+"""Formats, and the module that prints each."""
+
+PAPER = "free-free"
+"""The column of the paper, whose misprints are marked."""
+
+Progress = Callable[[str], None]
+
+
+def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = None) -> Lesson:
+    """The lesson on a column, by its name or by the path of its file. Eqs. (1)-(26).
+
+    Every formula is printed from the object that the program computed with, and every step's proof is run.
+    progress: told what is being done. Raises InputError for a column that is not known or has no statement, and
+    AssertionError where a proof fails.
+    """
+    from freebeam.lesson.blocks import Heading, Lesson, Prose
+    from freebeam.lesson.facts import Facts
+    from freebeam.lesson.phrases import n
+    from freebeam.lesson.physics import physics_chapters
+    from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
+    from freebeam.own import column as column_of
+    from freebeam_derive import pipeline
+    from freebeam_derive.statement import StatementError
+
+    say = progress or (lambda _: None)
+    say("kernels")
+    facts = Facts(column_of(column), None)  # type: ignore[arg-type]
+    name = os.fspath(column)
+    try:
+        stated = pipeline.find(name)
+    except StatementError as error:
+        if hasattr(facts.column.kernel, "COLUMN") and Path(name).is_file():
+            raise InputError(
+                f"{name}: is a kernel, and a lesson needs the statement that it was derived from; give the column's "
+                "file"
+            ) from None
+        raise InputError(str(error)) from error
+    facts = Facts(column_of(column, "modes"), column_of(column, "legendre"))
+    say("derivation")
+    derived = pipeline.derive(stated)
+    chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
+    source = pipeline.columns().get(name, Path(name))
+    say("proofs of the derivation")
+    blocks = [*_opening(facts), *derivation_chapters(chapter, facts.column, source)]
+    say("physics")
+    blocks += physics_chapters(chapter, facts, chapter.paper)
+    say("Newmark's method")
+    blocks += newmark_chapter(chapter)
+    blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
+    made = Lesson(facts.column.title, _subtitle(facts), stated.name, tuple(blocks))
+    count = len(made.checks)
+    closing = Prose(
+        f"*{count} checks were run when this lesson was made, and all of them passed.* Steps in exact arithmetic left "
+        f"nothing; those computed with 40 digits left at most {n(max(c.residual for c in made.checks), 1)}."
+    )
+    return Lesson(made.title, made.subtitle, made.column, (*made.blocks, closing))
+
+
+def _subtitle(facts: Any) -> str:
+    found = facts.critical
+    if found.load is None:
+        return f"Derived from its energies; stable up to a load of {found.load_max:g}"
+    kind, beam = "flutter" if facts.flutters else "divergence", found.beam
+    known = "" if beam is None or beam.load is None else f"; the beam itself: {_lost(beam)}"
+    return f"Derived from its energies, to the {kind} load {found.load:.6g} of eight modes{known}"
+
+
+def _lost(beam: BeamLoss) -> str:
+    """Kind and load of the beam's own loss of stability, to the digits that hold."""
+    from freebeam_sym.convergence import digits_that_hold
+
+    assert beam.load is not None
+    return f"{beam.kind} at {digits_that_hold(beam.load, beam.uncertainty, 6)}"
+
+
+def _opening(facts: Any) -> list[Any]:
+    from freebeam.lesson.blocks import Prose
+
+    column = facts.column
+    return [
+        Prose(
+            "This lesson goes from the energies of a beam to the load at which it loses its stability, and leaves "
+            "nothing out. It was not typed: a program derived the formulas in order to compute with them, kept what "
+            "it did, and printed it here. Below each result stands what proved it, by another route than the one that "
+            "led to it; those proofs were run when this page was made."
+        ),
+        Prose(
+            "Numbers in round brackets on the right are those of Kavianipour and Sadati's paper on the free-free beam, "
+            + (
+                "the column at hand. Where the paper's print differs from the derivation, a box says so."
+                if column.name == PAPER
+                else f"from which the method comes; the column at hand is another one ({'-'.join(column.ends)}), so "
+                "the formulas beside them are its own."
+            )
+        ),
+    ]
+
+
+def _rest(chapter: Any) -> tuple[Any, ...]:
+    from freebeam.lesson.errata import entries
+
+    left = [place for entry in entries() for place in entry.places]
+    return tuple(chapter.errata(*left))
+
+
+def printed(made: Lesson, format: str, output: str | os.PathLike[str]) -> dict[Path, bytes]:
+    """The files of a lesson in a format: the one at `output`, and pictures beside it where the format needs them.
+
+    Nothing is written. Raises InputError for an unknown format and for a package that is missing.
+    """
+    if format not in FORMATS:
+        raise InputError(f"format = {format!r}: must be one of {', '.join(FORMATS)}")
+    files: dict[Path, bytes] = import_module(f"freebeam.lesson.{FORMATS[format]}").files(made, Path(output))
+    return files
+
+
+# --- what a notebook's cells use -------------------------------------------------------------------------------------
+
+
+def _display(latex: str) -> None:
+    from IPython.display import Math, display  # type: ignore[import-not-found, unused-ignore]
+
+    display(Math(latex))  # type: ignore[no-untyped-call, unused-ignore]
+
+
+def show(*objects: Any) -> None:
+    """Show SymPy objects as formulas, as the lesson prints them. For notebooks."""
+    from freebeam.lesson.blocks import Equation
+    from freebeam_derive.latex import Printer
+
+    for item in objects:
+        lines = Printer().lines(item)
+        if lines:
+            _display(Equation(tuple(lines)).latex)
+
+
+def proven(derived: Any, what: str, why: str = "", stage: str = "", shown: bool = False) -> None:
+    """Show the steps of a derivation that are called so (unless they are `shown` already), run their proofs and say
+    what proved them. For notebooks."""
+    steps = [s for s in derived.steps if s.what == what and s.why.startswith(why) and s.stage.startswith(stage)]
+    if not steps:
+        print("This column has no such step.")
+    for step in steps:
+        if not shown and not isinstance(step.after, str | int):
+            show(step.after)
+        left = step.residual()
+        print(f"checked: {step.check or 'put back'}" + (f" (leaves {left:.0e})" if left else ""))
+
+
+def compiled(column: Any) -> Any:
+    """The kernels of a stated column, derived, emitted and loaded: what `freebeam_sym` computes with. For notebooks.
+
+    Raises InputError where the statement makes no sense.
+    """
+    from freebeam_derive import emit, pipeline, verify
+    from freebeam_derive.statement import StatementError
+    from freebeam_sym.columns import Column
+
+    try:
+        return Column(verify.load(emit.emit(pipeline.derive(column).kernel), column.module))
+    except StatementError as error:
+        raise InputError(str(error)) from error
+
+
+def draw(picture: Callable[..., Any], *arguments: Any, **options: Any) -> None:
+    """Make a picture of `fb.figures`, or say in a line why this column has none. For notebooks."""
+    try:
+        picture(*arguments, **options)
+    except InputError as error:
+        print(error)

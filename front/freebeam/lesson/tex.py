@@ -1,0 +1,133 @@
+"""The lesson as LaTeX for any installation: amsmath, amssymb, graphicx, hyperref; its drawings are PDFs beside it."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import ClassVar
+
+from freebeam.lesson import blocks
+from freebeam.lesson.writer import Writer, left
+
+__all__ = ["files"]
+
+_ESCAPES = {
+    "\\": r"\textbackslash{}", "&": r"\&", "%": r"\%", "$": r"\$", "#": r"\#", "_": r"\_", "{": r"\{", "}": r"\}",
+    "~": r"\textasciitilde{}", "^": r"\textasciicircum{}", "“": "``", "”": "''", "—": "---", "…": r"\dots{}",
+    "`": r"\textasciigrave{}",
+}  # fmt: skip
+_LETTERS = {
+    "α": "alpha", "β": "beta", "γ": "gamma", "δ": "delta", "ε": "varepsilon", "η": "eta", "κ": "kappa", "λ": "lambda",
+    "μ": "mu", "ξ": "xi", "π": "pi", "ρ": "rho", "σ": "sigma", "φ": "varphi", "χ": "chi", "ψ": "psi", "ω": "omega",
+    "Ψ": "Psi", "Φ": "Phi", "Ω": "Omega", "Δ": "Delta", "Σ": "Sigma", "∫": "int", "∂": "partial", "≥": "ge", "≤": "le",
+    "≠": "ne", "±": "pm", "×": "times", "→": "to", "∞": "infty", "·": "cdot", "≈": "approx",
+}  # fmt: skip
+_SCRIPTS = {
+    **{c: f"^{{{k}}}" for k, c in enumerate("⁰¹²³⁴⁵⁶⁷⁸⁹")}, **{c: f"_{{{k}}}" for k, c in enumerate("₀₁₂₃₄₅₆₇₈₉")},
+    "⁻": "^{-}", "ᵀ": r"^{\mathsf{T}}", "ᵢ": "_{i}", "ⱼ": "_{j}", "′": "^{\\prime}", "″": "^{\\prime\\prime}",
+    "‴": "^{\\prime\\prime\\prime}", "−": "-", "½": r"\tfrac{1}{2}", "¼": r"\tfrac{1}{4}",
+}  # fmt: skip
+
+
+def text_of(text: str) -> str:
+    """Plain text as LaTeX; letters that ASCII lacks as mathematics, one run at a time."""
+    marks = {**{c: rf"\{name} " for c, name in _LETTERS.items()}, **_SCRIPTS}
+    runs = re.split(f"([{re.escape(''.join(marks))}]+)", text)
+    parts = []
+    for run in runs:
+        if run and run[0] in marks:
+            found = re.sub(r"\}\^\{", "", "".join(marks[c] for c in run))
+            parts.append(f"${found.strip()}$")
+        else:
+            parts.append("".join(_ESCAPES.get(c, c) for c in run))
+    return "".join(parts)
+
+
+def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
+    """The source, and its drawings in a folder named after it."""
+    page = _Page(output.with_name(f"{output.stem}_files"))
+    text = rf"""\documentclass[11pt,a4paper]{{article}}
+\usepackage[utf8]{{inputenc}}
+\usepackage[T1]{{fontenc}}
+\usepackage{{amsmath,amssymb,graphicx}}
+\usepackage[hidelinks]{{hyperref}}
+\allowdisplaybreaks
+\setlength{{\parindent}}{{0pt}}
+\setlength{{\parskip}}{{0.6em}}
+\emergencystretch=3em
+% a formula that is wider than the text is shrunk to it
+\newsavebox{{\formula}}
+\newcommand{{\fitted}}[1]{{\sbox{{\formula}}{{$\displaystyle #1$}}%
+  \ifdim\wd\formula>0.9\linewidth\resizebox{{0.9\linewidth}}{{!}}{{\usebox{{\formula}}}}\else\usebox{{\formula}}\fi}}
+\title{{{page.plain(lesson.title)}}}
+\author{{}}
+\date{{{page.plain(lesson.subtitle)}}}
+\begin{{document}}
+\maketitle
+\tableofcontents
+
+{page.joined(lesson.blocks)}
+\end{{document}}
+"""
+    return {output: text.encode(), **page.pictures}
+
+
+class _Page(Writer):
+    spans: ClassVar = {
+        "text": text_of,
+        "math": "${}$".format,
+        "display": lambda piece: rf"\[\fitted{{{piece.strip()}}}\]",
+        "code": lambda piece: rf"\texttt{{{text_of(piece)}}}",
+        "strong": r"\textbf{{{}}}".format,
+        "emphasis": r"\emph{{{}}}".format,
+    }
+
+    def heading(self, block: blocks.Heading) -> str:
+        return rf"\{'section' if block.level == 2 else 'subsection'}{{{self.inline(block.text)}}}"
+
+    def equation(self, block: blocks.Equation) -> str:
+        tag = rf"\tag{{{block.number}}}" if block.number else ""
+        latex = block.latex.replace("{split}", "{aligned}")  # split may not stand in a box
+        return rf"\begin{{equation*}}\fitted{{{latex}}}{tag}\end{{equation*}}"
+
+    def check(self, block: blocks.Check) -> str:
+        return rf"{{\small $\checkmark$ \emph{{checked:}} {self.inline(block.text)}; {left(block)}\par}}"
+
+    def folded(self, block: blocks.Folded) -> str:
+        return rf"{{\small \emph{{{self.inline(block.summary)}}}" + f"\n\n{self.joined(block.blocks)}\\par}}"
+
+    def erratum(self, block: blocks.Erratum) -> str:
+        title = rf"\textbf{{Erratum of the paper.}} \textbf{{{self.inline(block.title)}}}"
+        inner = "\n\n".join([title, *map(self.inline, block.paragraphs)])
+        return rf"\begin{{quote}}{inner}" + "\n\\end{quote}"
+
+    def figure(self, block: blocks.Figure) -> str:
+        path = f"{self.folder.name}/{self.picture(block, 'pdf').name}"
+        title = rf"\textbf{{Figure {self.count['figure']}. {self.inline(block.title)}.}}"
+        return (
+            rf"\begin{{center}}\includegraphics[width=0.85\linewidth]{{{path}}}\\"
+            f"\n{{\\small {title} {self.inline(block.caption)}}}\\end{{center}}"
+        )
+
+    def table(self, block: blocks.Table) -> str:
+        head, *rows = (" & ".join(map(self.inline, row)) for row in (block.header, *block.rows))
+        body = "\\\\\n".join(rows)
+        return (
+            rf"\begin{{center}}\small\begin{{tabular}}{{{'l' * len(block.header)}}}\hline {head}\\\hline"
+            f"\n{body}\\\\\\hline\\end{{tabular}}\\end{{center}}"
+        )
+
+    def exercise(self, block: blocks.Exercise) -> str:
+        return (
+            rf"\textbf{{Exercise {self.count['exercise']}.}} {self.inline(block.question)}"
+            f"\n\n{{\\small \\emph{{Answer.}} {self.inline(block.answer)}\\par}}"
+        )
+
+    def listing(self, block: blocks.Listing) -> str:
+        return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
+
+
+def _ascii(code: str) -> str:
+    """Source as it is, with what a plain LaTeX cannot set verbatim left out, and what would end it apart."""
+    code = "\n".join(line if len(line) <= 100 else line[:100] + "\n        " + line[100:] for line in code.split("\n"))
+    return code.replace(r"\end{verbatim}", r"\end {verbatim}").encode("ascii", "replace").decode()

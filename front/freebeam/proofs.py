@@ -1,0 +1,581 @@
+"""Certified critical loads: intervals that are proven to hold them. The way from the runtime to the provers.
+
+The runtime's critical load is the candidate; the proof is ball arithmetic from there, see
+`freebeam_derive.certify`. Inputs are exact: fractions as they are, text the decimal that it says, floats the shortest
+decimals that stand for them (0.01 is 1/100), defaults of a column's parameters too. `inputs` says what was taken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
+from freebeam_sym.columns import is_column
+from freebeam_sym.convergence import CONVERGED, BeamLoss
+from freebeam_sym.critical import CriticalLoad, critical_load
+
+if TYPE_CHECKING:
+    from freebeam_derive.certify.verifier import Statement
+    from freebeam_sym.columns import Column
+
+__all__ = [
+    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "certified_crossings", "certified_load",
+    "exact_load", "exact_spectrum", "rational", "truncation_error", "verify_certificate",
+]  # fmt: skip
+
+MOST = 1_000_000
+"""Size of a load, and of an eigenvalue, up to which the beam's own take seconds: the work grows as its root."""
+MOST_DIGITS = 10_000
+LOAD_MAX = Fraction(1000)  # nondimensional, where none is given
+
+
+@dataclass(frozen=True)
+class Certified:
+    """A critical load with its proof, nondimensional, or in N and rad/s where a beam in SI units was given.
+
+    load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
+    proven (crossing, first, stable_below, kind). inputs: what each input was taken for. certificate: the data that
+    prove it, for a file; None of the beam itself and in SI units.
+    """
+
+    load: tuple[str, str] | None
+    frequency: tuple[str, str] | None
+    kind: str
+    proof: Mapping[str, bool]
+    digits: int
+    inputs: Mapping[str, str]
+    certificate: Mapping[str, Any] | None = field(repr=False, default=None)
+
+
+@dataclass(frozen=True)
+class CertifiedCrossing:
+    """A load at which an eigenvalue or a pair of them passes the imaginary axis; units as of `Certified`.
+
+    load and frequency: (lower, upper) as decimal text, rounded outwards. unstable_below, unstable_above: how many
+    eigenvalues have a positive real part next to it. stability: "lost", "regained", or "unchanged" where the column
+    is unstable on either side.
+    """
+
+    kind: str
+    load: tuple[str, str]
+    frequency: tuple[str, str]
+    unstable_below: int
+    unstable_above: int
+    stability: str
+
+
+@dataclass(frozen=True)
+class ExactSpectrum:
+    """Eigenvalues λ of the beam itself at a load, sorted by |Im|, then Re; nondimensional.
+
+    lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
+    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. That no eigenvalue lies
+    between these is not proven. inputs: what each input was taken for.
+    """
+
+    lower: tuple[tuple[str, str], ...]
+    upper: tuple[tuple[str, str], ...]
+    unproven: tuple[complex, ...]
+    digits: int
+    inputs: Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Truncation:
+    """What a Ritz series is off by: its critical load less the beam's own, (lower, upper) as text; units of its proofs.
+
+    relative: the difference in parts of the beam's load, as a float. series, beam: the two enclosures that it is from.
+    """
+
+    difference: tuple[str, str]
+    relative: float
+    series: Certified
+    beam: Certified
+
+
+def rational(name: str, value: object) -> tuple[Fraction, str]:
+    """A number as an exact fraction, and what it was taken for. Raises InputError where it is none."""
+    from freebeam_derive.certify.decimals import read, said
+
+    try:
+        if isinstance(value, bool):
+            raise ValueError
+        if isinstance(value, str | float) or hasattr(value, "dtype"):
+            # floats, of Python or NumPy, print as the shortest decimal that is read as them again
+            text = str(value).strip()
+            exact, taken = read(text), text
+        else:
+            exact = Fraction(value)  # type: ignore[call-overload]
+            taken = said(exact)
+        float(exact)  # the candidate of a proof is one
+    except (TypeError, ValueError, ZeroDivisionError):
+        raise refusal(name, value, "must be a finite number, a fraction, or a decimal as text") from None
+    except OverflowError:
+        raise refusal(name, value, "is beyond the range of a float") from None
+    return exact, taken
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """What was asked of a proof: exact nondimensional values, what they were taken for, and the runtime's candidate.
+
+    squares: of the SI sizes of one nondimensional unit of each quantity; empty where all is nondimensional.
+    """
+
+    column: Column
+    modes: int
+    exact: Mapping[str, Any]
+    own: Mapping[str, Fraction]
+    inputs: Mapping[str, str]
+    squares: Mapping[str, Fraction]
+
+    @staticmethod
+    def of(
+        column: Column,
+        modes: int | None,
+        parameters: Mapping[str, object],
+        kappa: object = None,
+        beam: tuple[object, object, object] | None = None,
+        **given: object,
+    ) -> _Asked:
+        """The inputs as exact numbers. Raises InputError for bad ones."""
+        is_column(column)
+        modes = column.number(modes)
+        left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
+        given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
+        taken = {name: rational(name, value) for name, value in given.items()}
+        column.own_parameters(dict.fromkeys(parameters, 0))  # refuses what is not known
+        exact = {name: value for name, (value, _) in taken.items()}
+        inputs, own = {name: text for name, (_, text) in taken.items()}, {}
+        for p in column.parameters:
+            own[p.name], text = rational(p.name, parameters.get(p.name, p.default))
+            inputs[p.name] = text if p.name in parameters else f"{text} (default)"
+        squares: dict[str, Fraction] = {}
+        if beam is not None:
+            squares = _squares(beam, inputs)
+            exact = _nondimensional(exact, squares)
+        exact.setdefault("load_max", LOAD_MAX)
+        return _Asked(column, modes, exact, own, inputs, squares)
+
+    def candidate(self, modes: int | None = None) -> CriticalLoad:
+        """The runtime's critical load. Raises InputError for values out of range."""
+        kappa = self.exact.get("kappa")
+        return critical_load(
+            self.column,
+            self.modes if modes is None else modes,
+            float(self.exact["alpha"]),
+            float(self.exact["beta"]),
+            load_max=float(self.exact["load_max"]),
+            kappa=None if kappa is None else float(kappa),
+            **{name: float(value) for name, value in self.own.items()},
+        )
+
+    def question(self) -> Any:
+        from freebeam_derive.certify.ritz import Question
+
+        exact = self.exact
+        return Question(self.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
+
+    def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+        """An interval of loads in the units asked in: N where a beam was given."""
+        return self._scaled(interval, "load")
+
+    def frequency(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+        """An interval of frequencies in the units asked in: rad/s where a beam was given."""
+        return self._scaled(interval, "frequency")
+
+    def _scaled(self, interval: tuple[Fraction, Fraction], quantity: str) -> tuple[Fraction, Fraction]:
+        from freebeam_derive.certify.balls import root
+        from freebeam_derive.certify.decimals import roots
+
+        if not self.squares:
+            return interval
+        size, (low, high) = root(self.squares[quantity]), interval
+        if isinstance(size, Fraction):
+            return low * size, high * size
+        return roots(low**2 * size.square, high**2 * size.square)
+
+
+def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dict[str, Fraction]:
+    """Squares of the SI sizes for a beam; what its three quantities were taken for is added to the inputs."""
+    from freebeam_derive.scaling import squares
+
+    values = []
+    for name, value in zip(("bending_stiffness", "mass_per_length", "length"), beam, strict=True):
+        exact, inputs[name] = rational(name, value)
+        positive(name, float(exact))
+        values.append(exact)
+    return squares(*values)
+
+
+def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fraction]) -> dict[str, Any]:
+    """SI values as nondimensional ones: roots of rational numbers where the unit of time is one."""
+    from freebeam_derive.certify.balls import root
+
+    of = {**squares, "load_max": squares["load"], "kappa": squares["beta"] / squares["alpha"]}
+    found = {}
+    for name, value in given.items():
+        if value < 0:  # which is refused, by the value as it was given
+            nonnegative(name, float(value))
+        found[name] = root(value**2 / of[name])
+    return found
+
+
+def _itself(asked: _Asked, modes: int) -> CriticalLoad | BeamLoss:
+    """Where to start for the beam itself: from polynomials that agree, else from so many functions of the basis."""
+    found = asked.candidate(modes)
+    return found.beam or found
+
+
+def _near(found: CriticalLoad | BeamLoss) -> tuple[float, float] | None:
+    return None if found.load is None or found.frequency is None else (found.load, found.frequency)
+
+
+def certified_load(
+    column: Column,
+    modes: int | None = None,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
+    progress: Callable[[str], None] | None = None,
+    **parameters: object,
+) -> Certified:
+    """The critical load of the Ritz series in an interval that is proven to hold it, with the proof. Eqs. (24), (25).
+
+    alpha, beta, kappa, load_max, parameters: numbers, fractions, or decimals as text; they are taken exactly, floats as
+    their shortest decimals. digits: 1 to 10,000; the relative width of the interval is below 10^-digits. kappa: the
+    limit of vanishing damping at beta = kappa alpha. beam: bending stiffness (N m²), mass per length (kg/m) and length
+    (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max (N) and the result, and
+    there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the crossing, that the column is
+    stable on all of the interval below, and its kind.
+
+    Raises InputError for bad values, and where something could not be proven: the message says what.
+    """
+    from freebeam_derive.certify import certificate
+    from freebeam_derive.certify.decimals import outward
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    enclosure = _first(asked, digits, progress)
+    load = frequency = None
+    if enclosure.load is not None:
+        load = outward(*asked.load(enclosure.load), digits + 3)
+        frequency = _frequency(asked, enclosure.square, digits)
+    return Certified(
+        load,
+        frequency,
+        enclosure.kind,
+        dict(enclosure.proof),
+        digits,
+        asked.inputs,
+        certificate.write(column.kernel, enclosure) if beam is None else None,
+    )
+
+
+def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -> Any:
+    """The first loss of stability of the series, proven. Raises InputError."""
+    from freebeam_derive.certify import crossings, ritz
+    from freebeam_derive.certify.balls import Unproven
+
+    kernel, question, load_max = asked.column.kernel, asked.question(), asked.exact["load_max"]
+    near = _near(asked.candidate())
+    try:
+        try:
+            return ritz.certify(kernel, question, near, digits, load_max, progress)
+        except Unproven as error:
+            # floats may take another for the first, where two that all but touch look like none; all are sought
+            top = load_max if near is None else min(load_max, Fraction(near[0]) * Fraction(1001, 1000))
+            lost = [c for c in crossings.survey(kernel, question, top, max(digits, 30), progress) if c.unstable == 0]
+            if not lost:
+                raise error
+            square = lost[0].square
+            first = lost[0].load[0], 0.0 if square is None else math.sqrt(square[0])
+            return ritz.certify(kernel, question, first, digits, load_max, progress)
+    except Unproven as error:
+        raise InputError(f"not proven for {asked.column.name}, N = {asked.modes}: {error}") from error
+
+
+def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
+    """ω from an interval of ω², as text; zero where there is none."""
+    from freebeam_derive.certify.decimals import outward, roots
+
+    return ("0", "0") if square is None else outward(*asked.frequency(roots(*square)), digits + 1)
+
+
+def certified_crossings(
+    column: Column,
+    modes: int | None = None,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    load_max: object = None,
+    digits: int = 15,
+    kappa: object = None,
+    beam: tuple[object, object, object] | None = None,
+    progress: Callable[[str], None] | None = None,
+    **parameters: object,
+) -> tuple[CertifiedCrossing, ...]:
+    """Every load up to load_max at which the Ritz series' stability changes, with the proof that none is left out.
+
+    Ascending. Inputs as in `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them,
+    and so is a further eigenvalue that turns unstable where others are already. Eqs. (24), (25).
+
+    >>> import freebeam as fb
+    >>> [c.kind for c in fb.certified_crossings(fb.column("beck"), 4, eta="0.4", load_max=60)]
+    ['divergence', 'divergence', 'flutter']
+
+    Raises InputError for bad values, and where crossings cannot be told apart or one cannot be proven: the message
+    says up to which load what is known.
+    """
+    from freebeam_derive.certify import crossings
+    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.decimals import outward
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    _range_checked(asked)
+    try:
+        found = crossings.survey(column.kernel, asked.question(), asked.exact["load_max"], digits, progress)
+    except Unproven as error:
+        raise InputError(f"not proven for {column.name}, N = {asked.modes}: {error}") from error
+    return tuple(
+        CertifiedCrossing(
+            c.kind,
+            outward(*asked.load(c.load), digits + 3),
+            _frequency(asked, c.square, digits),
+            c.unstable,
+            c.unstable + c.change,
+            c.stability,
+        )
+        for c in found
+    )
+
+
+def _range_checked(asked: _Asked) -> None:
+    """The runtime's own checks of the inputs. Raises InputError."""
+    positive("load_max", float(asked.exact["load_max"]), "largest load to look at")
+    asked.column.own_parameters({name: float(value) for name, value in asked.own.items()})
+    alpha, beta = asked.column.dampings(float(asked.exact["alpha"]), float(asked.exact["beta"]))
+    if (kappa := asked.exact.get("kappa")) is not None:
+        nonnegative("kappa", float(kappa), "ratio beta/alpha of vanishing damping")
+        if alpha or beta:
+            raise InputError(
+                f"kappa = {float(kappa)}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} "
+                f"and {beta}"
+            )
+
+
+def exact_load(
+    column: Column,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    modes: int = 24,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
+    **parameters: object,
+) -> Certified:
+    """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
+
+    The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
+    `certified_load`. Proven are the crossing, alone in its interval, and its kind; that it is the first one, over all
+    modes, is not (proof says so).
+
+    Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
+    """
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    found = _itself(asked, modes)
+    near = _near(found)
+    if near is None:
+        raise InputError(
+            f"load_max = {float(asked.exact['load_max']):.10g}: no series loses stability up to there, which leaves "
+            "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
+        )
+    return _enclosed(asked, near, found.kind, digits)
+
+
+def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
+    """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
+    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify.balls import Unproven, ends
+    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.decimals import outward
+
+    exact, name = asked.exact, asked.column.name
+    try:
+        beam = Beam(asked.column.kernel, asked.own)
+        if kind == "divergence":
+            crossing = beams.divergence(beam, near[0], digits + 2)
+        elif "kappa" in exact:
+            crossing = beams.flutter_limit(beam, exact["kappa"], near, digits + 2)
+        elif exact["alpha"] == exact["beta"] == 0:
+            crossing = beams.flutter_undamped(beam, near, digits + 2)
+        else:
+            crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
+    except NoSeries as error:
+        raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
+    except Unproven as error:
+        raise InputError(f"not proven for {name}, the beam itself: {error}") from error
+    load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
+    if crossing.kind == "flutter":
+        frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
+    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
+
+
+def truncation_error(
+    column: Column,
+    modes: int | None = None,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
+    series: Certified | None = None,
+    **parameters: object,
+) -> Truncation:
+    """By how much the critical load of a Ritz series differs from the beam's own, enclosed. Inputs as `certified_load`.
+
+    series: the certified load of the series where it is known already. Digits are added where the difference is so
+    small that it takes more to see it.
+
+    Raises InputError as `certified_load` does, and where no crossing of the beam itself is proven that the series'
+    could be a value for: the truncation may have invented it.
+    """
+    from freebeam_derive.certify.decimals import outward, read
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    more = _itself(asked, max(24, asked.modes + 8) if column.basis_name == "modes" else max(18, asked.modes))
+    given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
+    near = _near(more)
+    if series is None:
+        series = certified_load(column, modes, alpha, beta, digits=digits, **given)
+    if series.load is None or near is None or more.kind != series.kind:
+        raise InputError(
+            f"the truncation error of {column.name} at N = {asked.modes} is not known: "
+            + (
+                "the series does not lose stability"
+                if series.load is None
+                else "its crossing is gone at more functions"
+            )
+            + f" up to the load {float(asked.exact['load_max']):.10g}"
+        )
+    while True:
+        itself = _enclosed(asked, near, more.kind, digits)
+        assert itself.load is not None and series.load is not None
+        led_to = float(asked.load((Fraction(near[0]), Fraction(near[0])))[0])
+        if abs(float(itself.load[0]) / led_to - 1) > 10 * CONVERGED:
+            raise InputError(
+                f"the truncation error of {column.name} at N = {asked.modes} is not known: the beam's own crossing at "
+                f"{float(itself.load[0]):.10g} is not the one that more functions lead to, {led_to:.10g}"
+            )
+        ours, theirs = ([read(v) for v in pair] for pair in (series.load, itself.load))
+        low, high = ours[0] - theirs[1], ours[1] - theirs[0]
+        if (high - low) * 100 < max(abs(low), abs(high)) or digits >= 60:
+            return Truncation(outward(low, high, 6), float((low + high) / 2 / theirs[0]), series, itself)
+        digits = min(2 * digits, MOST_DIGITS)
+        series = certified_load(column, modes, alpha, beta, digits=digits, **given)
+
+
+def exact_spectrum(
+    column: Column,
+    load: object,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    modes: int | None = None,
+    digits: int = 15,
+    **parameters: object,
+) -> ExactSpectrum:
+    """The beam's own eigenvalues λ at a load, near the lowest of a Ritz series, each enclosed. Eqs. (6), (15).
+
+    modes: of how many functions' worth, 2 eigenvalues each; the starts are those of a series of many more. Numbers are
+    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits.
+
+    Raises InputError for bad values and for a column whose equation the power series does not serve.
+    """
+    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify.balls import Unproven, ends
+    from freebeam_derive.certify.beam import Beam, NoSeries
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
+    values = asked.exact["load"], asked.exact["alpha"], asked.exact["beta"]
+    if abs(values[0]) > MOST:
+        raise refusal("load", load, f"eigenvalues of the beam itself are enclosed at loads up to {MOST}")
+    try:
+        beam = Beam(column.kernel, asked.own)
+        beam.damping(*values[1:])
+    except NoSeries as error:
+        raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
+    balls: list[Any] = []
+    found: list[tuple[complex, tuple[str, str], tuple[str, str]]] = []
+    unproven: list[complex] = []
+    for start in _lowest(asked):
+        if start.imag < 0:
+            continue  # found with its conjugate
+        pair = [start] if start.imag == 0 else [start, start.conjugate()]
+        try:
+            if abs(start) > MOST:
+                raise Unproven("takes too long")
+            (ball,) = beams.frequencies(beam, *values, [start], digits + 2)
+            if any(ball.overlaps(other) for other in balls):
+                raise Unproven("two starts lead to one eigenvalue")
+        except Unproven:
+            unproven += pair
+            continue
+        balls.append(ball)
+        re, im = ends(ball.real), ends(ball.imag)
+        for part in (im, (-im[1], -im[0])) if len(pair) == 2 else (im,):
+            low, high = zip(_decimals(re, digits), _decimals(part, digits), strict=True)
+            found.append((start, low, high))
+    found.sort(key=lambda item: (round(abs(item[0].imag), 9), item[0].real))
+    return ExactSpectrum(
+        tuple(low for _, low, _ in found), tuple(high for _, _, high in found), tuple(unproven), digits, asked.inputs
+    )
+
+
+def _lowest(asked: _Asked) -> list[complex]:
+    """Ritz values to start from: of many more functions than asked for, those of lowest |s|, two to a function."""
+    from freebeam_sym.spectra import spectrum
+
+    own: dict[str, Any] = {name: float(value) for name, value in asked.own.items()}
+    load, alpha, beta = (float(asked.exact[name]) for name in ("load", "alpha", "beta"))
+    system = asked.column.system(modes=min(2 * asked.modes + 8, 120), load=load, alpha=alpha, beta=beta, **own)
+    c_M, c_E = asked.column.damping_factors(alpha, beta, **own)
+    values = [complex(v) for v in spectrum(system).eigenvalues]
+    return sorted(values, key=lambda v: abs(v * (v + c_M)) / max(abs(1 + c_E * v), 1e-300))[: 2 * asked.modes]
+
+
+def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, str]:
+    """A part of an eigenvalue as decimals; exactly zero is zero."""
+    from freebeam_derive.certify.decimals import outward
+
+    return ("0", "0") if not any(interval) else outward(*interval, digits + 2)
+
+
+def verify_certificate(path: str) -> Statement:
+    """Check a certificate file with the verifier, which shares no code with the prover.
+
+    What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
+    theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
+    """
+    from freebeam_derive.certify.verifier import Refused, verify_file
+
+    try:
+        return verify_file(path)
+    except Refused as error:
+        raise InputError(str(error)) from error
