@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import freebeam as fb
-from freebeam_sym import pencil
+from freebeam_sym.stability import pencil
 
 CASES = {
     "free-free, undamped": ("free-free", 0.0, 0.0),

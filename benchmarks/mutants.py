@@ -28,7 +28,7 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).parents[1]
 PARTS = {
     "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py"],
-    "freebeam_sym/{pencil,counts,crossings,critical,convergence,grids,surface,boundaries}.py": [
+    "freebeam_sym/stability/{pencil,proportional,crossings,critical,convergence,grids,surface,boundaries}.py": [
         "tests/runtime/test_critical.py",
         "tests/runtime/test_maps.py",
     ],

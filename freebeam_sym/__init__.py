@@ -15,17 +15,18 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from freebeam_sym.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam_sym.checks import InputError
     from freebeam_sym.columns import Column, System, column
     from freebeam_sym.columns import names as column_names
-    from freebeam_sym.critical import CriticalLoad, critical_load
-    from freebeam_sym.maps import CriticalLoads, critical_loads, stability_map
+    from freebeam_sym.question import Question
     from freebeam_sym.response import Harmonic, Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, eigenvalues, spectrum
+    from freebeam_sym.stability.boundaries import Boundary, BoundaryEvent, trace_boundary
+    from freebeam_sym.stability.critical import CriticalLoad, critical_load
+    from freebeam_sym.stability.maps import CriticalLoads, critical_loads, stability_map
 
 __all__ = [
-    "column", "column_names", "Column", "System",
+    "column", "column_names", "Column", "System", "Question",
     "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
@@ -41,19 +42,20 @@ _HOMES = {
     "column_names": ("columns", "names"),
     "Column": ("columns", "Column"),
     "System": ("columns", "System"),
+    "Question": ("question", "Question"),
     "spectrum": ("spectra", "spectrum"),
     "branches": ("spectra", "branches"),
     "eigenvalues": ("spectra", "eigenvalues"),
     "Spectrum": ("spectra", "Spectrum"),
     "Branches": ("spectra", "Branches"),
-    "critical_load": ("critical", "critical_load"),
-    "CriticalLoad": ("critical", "CriticalLoad"),
-    "critical_loads": ("maps", "critical_loads"),
-    "stability_map": ("maps", "stability_map"),
-    "CriticalLoads": ("maps", "CriticalLoads"),
-    "trace_boundary": ("boundaries", "trace_boundary"),
-    "Boundary": ("boundaries", "Boundary"),
-    "BoundaryEvent": ("boundaries", "BoundaryEvent"),
+    "critical_load": ("stability.critical", "critical_load"),
+    "CriticalLoad": ("stability.critical", "CriticalLoad"),
+    "critical_loads": ("stability.maps", "critical_loads"),
+    "stability_map": ("stability.maps", "stability_map"),
+    "CriticalLoads": ("stability.maps", "CriticalLoads"),
+    "trace_boundary": ("stability.boundaries", "trace_boundary"),
+    "Boundary": ("stability.boundaries", "Boundary"),
+    "BoundaryEvent": ("stability.boundaries", "BoundaryEvent"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
     "Harmonic": ("response", "Harmonic"),

@@ -29,7 +29,7 @@ from freebeam_sym.checks import (
     reals,
     refusal,
 )
-from freebeam_sym.kernels import read_kernel
+from freebeam_sym.kernels import load, read_kernel, text_of
 
 __all__ = ["Column", "Parameter", "System", "column", "names"]
 
@@ -65,6 +65,12 @@ class Column:
     relative: Callable[[str], Column] | None = field(default=None, repr=False)
     """What gives the same column in another basis, by the basis's name."""
     _cache: OrderedDict[Any, Any] = field(default_factory=OrderedDict, repr=False)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """A column is sent to another process as what it is made of: name and basis, or the text of its kernel."""
+        if self.kernel.__name__.startswith("freebeam_kernels."):
+            return column, (self.name, self.basis_name)
+        return _sent, (Path(str(self.kernel.__file__)).name, text_of(self.kernel))
 
     @property
     def name(self) -> str:
@@ -321,7 +327,7 @@ class System:
         r = self.rigid_count
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
-        from freebeam_sym.pencil import diagonalise
+        from freebeam_sym.stability.pencil import diagonalise
 
         v = diagonalise(self.M[r:, r:], self.E[r:, r:])[1][:, k]
         return np.concatenate([np.zeros(r), v * np.sign(v[np.abs(v).argmax()])])
@@ -442,3 +448,8 @@ def _tree(module: str) -> Column:
     """A column of the package, by the module of its kernel."""
     kernel = import_module(f"freebeam_kernels.{module}")
     return Column(kernel, relative=lambda basis: column(str(kernel.COLUMN["name"]), basis))
+
+
+def _sent(name: str, text: str) -> Column:
+    """A column from the text of its kernel, where that has been sent to."""
+    return Column(load(Path(name), text.encode()))

@@ -9,10 +9,11 @@ import sys
 from importlib.abc import InspectLoader
 from pathlib import Path
 from types import ModuleType
+from typing import cast
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["is_kernel", "load", "read_kernel", "read_source"]
+__all__ = ["is_kernel", "load", "read_kernel", "read_source", "text_of"]
 
 
 def read_kernel(path: Path) -> ModuleType:
@@ -23,7 +24,7 @@ def read_kernel(path: Path) -> ModuleType:
             f"{path}: is no emitted kernel; a column's statement is derived by `import freebeam`, or by "
             f"freebeam generate {path}, which emits its kernel"
         )
-    return load(path, source, hashlib.sha256(source).hexdigest())
+    return load(path, source)
 
 
 def read_source(path: Path) -> tuple[bytes, ast.Module]:
@@ -65,9 +66,14 @@ class _Text(InspectLoader):
         return importlib.util.decode_source(self.source)
 
 
-def load(file: Path, source: bytes, key: str) -> ModuleType:
-    """Import a file's text under a name of its own, without touching sys.path; once a process."""
-    name = f"freebeam_own_{file.stem}_{key[:16]}"
+def text_of(kernel: ModuleType) -> str:
+    """The text that a kernel was loaded from; its file may be gone."""
+    return str(cast(InspectLoader, kernel.__loader__).get_source(kernel.__name__))
+
+
+def load(file: Path, source: bytes) -> ModuleType:
+    """Import a file's text under a name of its own, without touching sys.path; once a process. Raises InputError."""
+    name = f"freebeam_own_{file.stem}_{hashlib.sha256(source).hexdigest()[:16]}"
     if name in sys.modules:
         return sys.modules[name]
     loader = _Text(source)

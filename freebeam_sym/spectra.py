@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, reals, refusal
 from freebeam_sym.columns import is_column, is_system
-from freebeam_sym.pencil import diagonalise
+from freebeam_sym.stability.pencil import diagonalise
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
@@ -264,7 +264,7 @@ def eigenvalues(
 
     Raises InputError for bad values and for shapes that do not broadcast.
     """
-    from freebeam_sym.grids import alike, checked_axes
+    from freebeam_sym.stability.grids import alike, checked_axes
 
     is_column(column)
     modes = column.number(modes)

@@ -38,6 +38,7 @@ if TYPE_CHECKING:
         CriticalLoads,
         Harmonic,
         InputError,
+        Question,
         Response,
         Spectrum,
         System,
@@ -54,7 +55,7 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "column", "column_names", "Column", "System",
+    "column", "column_names", "Column", "System", "Question",
     "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",

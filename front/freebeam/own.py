@@ -82,7 +82,7 @@ def _kernel_of(path: Path, source: bytes, basis: str) -> ModuleType:
     folder = cache_folder()
     kept = folder / key[:32]
     if _private(folder) and _private(kept) and (found := _emitted(kept, key)) is not None:
-        return load(*found, key)
+        return load(*found)
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         if not _private(folder):
@@ -106,7 +106,7 @@ def _kernel_of(path: Path, source: bytes, basis: str) -> ModuleType:
                     os.replace(kept, Path(new) / "old")
                 os.replace(made, kept)
                 file = kept / file.name
-        return load(file, source, key)
+        return load(file, source)
 
 
 def _generate(path: Path, basis: str, output: Path) -> None:

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 
 from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
 from freebeam_sym.columns import is_column
-from freebeam_sym.convergence import CONVERGED, BeamLoss
-from freebeam_sym.critical import CriticalLoad, critical_load
+from freebeam_sym.question import Question
+from freebeam_sym.stability.convergence import CONVERGED, BeamLoss
+from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.verifier import Statement
@@ -38,8 +39,8 @@ class Certified:
     """A critical load with its proof, nondimensional, or in N and rad/s where a beam in SI units was given.
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
-    proven (crossing, first, stable_below, kind). inputs: what each input was taken for. certificate: the data that
-    prove it, for a file; None of the beam itself and in SI units.
+    proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
+    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI units.
     """
 
     load: tuple[str, str] | None
@@ -47,6 +48,7 @@ class Certified:
     kind: str
     proof: Mapping[str, bool]
     digits: int
+    question: Question
     inputs: Mapping[str, str]
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
 
@@ -121,13 +123,12 @@ def rational(name: str, value: object) -> tuple[Fraction, str]:
 
 @dataclass(frozen=True)
 class _Asked:
-    """What was asked of a proof: exact nondimensional values, what they were taken for, and the runtime's candidate.
+    """What is asked of a proof: the question in floats, its exact nondimensional values, and what they were taken for.
 
     squares: of the SI sizes of one nondimensional unit of each quantity; empty where all is nondimensional.
     """
 
-    column: Column
-    modes: int
+    question: Question
     exact: Mapping[str, Any]
     own: Mapping[str, Fraction]
     inputs: Mapping[str, str]
@@ -144,7 +145,6 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        modes = column.number(modes)
         left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
         taken = {name: rational(name, value) for name, value in given.items()}
@@ -159,26 +159,20 @@ class _Asked:
             squares = _squares(beam, inputs)
             exact = _nondimensional(exact, squares)
         exact.setdefault("load_max", LOAD_MAX)
-        return _Asked(column, modes, exact, own, inputs, squares)
+        floats: dict[str, Any] = {name: float(value) for name, value in (exact | own).items() if name != "load"}
+        return _Asked(Question.of(column, modes, **floats), exact, own, inputs, squares)
 
-    def candidate(self, modes: int | None = None) -> CriticalLoad:
-        """The runtime's critical load. Raises InputError for values out of range."""
-        kappa = self.exact.get("kappa")
-        return critical_load(
-            self.column,
-            self.modes if modes is None else modes,
-            float(self.exact["alpha"]),
-            float(self.exact["beta"]),
-            load_max=float(self.exact["load_max"]),
-            kappa=None if kappa is None else float(kappa),
-            **{name: float(value) for name, value in self.own.items()},
-        )
+    @property
+    def column(self) -> Column:
+        return self.question.column
 
-    def question(self) -> Any:
-        from freebeam_derive.certify.ritz import Question
+    @property
+    def certified(self) -> Any:
+        """The question as the provers take it."""
+        from freebeam_derive.certify import ritz
 
         exact = self.exact
-        return Question(self.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
+        return ritz.Question(self.question.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
@@ -227,7 +221,7 @@ def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fractio
 
 def _itself(asked: _Asked, modes: int) -> CriticalLoad | BeamLoss:
     """Where to start for the beam itself: from polynomials that agree, else from so many functions of the basis."""
-    found = asked.candidate(modes)
+    found = answer(asked.question.over(asked.column, modes))
     return found.beam or found
 
 
@@ -275,6 +269,7 @@ def certified_load(
         enclosure.kind,
         dict(enclosure.proof),
         digits,
+        asked.question,
         asked.inputs,
         certificate.write(column.kernel, enclosure) if beam is None else None,
     )
@@ -285,8 +280,8 @@ def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -
     from freebeam_derive.certify import crossings, ritz
     from freebeam_derive.certify.balls import Unproven
 
-    kernel, question, load_max = asked.column.kernel, asked.question(), asked.exact["load_max"]
-    near = _near(asked.candidate())
+    kernel, question, load_max = asked.column.kernel, asked.certified, asked.exact["load_max"]
+    near = _near(answer(asked.question))
     try:
         try:
             return ritz.certify(kernel, question, near, digits, load_max, progress)
@@ -300,7 +295,7 @@ def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -
             first = lost[0].load[0], 0.0 if square is None else math.sqrt(square[0])
             return ritz.certify(kernel, question, first, digits, load_max, progress)
     except Unproven as error:
-        raise InputError(f"not proven for {asked.column.name}, N = {asked.modes}: {error}") from error
+        raise InputError(f"not proven for {asked.column.name}, N = {asked.question.modes}: {error}") from error
 
 
 def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
@@ -341,11 +336,10 @@ def certified_crossings(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    _range_checked(asked)
     try:
-        found = crossings.survey(column.kernel, asked.question(), asked.exact["load_max"], digits, progress)
+        found = crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
-        raise InputError(f"not proven for {column.name}, N = {asked.modes}: {error}") from error
+        raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
     return tuple(
         CertifiedCrossing(
             c.kind,
@@ -357,20 +351,6 @@ def certified_crossings(
         )
         for c in found
     )
-
-
-def _range_checked(asked: _Asked) -> None:
-    """The runtime's own checks of the inputs. Raises InputError."""
-    positive("load_max", float(asked.exact["load_max"]), "largest load to look at")
-    asked.column.own_parameters({name: float(value) for name, value in asked.own.items()})
-    alpha, beta = asked.column.dampings(float(asked.exact["alpha"]), float(asked.exact["beta"]))
-    if (kappa := asked.exact.get("kappa")) is not None:
-        nonnegative("kappa", float(kappa), "ratio beta/alpha of vanishing damping")
-        if alpha or beta:
-            raise InputError(
-                f"kappa = {float(kappa)}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} "
-                f"and {beta}"
-            )
 
 
 def exact_load(
@@ -430,7 +410,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
     if crossing.kind == "flutter":
         frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
-    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.inputs)
+    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.question, asked.inputs)
 
 
 def truncation_error(
@@ -458,14 +438,16 @@ def truncation_error(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    more = _itself(asked, max(24, asked.modes + 8) if column.basis_name == "modes" else max(18, asked.modes))
+    more = _itself(
+        asked, max(24, asked.question.modes + 8) if column.basis_name == "modes" else max(18, asked.question.modes)
+    )
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     near = _near(more)
     if series is None:
         series = certified_load(column, modes, alpha, beta, digits=digits, **given)
     if series.load is None or near is None or more.kind != series.kind:
         raise InputError(
-            f"the truncation error of {column.name} at N = {asked.modes} is not known: "
+            f"the truncation error of {column.name} at N = {N} is not known: "
             + (
                 "the series does not lose stability"
                 if series.load is None
@@ -479,7 +461,7 @@ def truncation_error(
         led_to = float(asked.load((Fraction(near[0]), Fraction(near[0])))[0])
         if abs(float(itself.load[0]) / led_to - 1) > 10 * CONVERGED:
             raise InputError(
-                f"the truncation error of {column.name} at N = {asked.modes} is not known: the beam's own crossing at "
+                f"the truncation error of {column.name} at N = {N} is not known: the beam's own crossing at "
                 f"{float(itself.load[0]):.10g} is not the one that more functions lead to, {led_to:.10g}"
             )
         ours, theirs = ([read(v) for v in pair] for pair in (series.load, itself.load))
@@ -552,12 +534,12 @@ def _lowest(asked: _Asked) -> list[complex]:
     """Ritz values to start from: of many more functions than asked for, those of lowest |s|, two to a function."""
     from freebeam_sym.spectra import spectrum
 
-    own: dict[str, Any] = {name: float(value) for name, value in asked.own.items()}
-    load, alpha, beta = (float(asked.exact[name]) for name in ("load", "alpha", "beta"))
-    system = asked.column.system(modes=min(2 * asked.modes + 8, 120), load=load, alpha=alpha, beta=beta, **own)
-    c_M, c_E = asked.column.damping_factors(alpha, beta, **own)
+    question = asked.question
+    more = question.over(question.column, min(2 * question.modes + 8, 120))
+    c_M, c_E = question.column.damping_factors(question.alpha, question.beta, **question.parameters)
+    system = more.system(float(asked.exact["load"]))
     values = [complex(v) for v in spectrum(system).eigenvalues]
-    return sorted(values, key=lambda v: abs(v * (v + c_M)) / max(abs(1 + c_E * v), 1e-300))[: 2 * asked.modes]
+    return sorted(values, key=lambda v: abs(v * (v + c_M)) / max(abs(1 + c_E * v), 1e-300))[: 2 * asked.question.modes]
 
 
 def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, str]:

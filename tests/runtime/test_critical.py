@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_sym.counts import unstable_count
-from freebeam_sym.critical import critical_load
-from freebeam_sym.crossings import _Krylov, _Operator, first_crossing, first_loss
-from freebeam_sym.pencil import Damping, Pencil
+from freebeam_sym.stability.critical import critical_load
+from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.proportional import Proportional, _Krylov, _Operator
 from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
@@ -138,12 +138,13 @@ def test_first_crossing_of_any_matrices(data: st.DataObject, modes: int, seed: i
     load_max = 20 / np.linalg.norm(H / root, 2)
     any_pencil = Pencil(np.eye(modes), np.diag(e), H)
     found = first_crossing(any_pencil, alpha, beta, load_max)
-    grows = [load for load in np.linspace(0, load_max, 501)[1:] if unstable_count(any_pencil, alpha, beta, load)]
+    problem = Proportional(any_pencil, alpha, beta)
+    grows = [load for load in np.linspace(0, load_max, 501)[1:] if problem.unstable(load)]
     if found is None:
         assert not grows
     else:
         assert not grows or found.load <= grows[0] * (1 + 1e-9)
-        assert unstable_count(any_pencil, alpha, beta, found.load * (1 + 1e-6)) > 0
+        assert problem.unstable(found.load * (1 + 1e-6)) > 0
 
 
 @settings(max_examples=60, deadline=None, derandomize=True)
@@ -249,7 +250,7 @@ def test_the_first_crossing_of_becks_column_jumps_between_frequencies() -> None:
 def test_restabilisation_is_not_taken_for_stability() -> None:
     """The free beam is stable again above 406 (N = 8, undamped): the first loss is still the coalescence."""
     p = pencil("free-free", 8)
-    assert unstable_count(p, 0.0, 0.0, 400.0) > 0
+    assert Proportional(p).unstable(400.0) > 0
     found = first_crossing(p, 0.0, 0.0, 420.0)
     assert found is not None and found.load < 110
 
@@ -384,7 +385,7 @@ def test_the_error_bounds_the_true_one_and_is_near_it(
 def test_a_touch_is_no_loss_of_stability(modes: int, alpha: float, beta: float, kappa: float | None) -> None:
     """η = 1/2: det K has a double root at π² and ω² touches zero; flutter comes at 16.05 or beyond."""
     p = Pencil(*fb.column("beck", "legendre").matrices(modes, eta=0.5))
-    found = first_loss(p, alpha, beta, 1000.0, kappa)
+    found = first_loss(Proportional(p, alpha, beta, kappa))
     assert found.crossing is not None and found.crossing.kind == "flutter"
     assert found.crossing.load > 16.05 * (1 - 1e-5)
     assert [touch.load for touch in found.touches] == pytest.approx([math.pi**2], rel=1e-12)
@@ -397,19 +398,19 @@ def test_internal_damping_alone_makes_the_touch_a_flutter(alpha: float) -> None:
     found = first_crossing(p, alpha)
     assert found is not None and (found.kind, found.frequency) == ("flutter", 0.0)
     assert found.load == pytest.approx(math.pi**2, rel=1e-12)
-    assert not unstable_count(p, alpha, 0.0, found.load * (1 - 1e-3))
-    assert unstable_count(p, alpha, 0.0, found.load * (1 + 1e-3))
+    assert not Proportional(p, alpha, 0.0).unstable(found.load * (1 - 1e-3))
+    assert Proportional(p, alpha, 0.0).unstable(found.load * (1 + 1e-3))
 
 
 @pytest.mark.parametrize("side", [1e-3, 1e-6, 1e-9])
 def test_next_to_a_touch_divergence_and_flutter_are_told_apart(side: float) -> None:
     """For η < 1/2 divergence at arccos²(−η/(1 − η)); for η > 1/2 none."""
     eta = 0.5 - side
-    below = first_loss(Pencil(*fb.column("beck", "legendre").matrices(16, eta=eta)))
+    below = first_loss(Proportional(Pencil(*fb.column("beck", "legendre").matrices(16, eta=eta))))
     load = math.acos(-eta / (1 - eta)) ** 2
     assert below.crossing is not None and below.crossing.kind == "divergence" and not below.touches
     assert below.crossing.load == pytest.approx(load, rel=1e-14 / math.sqrt(side))
-    above = first_loss(Pencil(*fb.column("beck", "legendre").matrices(16, eta=0.5 + side)))
+    above = first_loss(Proportional(Pencil(*fb.column("beck", "legendre").matrices(16, eta=0.5 + side))))
     assert above.crossing is not None and above.crossing.kind == "flutter" and not above.touches
 
 
@@ -428,7 +429,7 @@ def test_branches_that_cross_and_do_not_meet_are_no_flutter() -> None:
     """Two modes without coupling: their squared frequencies agree at one load, and nothing grows."""
     crossing = Pencil(np.eye(3), np.diag([1.0, 4.0, 30.0]), np.array([[1.0, 0, 0], [0, -0.5, 0], [0, 0.1, -1.0]]))
     for alpha, beta in ((0.0, 0.0), (0.0, 0.1)):
-        found = first_loss(crossing, alpha, beta, 7.0)
+        found = first_loss(Proportional(crossing, alpha, beta), 7.0)
         assert found.crossing is None
         assert alpha or beta or [touch.load for touch in found.touches] == pytest.approx([2.0], rel=1e-6)
 
@@ -484,8 +485,8 @@ def test_at_every_eigenvalue_of_the_operator_two_eigenvalues_add_up_to_zero(
 ) -> None:
     """At complex loads too, and all N (N − 1) are there."""
     p = sample(seed, size)
-    damping = Damping.of(p.e, alpha, beta, None)
-    operator = _Operator(p, damping)
+    damping = Proportional(p, alpha, beta)
+    operator = _Operator(damping)
     mu = np.linalg.eigvals(np.stack([operator(unit) for unit in np.eye(operator.order)], axis=1))
     assert len(mu) == size * (size - 1)
     for load in 1 / mu[np.abs(mu) > 1e-8 * np.abs(mu).max()]:

@@ -17,10 +17,11 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam import cli
-from freebeam_sym import grids, pencil
-from freebeam_sym.critical import _settled
-from freebeam_sym.crossings import first_crossing
-from freebeam_sym.surface import leaves, surface_of
+from freebeam_sym.stability import grids, pencil
+from freebeam_sym.stability.critical import settled
+from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.proportional import Proportional
+from freebeam_sym.stability.surface import leaves, surface_of
 
 KINDS = ("none", "flutter", "divergence")
 
@@ -63,7 +64,7 @@ def test_loads_are_where_stability_is_lost_first(
     column = fb.column(name, basis)
     own = {"eta": round(eta, 3)} if name == "beck" else {}
     alpha, beta = np.array(dampings).T
-    found = grids.solve(column, modes, alpha, beta, 400.0, own)
+    found = grids.solve(fb.Question.of(column, modes, load_max=400.0, **own), alpha, beta)
     for k in range(0, 16, 3):
         top = found.load[k] if found.kind[k] else 400.0
         below = np.concatenate([np.linspace(0.004, 0.98, 60), np.linspace(0.981, 0.9999, 12)]) * top
@@ -81,9 +82,9 @@ def test_the_surface_covers_all_damping_and_agrees_with_the_search(name: str, ba
     surface = surface_of(pencil.Pencil(*column.matrices(8)), 1000.0)
     alpha, beta = 10 ** rng.uniform(-6, 1, 400), 10 ** rng.uniform(-3, 3, 400)
     alpha[:40], beta[40:80] = 0.0, 0.0
-    load, frequency, settled = surface.at(alpha, beta)
-    assert settled.mean() > 0.9  # where few points lie in small patches, they are left to the search
-    for k in np.flatnonzero(settled)[::20]:
+    load, frequency, known = surface.at(alpha, beta)
+    assert known.mean() > 0.9  # where few points lie in small patches, they are left to the search
+    for k in np.flatnonzero(known)[::20]:
         found = first_crossing(surface.pencil, alpha[k], beta[k])
         assert found is not None
         assert load[k] == pytest.approx(found.load, rel=1e-10)
@@ -94,8 +95,8 @@ def test_where_one_branch_takes_over_the_lesser_of_two_crossings_is_the_first() 
     """Beck's column between alpha 1.05 and 1.1: the load is continuous with a kink, the frequency jumps."""
     surface = surface_of(pencil.Pencil(*fb.column("beck", "modes").matrices(8)), 1000.0)
     alpha = np.linspace(1.04, 1.08, 401)
-    load, frequency, settled = surface.at(alpha, np.zeros(401))
-    assert settled.all() and frequency[0] > 10 * frequency[-1]
+    load, frequency, known = surface.at(alpha, np.zeros(401))
+    assert known.all() and frequency[0] > 10 * frequency[-1]
     assert max(len(leaf.series) for leaf in leaves(surface._root) if leaf.series is not None) > 1
     jump = int(np.abs(np.diff(frequency)).argmax())
     for k in (0, jump, jump + 1, 400):
@@ -113,13 +114,13 @@ def test_flutter_that_ends_as_the_damping_grows_is_not_passed_over(seed: int) ->
     H = np.array([[1.0, coupling, 0.0], [-coupling, -0.5, 0.0], [0.0, 0.0, -1.0]])
     one = pencil.Pencil(np.eye(3), np.diag(e), H)
     beta = np.geomspace(1e-4, 10.0, 24)
-    load, _, settled = surface_of(one, 7.0).at(np.zeros(24), beta)
+    load, _, known = surface_of(one, 7.0).at(np.zeros(24), beta)
     top = surface_of(one, 7.0).divergence
     for k in range(24):
         found = first_crossing(one, 0.0, float(beta[k]), 1000.0)
         here = load[k] if load[k] < top else top
-        assert found is not None and (not settled[k] or here == pytest.approx(found.load, rel=1e-9))
-    lightest = load[0] if settled[0] else None
+        assert found is not None and (not known[k] or here == pytest.approx(found.load, rel=1e-9))
+    lightest = load[0] if known[0] else None
     # the gap of the pair: (3 − 1.5 P)² = 4 coupling² P²
     assert lightest is None or lightest == pytest.approx(3 / (1.5 + 2 * coupling), rel=1e-4)
 
@@ -140,10 +141,12 @@ def test_the_limit_of_vanishing_damping_lies_on_the_surface(name: str) -> None:
 def test_single_questions_and_maps_agree_in_either_order() -> None:
     """A surface that earlier questions have built changes no answer."""
     column = fb.column("free-free", "modes")
-    cold = [_settled(pencil.Pencil(*column.matrices(8)), a, 0.3, 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
+    cold = [
+        settled(Proportional(pencil.Pencil(*column.matrices(8)), a, 0.3), 1000.0).crossing for a in (1e-5, 1e-2, 10.0)
+    ]
     shared = pencil.Pencil(*column.matrices(8))
     for _ in range(6):
-        warm = [_settled(shared, a, 0.3, 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
+        warm = [settled(Proportional(shared, a, 0.3), 1000.0).crossing for a in (1e-5, 1e-2, 10.0)]
     assert surface_of(shared, 1000.0)._root is not None
     for one, other in zip(cold, warm, strict=True):
         assert one is not None and other is not None
@@ -156,14 +159,15 @@ def test_blocks_give_the_same_bits_in_any_order() -> None:
     column = fb.column("free-free", "modes")
     alpha, beta = np.geomspace(1e-4, 1.0, 12), np.geomspace(1e-2, 10.0, 10)
     blocks = [{"alpha": a, "beta": b} for a, b in itertools.product(np.split(alpha, 2), np.split(beta, 2))]
+    question = fb.Question.of(column, 8)
     runs = []
     for order in ((0, 1, 2, 3), (3, 1, 0, 2)):
         pencil._kept.cache_clear()
-        runs.append({k: grids.solve_grid(column, 8, blocks[k], {}, 1000.0) for k in order})
+        runs.append({k: grids.solve_grid(question, blocks[k]) for k in order})
     for k in range(4):
         for one, other in zip(runs[0][k], runs[1][k], strict=True):
             assert one.tobytes() == other.tobytes()
-    whole = grids.solve_grid(column, 8, {"alpha": alpha, "beta": beta}, {}, 1000.0)
+    whole = grids.solve_grid(question, {"alpha": alpha, "beta": beta})
     assert np.allclose(whole.load[:6, :5], runs[0][0].load, rtol=1e-12, atol=0)
 
 
@@ -498,7 +502,7 @@ def test_an_output_that_cannot_be_is_refused_before_the_map_is_computed(
     def computed(*_: object, **__: object) -> None:
         raise AssertionError("the map was computed")
 
-    monkeypatch.setattr("freebeam_sym.maps.solve_grid", computed)
+    monkeypatch.setattr("freebeam_sym.stability.maps.solve_grid", computed)
     monkeypatch.chdir(tmp_path)
     Path(f"kept{suffix}").write_text("precious")
     Path(f"folder{suffix}").mkdir()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import pickle
 import shutil
 import signal
 import subprocess
@@ -17,8 +18,8 @@ import pytest
 import xarray
 
 import freebeam as fb
-from freebeam_sym import sweeps
 from freebeam_sym.checks import InputError
+from freebeam_sym.stability import sweeps
 
 pytest.importorskip("distributed")
 pytest.importorskip("zarr")
@@ -26,7 +27,7 @@ pytest.importorskip("zarr")
 ALPHA, BETA = np.geomspace(1e-6, 1e-1, 11), np.geomspace(1e-2, 1, 7)
 SETTINGS: dict[str, Any] = {"modes": 4, "alpha": ALPHA, "beta": BETA, "convergence": False, "chunks": (4, 3)}
 BLOCKS = 9
-SWEEP: Any = (fb.column("beck"), 4, {"alpha": ALPHA, "beta": BETA}, {}, 1000.0, False, (4, 3))
+SWEEP: Any = (fb.Question.of(fb.column("beck"), 4), {"alpha": ALPHA, "beta": BETA}, False, (4, 3))
 
 
 def mapped(**options: Any) -> xarray.Dataset:
@@ -59,14 +60,14 @@ def client() -> Iterator[Any]:
 def computed(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Sizes of the blocks that are computed in this process."""
     sizes: list[int] = []
-    solved = sweeps.solved
+    solve_grid = sweeps.solve_grid
 
     def counted(*arguments: Any) -> Any:
-        found = solved(*arguments)
-        sizes.append(found["load"].size)
+        found = solve_grid(*arguments)
+        sizes.append(found.load.size)
         return found
 
-    monkeypatch.setattr(sweeps, "solved", counted)
+    monkeypatch.setattr(sweeps, "solve_grid", counted)
     return sizes
 
 
@@ -123,7 +124,7 @@ def test_memory_that_is_shared_changes_no_bit_and_is_given_back(
 
 def test_where_memory_has_no_room_blocks_come_back(serial: xarray.Dataset, tmp_path: Path) -> None:
     sweep = sweeps.Sweep(*SWEEP)
-    values = sweeps.left(str(tmp_path / "gone"), ("block", sweep.task(sweep.blocks()[0])))
+    values = sweeps.left(str(tmp_path / "gone"), ("block", sweep.part(sweep.blocks()[0])))
     assert values is not None and values["load"].tobytes() == serial["load"].values[:4, :3].tobytes()
 
 
@@ -138,14 +139,14 @@ def test_a_column_of_one_s_own_goes_with_its_source(serial: xarray.Dataset, clie
     file = tmp_path / "own.py"
     shutil.copy(fb.column("beck").kernel.__file__, file)
     own = fb.column(file)
-    assert str(tmp_path) not in repr(sweeps.recipe(own))
+    assert str(tmp_path).encode() not in pickle.dumps(own)
     assert same_bits(fb.stability_map(own, **SETTINGS, scheduler=client), serial)
 
 
 def test_an_error_in_a_block_comes_back(client: Any) -> None:
     """As it was said there: memory has no room for so many modes."""
     axes = {"alpha": np.array([1e-3]), "beta": np.array([0.1, 0.2])}
-    sweep = sweeps.Sweep(fb.column("beck"), 10**9, axes, {}, 1000.0, False, (1, 1))
+    sweep = sweeps.Sweep(fb.Question(fb.column("beck"), 10**9), axes, False, (1, 1))
     said = []
     for scheduler in (client, "synchronous"):
         with pytest.raises(InputError, match="modes = 1000000000") as caught:

@@ -74,7 +74,7 @@ def critical(
     """Find the lowest load at which the column flutters or diverges."""
     import freebeam as fb
     from freebeam_sym.checks import InputError
-    from freebeam_sym.convergence import digits_that_hold
+    from freebeam_sym.stability.convergence import digits_that_hold
 
     vanishing = alpha.text == "0+"
     if kappa is not None and not vanishing:
@@ -133,7 +133,7 @@ def critical(
         if beam is None
         else {"load": units.out("load", beam.load), "kind": beam.kind, "uncertainty": beam.uncertainty},
         touches=[[units.out("load", touch.load), units.out("frequency", touch.frequency)] for touch in found.touches],
-        load_max=units.out("load", found.load_max),
+        load_max=units.out("load", found.question.load_max),
     )
     if proven is not None:
         load, frequency = proven.load or (None, None), proven.frequency or (None, None)
@@ -208,7 +208,7 @@ def critical(
 
 def _part(part: float, size: float, rounding: float) -> str:
     """Real or imaginary part of a number of this size, to the digits that its relative rounding leaves."""
-    from freebeam_sym.convergence import digits_that_hold
+    from freebeam_sym.stability.convergence import digits_that_hold
 
     return "0" if abs(part) <= rounding * size else digits_that_hold(part, rounding * size / abs(part))
 

@@ -128,8 +128,8 @@ def stability_map(
 
     import freebeam as fb
     from freebeam_sym.checks import InputError, positive
-    from freebeam_sym.grids import KINDS
-    from freebeam_sym.maps import dataset, solved
+    from freebeam_sym.stability.grids import KINDS
+    from freebeam_sym.stability.maps import dataset, solved, split
 
     if extra:
         raise InputError(f"{extra[0]}: belongs to no option; the axes take {', '.join(map(' '.join, WORDS.items()))}")
@@ -141,19 +141,20 @@ def stability_map(
     if as_json and output is None and points > MOST_PRINTED:
         raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.csv or .nc")
     chosen = fb.column(column, basis)
-    modes = chosen.number(modes)
     own_values = assignments(own)
     for name in axes:
         if name in own_values:
             raise InputError(f"--set {name}={own_values[name]}: {name} is an axis of this map; leave one of them out")
-    fixed = {name: value for name, value in chosen.own_parameters(own_values).items() if name not in axes}
     beam = {"bending_stiffness": bending_stiffness, "mass_per_length": mass_per_length, "length": length}
     units = units_of(chosen, *beam.values())
-    parameters = fixed | {name: units.into(name, axis) for name, axis in axes.items()}
+    fixed = {name: value for name, value in chosen.own_parameters(own_values).items() if name not in axes}
     limit = {}
     if load_max is not None:
         positive("load_max", load_max, "largest load to look at")
         limit = {"load_max": units.into("load", load_max)}
+    with nondimensional(units):
+        values_of = {name: units.into(name, axis) for name, axis in axes.items()}
+        question, values_of = split(chosen, modes, fixed | values_of, **limit)
     if chunks is None and (workers is not None or store is not None):
         raise InputError(f"--{'store' if workers is None else 'workers'} needs --chunks K, such as --chunks 100")
     blocks: dict[str, Any] = {} if chunks is None else {"chunks": chunks, "workers": workers, "store": store}
@@ -162,10 +163,7 @@ def stability_map(
         stream = None if output is None else stack.enter_context(written(output, force))
         report = stack.enter_context(working("map"))
         with nondimensional(units):
-            found = solved(
-                chosen, modes, parameters, convergence=not no_convergence,
-                step=lambda part: report(f"{part:.0%}"), **limit, **blocks,
-            )  # fmt: skip
+            found = solved(question, values_of, not no_convergence, lambda part: report(f"{part:.0%}"), **blocks)
         kinds = np.array(KINDS)[found.answers.kind]
         values = {
             "load": units.out("load", found.answers.load),
@@ -175,12 +173,10 @@ def stability_map(
         if found.error is not None:
             values |= {"error": found.error, "converged": found.converged}
         head: dict[str, Any] = {
-            "column": chosen.name,
-            "basis": chosen.basis_name,
-            "modes": modes,
+            **question.record(),
             "parameters": fixed,
             **{name: 0.0 for name in ("alpha", "beta") if name not in axes},
-            "load_max": units.out("load", found.load_max),
+            "load_max": units.out("load", question.load_max),
             "units": units.name,
         }
         if stream is not None and output is not None:
@@ -188,7 +184,7 @@ def stability_map(
             if output.suffix == ".csv":
                 stream.write(_csv(head, axes, values))
             else:
-                labelled = dataset(chosen, found)
+                labelled = dataset(found)
                 if units.sizes:
                     sizes = {name: float(size) for name, size in beam.items() if size is not None}
                     labelled = _in_si(labelled, units, axes, sizes)
@@ -210,7 +206,7 @@ def stability_map(
         rows.append(["not converged", f"{int((~found.converged).sum())} points"])
     if output is not None:
         rows.append(["written", str(output)])
-    title = ", ".join([chosen.name, f"N = {modes}", *(f"{name} = {value:g}" for name, value in fixed.items())])
+    title = ", ".join([chosen.name, f"N = {question.modes}", *(f"{name} = {value:g}" for name, value in fixed.items())])
     print_table(rows, title=title)
 
 
@@ -219,7 +215,7 @@ def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> d
     import numpy as np
 
     from freebeam_sym.checks import InputError
-    from freebeam_sym.maps import counted
+    from freebeam_sym.stability.maps import counted
 
     read: dict[str, tuple[float, float, int]] = {}
     for name, given in ranges:

@@ -191,7 +191,7 @@ def _shapes(column: Column) -> Array:
 
 
 def _first_load(column: Column) -> float | None:
-    from freebeam_sym.critical import critical_load
+    from freebeam_sym.stability.critical import critical_load
 
     return critical_load(column, min(8, MODES)).load
 

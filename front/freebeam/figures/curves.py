@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, count, positive
-from freebeam_sym.critical import CriticalLoad, critical_load
 from freebeam_sym.spectra import ROUNDING, branches, spectrum
+from freebeam_sym.stability.critical import CriticalLoad, critical_load
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
@@ -58,7 +58,7 @@ class Locus:
     def scale(self, normalised: bool) -> float:
         """What the eigenvalues are divided by: λ₀ of Eq. (26), or 1. Raises InputError where λ₀ does not exist."""
         if normalised and self.reference is None:
-            c = self.critical
+            c = self.critical.question
             raise InputError(
                 f"alpha = {c.alpha:g}, beta = {c.beta:g}: mode 1 of the unloaded beam is overdamped, and Eq. (26) has "
                 "no frequency to divide by; use normalised=False"
@@ -120,8 +120,9 @@ def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int, highest
     elif highest:
         top = 1.25 * highest
     else:
+        asked = critical.question
         raise InputError(
-            f"loads: {critical.column.name} is stable up to P = {critical.load_max:g}; give the largest load to draw"
+            f"loads: {asked.column.name} is stable up to P = {asked.load_max:g}; give the largest load to draw"
         )
     P = np.linspace(0.0, top, points)
     if critical.load is not None:
@@ -356,7 +357,7 @@ def cycle(
     if load is None:
         critical = critical_load(column, modes, alpha, beta, **parameters)
         if critical.load is None:
-            raise InputError(f"load: {column.name} is stable up to P = {critical.load_max:g}; give a load")
+            raise InputError(f"load: {column.name} is stable up to P = {critical.question.load_max:g}; give a load")
         load = critical.load
     system = column.system(modes, load, alpha, beta, rigid, **parameters)
     found = spectrum(system)

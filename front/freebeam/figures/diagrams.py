@@ -268,7 +268,7 @@ def draw_part(ax: Axes, column: Column, found: curves.Locus, part: str, normalis
     if critical.load is not None and critical.frequency is not None and P.min() <= critical.load <= P.max():
         height = 0.0 if part == "real" else critical.frequency / found.scale(normalised)
         at, ha = ((-9, 7), "right") if part == "real" else ((0, -10), "center")
-        if part == "imaginary" and not (critical.alpha or critical.beta):  # between the two that meet
+        if part == "imaginary" and not (critical.question.alpha or critical.question.beta):  # between the two that meet
             at, ha = (-11, 0), "right"
         mark(ax, critical.load, height, f"{symbol(column, 'P')} = {digits(critical.load)}", at, ha=ha)
     ax.set_xlabel(f"load {symbol(column, 'P')}")

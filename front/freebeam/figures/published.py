@@ -20,9 +20,9 @@ from freebeam.figures.shapes import history, trajectory
 from freebeam.figures.sketch import beam, centre_line
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import column as column_of
-from freebeam_sym.critical import critical_load
 from freebeam_sym.response import Response, respond
 from freebeam_sym.spectra import spectrum
+from freebeam_sym.stability.critical import critical_load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

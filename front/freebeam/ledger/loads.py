@@ -16,7 +16,7 @@ from freebeam.ledger.finding import FLOATS, MAP, PROVEN, RANGE, Finding, Interva
 from freebeam.ledger.proven import cells, eigenvalues, exact, interval, line, ritz
 from freebeam.ledger.scanned import MODES, PRINTED, scanned, step_of
 from freebeam_sym.columns import column
-from freebeam_sym.critical import critical_load
+from freebeam_sym.stability.critical import critical_load
 
 CLOSE = Fraction(1, 100)  # "very closely comparable": within one per cent
 NEGLIGIBLE = Fraction(1, 100)  # of the change it is compared with

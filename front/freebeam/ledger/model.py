@@ -11,7 +11,7 @@ from freebeam.ledger.finding import FLOATS, IDENTITY, PROVEN, Finding, check, en
 from freebeam.ledger.proven import eigenvalues, equations, exact, interval, ritz
 from freebeam.ledger.scanned import MODES
 from freebeam_sym.columns import column
-from freebeam_sym.critical import critical_load
+from freebeam_sym.stability.critical import critical_load
 
 MANY = 20  # polynomials: enough for ten digits and more
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from freebeam.ledger.scanned import MODES
 from freebeam.proofs import Certified, certified_load, exact_load
 from freebeam_sym.columns import Column, column
-from freebeam_sym.critical import critical_load
+from freebeam_sym.stability.critical import critical_load
 
 if TYPE_CHECKING:
     from freebeam.ledger.finding import Interval

@@ -14,7 +14,7 @@ from fractions import Fraction
 from typing import NamedTuple
 
 from freebeam_sym.columns import column
-from freebeam_sym.critical import critical_load
+from freebeam_sym.stability.critical import critical_load
 
 __all__ = ["MODES", "PRINTED", "Printed", "Row", "scanned", "step_of", "validate"]
 

@@ -19,7 +19,7 @@ from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from freebeam.lesson.blocks import Lesson
-    from freebeam_sym.convergence import BeamLoss
+    from freebeam_sym.stability.convergence import BeamLoss
 
 __all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show"]
 
@@ -93,7 +93,7 @@ def _subtitle(facts: Any) -> str:
 
 def _lost(beam: BeamLoss) -> str:
     """Kind and load of the beam's own loss of stability, to the digits that hold."""
-    from freebeam_sym.convergence import digits_that_hold
+    from freebeam_sym.stability.convergence import digits_that_hold
 
     assert beam.load is not None
     return f"{beam.kind} at {digits_that_hold(beam.load, beam.uncertainty, 6)}"

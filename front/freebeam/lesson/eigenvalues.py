@@ -41,7 +41,8 @@ def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
     ]
     own = "".join(f", ${p.latex} = {p.default:g}$" for p in column.parameters)
     if found.load is None:
-        text = f"With $N = {MODES}$ functions{own} the undamped column stays stable up to $P_0 = {found.load_max:g}$."
+        top = found.question.load_max
+        text = f"With $N = {MODES}$ functions{own} the undamped column stays stable up to $P_0 = {top:g}$."
         blocks.append(Prose(text))
         return blocks
     if facts.flutters:
@@ -300,7 +301,7 @@ def vanishing_damping(chapter: Chapter, facts: Facts) -> list[Block]:
                 if strong.load and strong.load > zero.load
                 else "below the limit of vanishing damping."
                 if strong.load
-                else f"none is found up to {strong.load_max:g}."
+                else f"none is found up to {strong.question.load_max:g}."
             ),
         ),
     ]

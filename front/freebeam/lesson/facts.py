@@ -13,8 +13,8 @@ from freebeam_sym.checks import InputError
 if TYPE_CHECKING:
     from freebeam.proofs import Certified
     from freebeam_sym.columns import Column
-    from freebeam_sym.critical import CriticalLoad
-    from freebeam_sym.pencil import Pencil
+    from freebeam_sym.stability.critical import CriticalLoad
+    from freebeam_sym.stability.pencil import Pencil
 
 __all__ = ["MODES", "Facts"]
 
@@ -32,7 +32,7 @@ class Facts:
     @cached_property
     def critical(self) -> CriticalLoad:
         """Without damping."""
-        from freebeam_sym.critical import critical_load
+        from freebeam_sym.stability.critical import critical_load
 
         return critical_load(self.column, MODES)
 
@@ -44,7 +44,7 @@ class Facts:
     def load(self) -> float:
         """The undamped critical load. Raises InputError where there is none."""
         if self.critical.load is None:
-            raise InputError(f"{self.column.name}: is stable up to P = {self.critical.load_max:g}")
+            raise InputError(f"{self.column.name}: is stable up to P = {self.critical.question.load_max:g}")
         return self.critical.load
 
     @property
@@ -53,13 +53,13 @@ class Facts:
 
     def limit(self, kappa: float) -> CriticalLoad:
         """The limit of vanishing damping at β = κα."""
-        from freebeam_sym.critical import critical_load
+        from freebeam_sym.stability.critical import critical_load
 
         return critical_load(self.column, MODES, kappa=kappa)
 
     def damped(self, alpha: float, beta: float) -> CriticalLoad:
         """With damping; a damping that the column does not state is left at zero."""
-        from freebeam_sym.critical import critical_load
+        from freebeam_sym.stability.critical import critical_load
 
         known = self.column.damping
         return critical_load(self.column, MODES, alpha if "alpha" in known else 0.0, beta if "beta" in known else 0.0)
@@ -76,7 +76,7 @@ class Facts:
 
     @cached_property
     def pencil(self) -> Pencil:
-        from freebeam_sym.pencil import pencil_of
+        from freebeam_sym.stability.pencil import pencil_of
 
         return pencil_of(*self.column.matrices(MODES))
 
@@ -109,7 +109,7 @@ class Facts:
 
     def ritz(self, modes: int, basis: str = "modes") -> float | None:
         """The undamped critical load at a number of functions; None where another kind of loss comes first."""
-        from freebeam_sym.critical import critical_load
+        from freebeam_sym.stability.critical import critical_load
 
         try:
             found = critical_load(self.column if basis == "modes" else self.polynomials, modes)

@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, computable, count, positive
-from freebeam_sym.columns import is_column
-from freebeam_sym.convergence import CONVERGED, verdict
-from freebeam_sym.grids import KINDS, Answers, checked_axes, solve_grid, solve_points
+from freebeam_sym.checks import InputError, count
+from freebeam_sym.columns import Column
+from freebeam_sym.question import Question
+from freebeam_sym.stability.convergence import CONVERGED, verdict
+from freebeam_sym.stability.grids import KINDS, Answers, checked_axes, solve_grid, solve_points
 
 if TYPE_CHECKING:
     import xarray
     from distributed import Client
-
-    from freebeam_sym.columns import Column
 
 __all__ = ["CriticalLoads", "critical_loads", "stability_map"]
 
@@ -35,15 +34,14 @@ _BYTES = 200
 class CriticalLoads:
     """Critical loads over arrays, each of the shape that the parameters broadcast to; nondimensional.
 
-    `load` and `frequency`: nan where there is none up to `load_max`; frequency 0 in divergence. `kind`: "none",
-    "flutter" or "divergence".
+    `load` and `frequency`: nan where there is none up to the largest load; frequency 0 in divergence. `kind`: "none",
+    "flutter" or "divergence". `question`: what was asked, but for the arrays.
     """
 
     load: NDArray[np.float64]
     frequency: NDArray[np.float64]
     kind: NDArray[np.str_]
-    modes: int
-    load_max: float
+    question: Question
 
 
 def critical_loads(
@@ -65,9 +63,7 @@ def critical_loads(
     alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
     parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
     """
-    is_column(column)
-    modes = column.number(modes)
-    load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
+    question = Question.of(column, modes, load_max=load_max)
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
     try:
         arrays = np.broadcast_arrays(*values.values())
@@ -78,10 +74,10 @@ def critical_loads(
     points = dict(zip(values, (x.ravel() for x in arrays), strict=True))
     if not arrays[0].size:
         empty = np.empty(shape)
-        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), modes, load_max)
-    found = solve_points(column, modes, points, load_max)
+        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), question)
+    found = solve_points(question, points)
     kind = np.array(KINDS)[found.kind].reshape(shape)
-    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, modes, load_max)
+    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, question)
 
 
 def stability_map(
@@ -127,30 +123,30 @@ def stability_map(
     Raises InputError for bad values, for axes that are not one-dimensional, without two values or not distinct, for a
     map that memory has no room for, for chunks that do not fit, and for a store of other settings.
     """
-    is_column(column)
+    question, axes = split(column, modes, parameters, load_max)
     _xarray()  # said now, not when all is computed
-    found = solved(column, modes, parameters, load_max, convergence, step, chunks, scheduler, workers, store)
-    return dataset(column, found)
+    return dataset(solved(question, axes, convergence, step, chunks, scheduler, workers, store))
 
 
 class Solved(NamedTuple):
-    """A map's arrays, each of the shape of the axes, and its settings; without a verdict on convergence, `error` and
-    `converged` are None."""
+    """A map's arrays, each of the shape of the axes; without a verdict on convergence, `error` and `converged` are
+    None. question: what was asked, but for the axes."""
 
-    modes: int
+    question: Question
     axes: dict[str, NDArray[np.float64]]
-    fixed: dict[str, float]
-    load_max: float
     answers: Answers
     error: NDArray[np.float64] | None
     converged: NDArray[np.bool_] | None
 
+    @property
+    def fixed(self) -> dict[str, float]:
+        """The parameters that are no axes."""
+        return {name: value for name, value in self.question.values.items() if name not in self.axes}
+
 
 def solved(
-    column: Column,
-    modes: int | None,
-    parameters: Mapping[str, Any],
-    load_max: float = 1000.0,
+    question: Question,
+    axes: dict[str, NDArray[np.float64]],
     convergence: bool = True,
     step: Callable[[float], None] | None = None,
     chunks: Any = None,
@@ -159,34 +155,32 @@ def solved(
     store: str | os.PathLike[str] | None = None,
 ) -> Solved:
     """A map as arrays, which need no xarray; all else as in `stability_map`."""
-    modes = column.number(modes)
-    load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
-    axes, fixed = split(column, parameters)
     if chunks is not None:
-        from freebeam_sym.sweeps import Sweep, chunk_sizes, run
+        from freebeam_sym.stability.sweeps import Sweep, chunk_sizes, run
 
-        sweep = Sweep(column, modes, axes, fixed, load_max, convergence, chunk_sizes(chunks, axes))
-        values = run(sweep, scheduler, workers, store, step)
+        values = run(Sweep(question, axes, convergence, chunk_sizes(chunks, axes)), scheduler, workers, store, step)
         answers = Answers(*(values[name] for name in Answers._fields))
-        return Solved(modes, axes, fixed, load_max, answers, values.get("error"), values.get("converged"))
+        return Solved(question, axes, answers, values.get("error"), values.get("converged"))
     for name, given in (("scheduler", scheduler), ("workers", workers), ("store", store)):
         if given is not None:
             raise InputError(f"{name} needs chunks: values along an axis in a block of the map, such as chunks=100")
     # the polynomials of the verdict cost some five times as much as the map
     done = (lambda x: step(x / 6 if convergence else x)) if step is not None else None
-    found = solve_grid(column, modes, axes, fixed, load_max, done)
+    found = solve_grid(question, axes, done)
     if not convergence:
-        return Solved(modes, axes, fixed, load_max, found, None, None)
+        return Solved(question, axes, found, None, None)
     later = (lambda x: step((1 + 5 * x) / 6)) if step is not None else None
-    return Solved(modes, axes, fixed, load_max, found, *verdict(column, axes, fixed, load_max, found, later))
+    return Solved(question, axes, found, *verdict(question, axes, found, later))
 
 
-def split(column: Column, parameters: Mapping[str, Any]) -> tuple[dict[str, Any], dict[str, float]]:
-    """The axes of a map, each (n_k,), and the fixed parameters, all that are not axes. Raises InputError."""
+def split(
+    column: Column, modes: int | None, parameters: Mapping[str, Any], load_max: float = 1000.0
+) -> tuple[Question, dict[str, NDArray[np.float64]]]:
+    """The question that a map asks, and its axes, each (n_k,): the parameters given as arrays. Raises InputError."""
     values = checked_axes(column, parameters)
     axes = {name: array for name, array in values.items() if array.ndim}
-    fixed = {"alpha": 0.0, "beta": 0.0, **{p.name: p.default for p in column.parameters}}
-    fixed = {x: float(values.get(x, y)) for x, y in fixed.items() if x not in axes}
+    fixed: dict[str, Any] = {name: float(array) for name, array in values.items() if not array.ndim}
+    question = Question.of(column, modes, load_max=load_max, **fixed)
     for name, array in axes.items():
         if array.ndim != 1 or not len(array):
             raise InputError(f"{name} has the shape {array.shape}: an axis of a map is a sequence of one value or more")
@@ -195,7 +189,7 @@ def split(column: Column, parameters: Mapping[str, Any]) -> tuple[dict[str, Any]
     if not axes:
         raise InputError("a map needs an axis: give alpha, beta or a parameter of the column as an array")
     counted([len(array) for array in axes.values()])
-    return axes, fixed
+    return question, axes
 
 
 def counted(lengths: Sequence[int]) -> int:
@@ -204,9 +198,10 @@ def counted(lengths: Sequence[int]) -> int:
     return count("points of the map", math.prod(lengths), 1, most, "cut the grid and compute the parts one by one")
 
 
-def dataset(column: Column, solved: Solved) -> xarray.Dataset:
+def dataset(solved: Solved) -> xarray.Dataset:
     """The labelled dataset of a map. Raises InputError without xarray."""
-    modes, axes, fixed, load_max, found, error, converged = solved
+    question, axes, found, error, converged = solved
+    column = question.column
     meanings = _MEANINGS | {p.name: p.meaning for p in column.parameters}
     names = list(axes)
     variables = {
@@ -230,13 +225,10 @@ def dataset(column: Column, solved: Solved) -> xarray.Dataset:
     coordinates = {x: (x, axes[x], {"long_name": meanings[x], "units": "1"}) for x in names}
     settings = {
         "title": f"Critical loads of the column {column.name}",
-        "column": column.name,
+        **question.record(),
         "column_title": column.title,
-        "basis": column.basis_name,
-        "modes": modes,
-        "load_max": load_max,
-        **fixed,
-        "fixed": " ".join(fixed),
+        **solved.fixed,
+        "fixed": " ".join(solved.fixed),
         "units": "nondimensional, Eq. (5)",
         "source": f"freebeam {_version()}",
     }

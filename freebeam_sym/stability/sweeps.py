@@ -15,22 +15,21 @@ import tempfile
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import lru_cache, partial
+from dataclasses import dataclass, replace
+from functools import partial
 from importlib import import_module
-from importlib.abc import InspectLoader
 from itertools import islice, product
 from pathlib import Path
-from types import ModuleType
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, count, refusal
-from freebeam_sym.columns import Column, column
-from freebeam_sym.convergence import verdict
-from freebeam_sym.grids import solve_grid
+from freebeam_sym.kernels import text_of
+from freebeam_sym.question import Question
+from freebeam_sym.stability.convergence import verdict
+from freebeam_sym.stability.grids import solve_grid
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -59,11 +58,8 @@ TYPES = {"load": np.float64, "frequency": np.float64, "kind": np.int8, "error": 
 class Sweep:
     """What is asked of a map: all that its numbers hang on, the axes (name: (n_k,)) in order."""
 
-    column: Column
-    modes: int
+    question: Question
     axes: Mapping[str, NDArray[np.float64]]
-    fixed: Mapping[str, float]
-    load_max: float
     convergence: bool
     chunks: tuple[int, ...]
 
@@ -80,24 +76,28 @@ class Sweep:
         cuts = [[slice(a, min(a + k, n)) for a in range(0, n, k)] for n, k in zip(self.shape, self.chunks, strict=True)]
         return list(product(*cuts))
 
-    def task(self, block: Block) -> tuple[Any, ...]:
-        """The arguments of `solved` for a block."""
+    def part(self, block: Block) -> Sweep:
+        """The map of a block."""
         axes = {name: axis[part] for (name, axis), part in zip(self.axes.items(), block, strict=True)}
-        return recipe(self.column), self.modes, axes, dict(self.fixed), self.load_max, self.convergence
+        return replace(self, axes=axes)
+
+    def computed(self) -> Values:
+        """The map's arrays, by name, computed here and at once."""
+        found = solve_grid(self.question, self.axes)
+        values: Values = found._asdict()
+        if self.convergence:
+            values["error"], values["converged"] = verdict(self.question, self.axes, found)
+        return values
 
     def settings(self) -> dict[str, Any]:
         """The same as a record that can be compared and stored."""
         from importlib.metadata import version
 
-        kernel = _text(self.column.kernel).encode()
         return {
-            "column": self.column.name,
-            "basis": self.column.basis_name,
-            "kernel": _print(kernel),
-            "modes": self.modes,
-            "load_max": self.load_max,
+            **self.question.record(),
+            "kernel": _print(text_of(self.question.column.kernel).encode()),
             "convergence": self.convergence,
-            "fixed": dict(self.fixed),
+            "fixed": {name: value for name, value in self.question.values.items() if name not in self.axes},
             "axes": {
                 name: f"{len(axis)} values from {axis[0]} to {axis[-1]}, {_print(axis.tobytes())}"
                 for name, axis in self.axes.items()
@@ -141,48 +141,10 @@ def _print(content: bytes) -> str:
 # --- a block ------------------------------------------------------------------------------------------------------
 
 
-def recipe(column: Column) -> tuple[str, str]:
-    """What a column is made of again elsewhere: a name and a basis, or the source of a kernel and nothing."""
-    if column.kernel.__name__.startswith("freebeam_kernels."):
-        return column.name, column.basis_name
-    return _text(column.kernel), ""
-
-
-def _text(kernel: ModuleType) -> str:
-    """The text that a kernel was loaded from; its file may be gone."""
-    return str(cast(InspectLoader, kernel.__loader__).get_source(kernel.__name__))
-
-
-@lru_cache(maxsize=8)
-def _made(text: str, basis: str) -> Column:
-    if basis:
-        return column(text, basis)
-    module = ModuleType("freebeam_own_kernel")
-    exec(compile(text, "<kernel of a column>", "exec"), module.__dict__)
-    return Column(module)
-
-
-def solved(
-    origin: tuple[str, str],
-    modes: int,
-    axes: Mapping[str, NDArray[np.float64]],
-    fixed: Mapping[str, float],
-    load_max: float,
-    convergence: bool,
-) -> Values:
-    """The arrays of a block, by name."""
-    here = _made(*origin)
-    found = solve_grid(here, modes, axes, fixed, load_max)
-    values: Values = found._asdict()
-    if convergence:
-        values["error"], values["converged"] = verdict(here, axes, fixed, load_max, found)
-    return values
-
-
-def left(place: str | None, item: tuple[str, tuple[Any, ...]]) -> Values | None:
+def left(place: str | None, item: tuple[str, Sweep]) -> Values | None:
     """Put the arrays of a block into a file in memory, of a name; they come back where there is no room."""
-    name, task = item
-    values = solved(*task)
+    name, sweep = item
+    values = sweep.computed()
     if place is None:
         return values
     beside = Path(place, uuid.uuid4().hex)
@@ -264,7 +226,7 @@ def _computed(
         return
     if scheduler == "synchronous":
         for k, block in todo.items():
-            yield k, solved(*sweep.task(block))
+            yield k, sweep.part(block).computed()
         return
     try:
         distributed: Any = import_module("distributed")
@@ -277,7 +239,7 @@ def _computed(
 
         def submitted(most: int) -> list[Any]:
             keys = dict(islice(waiting, most))
-            items = [(key, sweep.task(todo[k])) for key, k in keys.items()]
+            items = [(key, sweep.part(todo[k])) for key, k in keys.items()]
             found: list[Any] = client.map(partial(left, place), items, key=list(keys), pure=False) if items else []
             return found
 

@@ -25,8 +25,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Complex, Pencil, Real
+from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.problem import Complex, Real
 
 __all__ = ["FEW", "Surface", "leaves", "surface_of"]
 
@@ -38,7 +39,7 @@ TOLERANCE = 3e-11
 SMALLEST = 1 / 8192
 """Least width of a patch."""
 ASKED = 4
-"""Questions, one by one, that are left to a search each before a patch, or any, is made: it costs as much as some."""
+"""Single questions that are left to a search each before a patch is made, which costs as much as some searches."""
 FEW = 16
 """Points that are left to a search each: it costs less than a patch. In the surface as a whole, and in a patch whose
 neighbourhood was not settled down to the width SMALL."""
@@ -166,53 +167,24 @@ class Surface:
         return np.minimum(square / self.kappa0, 1e300) * rest, rest, chi
 
     def at(
-        self, alpha: Real, beta: Real, kappa: float | None = None, build: bool = True
+        self, alpha: Real, beta: Real, kappa: float | None = None, single: bool = False
     ) -> tuple[Real, Real, NDArray[np.bool_]]:
         """Load and frequency of the first flutter at damping (n,), nan where there is none below the bound, and which
-        of them are settled: that hangs on these points alone. build: make patches that are not there yet."""
+        of them are settled: that hangs on these points alone. single: a question that is asked by itself; a patch is
+        then made only after ASKED questions for it."""
         load, square = np.full(len(alpha), np.nan), np.full(len(alpha), np.nan)
         settled = np.zeros(len(alpha), dtype=bool)
         if self._root is None:
-            if not build:
+            self.asked += 1
+            if single and self.asked <= ASKED:
                 return load, square, settled
             self._root = self._first()
         for start in range(0, len(alpha), _BLOCK):
             part = slice(start, start + _BLOCK)
             xi, rest, chi = self.coordinates(alpha[part], beta[part], kappa)
-            self._descend(self._root, np.arange(len(xi)), xi, chi, load[part], square[part], settled[part], build)
+            self._descend(self._root, np.arange(len(xi)), xi, chi, load[part], square[part], settled[part], single)
             square[part] *= rest
         return load, np.sqrt(square), settled
-
-    def point(self, alpha: float, beta: float) -> tuple[float, float] | None:
-        """As `at` for one damping, quicker: load and frequency, nan where there is none; None where not settled.
-
-        What is not there is made where it has been asked for ASKED times before."""
-        if self._root is None:
-            self.asked += 1
-            if self.asked <= ASKED:
-                return None
-            self._root = self._first()
-        size = alpha * self.kappa0 + beta
-        rest = self.kappa0 / (size * size + self.kappa0)
-        place = (min(size * size / self.kappa0, 1e300) * rest, beta / size)
-        patch = self._root
-        while True:
-            if patch.state == "new":
-                patch.asked += 1
-                if patch.asked <= ASKED:
-                    return None
-                self._make(patch)
-            if patch.state != "cut":
-                break
-            patch = next((x for x in patch.parts if place[patch.axis] <= x.high[patch.axis]), patch.parts[-1])
-        if patch.state == "none":
-            return math.nan, math.nan
-        if patch.series is None:
-            return None
-        low, high = np.array(patch.low), np.array(patch.high)
-        T = chebyshev((place - low) / (high - low), patch.series.shape[-1])
-        found = min(((x @ T[:, 1]) @ T[:, 0]).tolist() for x in patch.series)
-        return found[0], math.sqrt(found[1] * rest)
 
     def _descend(
         self,
@@ -223,19 +195,22 @@ class Surface:
         load: Real,
         square: Real,
         settled: NDArray[np.bool_],
-        build: bool,
+        single: bool,
     ) -> None:
         widths = [b - a for a, b in zip(patch.low, patch.high, strict=True)]
-        if build and len(which) < FEW and min(widths) < SMALL:
+        if not single and len(which) < FEW and min(widths) < SMALL:
             return
-        if patch.state == "new" and build:
+        if patch.state == "new":
+            patch.asked += 1
+            if single and patch.asked <= ASKED:
+                return
             self._make(patch)
         if patch.state == "cut":
             k = np.searchsorted([part.high[patch.axis] for part in patch.parts[:-1]], (xi, chi)[patch.axis][which])
             for number, part in enumerate(patch.parts):
                 mine = which[k == number]
                 if len(mine):
-                    self._descend(part, mine, xi, chi, load, square, settled, build)
+                    self._descend(part, mine, xi, chi, load, square, settled, single)
         elif patch.state in ("flutter", "none"):
             settled[which] = True
             if patch.series is not None:
@@ -443,7 +418,7 @@ class Surface:
             slope = omega[:, None] * (-1 / p.e)
             own, speed = 1 + omega[:, None] * (slope + D), D + 2 * slope
             A = np.zeros((len(live), p.size, p.size), dtype=complex)
-            np.multiply(P[:, None, None], p._relative, out=A.real)
+            np.multiply(P[:, None, None], p.relative, out=A.real)
             A[:, i, i] += own
             try:
                 B = np.linalg.inv(A)

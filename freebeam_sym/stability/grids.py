@@ -1,6 +1,6 @@
 """Critical loads of many points at once: arrays in, arrays out. What maps and sweeps are computed with.
 
-`solve` takes any number of dampings of one column with fixed parameters of its own. They share a pencil, and with it
+`solve` takes any number of dampings of one question. They share a pencil, and with it
 the surface of first crossings over all damping (`surface.py`), which settles most points by a series; the rest are
 searched one by one (`crossings.py`). `solve_grid` does so for every combination of axes, `solve_points` for any points.
 
@@ -13,19 +13,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from typing import TYPE_CHECKING, Any, NamedTuple
+from dataclasses import replace
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, computable, reals
-from freebeam_sym.columns import is_column
-from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Kind, Pencil, Real, pencil_of
-from freebeam_sym.surface import FEW, surface_of
-
-if TYPE_CHECKING:
-    from freebeam_sym.columns import Column
+from freebeam_sym.columns import Column, is_column
+from freebeam_sym.question import Question
+from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.problem import Kind, Real
+from freebeam_sym.stability.surface import FEW, surface_of
 
 __all__ = ["KINDS", "Answers", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
 
@@ -71,44 +71,33 @@ def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
     return found
 
 
-def solve(column: Column, modes: int, alpha: Real, beta: Real, load_max: float, own: Mapping[str, float]) -> Answers:
-    """First loss of stability at each of n dampings, (n,). Section 3.2, Eqs. (24)-(25).
+def solve(question: Question, alpha: Real, beta: Real) -> Answers:
+    """First loss of stability at each of n dampings, (n,), whatever those of the question. Section 3.2, Eqs. (24)-(25).
 
-    alpha, beta: (n,) internal and external damping; both 0 is no damping at all, whose flutter is the coalescence of
-    two frequencies. modes: N. load_max: largest load to look at. own: the column's own parameters, those not named at
-    their default. Values as `checked_axes` leaves them. All nondimensional. Raises InputError where the column is not
-    stable without load.
+    alpha, beta: (n,) internal and external damping, nondimensional, as `checked_axes` leaves them; both 0 is no damping
+    at all, whose flutter is the coalescence of two frequencies. Raises InputError where the column is not stable
+    without load.
     """
-    parameters = column.own_parameters(dict(own))
-    pencil = pencil_of(*column.matrices(modes, False, **parameters))
-    c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in column.kernel.damping_factors(alpha, beta, **parameters))
-    return _of_pencil(pencil, c_E, c_M, load_max)
+    factors = question.column.kernel.damping_factors(alpha, beta, **question.parameters)
+    c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in factors)
+    return _of_pencil(question.pencil, c_E, c_M, question.load_max)
 
 
-def solve_grid(
-    column: Column,
-    modes: int,
-    axes: Mapping[str, Real],
-    fixed: Mapping[str, float],
-    load_max: float,
-    step: Callable[[float], None] | None = None,
-) -> Answers:
-    """First loss of stability at every combination of the axes.
+def solve_grid(question: Question, axes: Mapping[str, Real], step: Callable[[float], None] | None = None) -> Answers:
+    """First loss of stability at every combination of the axes, and of what the question says of all else.
 
     axes: arrays (n_k,) by name, of alpha, beta and the column's own parameters; the answers' shape is (n_1, n_2, …) in
-    their order. fixed: the other parameters; what neither names is 0 (damping) or at its default. step: told which
-    part is done, 0 to 1. The rest as in `solve`.
+    their order. step: told which part is done, 0 to 1. The rest as in `solve`.
     """
     names = list(axes)
     dampings, others = ([x for x in names if (x in ("alpha", "beta")) == wanted] for wanted in (True, False))
-    alpha, beta = (axes.get(x, np.array([fixed.get(x, 0.0)])) for x in ("alpha", "beta"))
+    alpha, beta = (axes.get(x, np.array([question.values[x]])) for x in ("alpha", "beta"))
     a, b = (x.ravel() for x in np.meshgrid(alpha, beta, indexing="ij"))
-    own = {name: value for name, value in fixed.items() if name not in ("alpha", "beta")}
     count = [len(axes[x]) for x in others]
     parts = []
     for k in range(math.prod(count)):
         here = {x: float(axes[x][i]) for x, i in zip(others, np.unravel_index(k, count), strict=True)} if count else {}
-        parts.append(solve(column, modes, a, b, load_max, {**own, **here}))
+        parts.append(solve(_with(question, here), a, b))
         if step is not None:
             step((k + 1) / math.prod(count))
     # so far (own parameters, in their order; alpha; beta), the dampings that are axes at least
@@ -120,21 +109,26 @@ def solve_grid(
 
 
 def solve_points(
-    column: Column, modes: int, points: Mapping[str, Real], load_max: float, step: Callable[[float], None] | None = None
+    question: Question, points: Mapping[str, Real], step: Callable[[float], None] | None = None
 ) -> Answers:
     """First loss of stability at points, arrays (n,) by name as in `solve_grid`; those that share their own parameters
     are solved together."""
     n = len(next(iter(points.values())))
-    alpha, beta = (points.get(x, np.zeros(n)) for x in ("alpha", "beta"))
+    alpha, beta = (points.get(x, np.full(n, question.values[x])) for x in ("alpha", "beta"))
     answers = Answers(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8))
     done = 0
     for own, which in alike({x: points[x] for x in points if x not in ("alpha", "beta")}, n):
-        found = solve(column, modes, alpha[which], beta[which], load_max, own)
+        found = solve(_with(question, own), alpha[which], beta[which])
         answers.load[which], answers.frequency[which], answers.kind[which] = found
         done += len(which)
         if step is not None:
             step(done / n)
     return answers
+
+
+def _with(question: Question, own: Mapping[str, float]) -> Question:
+    """The question with other values of own parameters, which `checked_axes` has seen."""
+    return replace(question, parameters={**question.parameters, **own}) if own else question
 
 
 def alike(own: Mapping[str, Real], n: int) -> Iterator[tuple[dict[str, float], NDArray[np.intp]]]:

@@ -10,16 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from itertools import pairwise
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.grids import Answers, solve_grid, solve_points
-from freebeam_sym.pencil import Kind, Real
-
-if TYPE_CHECKING:
-    from freebeam_sym.columns import Column
+from freebeam_sym.question import Question
+from freebeam_sym.stability.grids import Answers, solve_grid, solve_points
+from freebeam_sym.stability.problem import Kind, Real
 
 __all__ = ["CONVERGED", "BeamLoss", "beam_losses", "digits_that_hold", "judge", "verdict"]
 
@@ -77,28 +75,23 @@ def judge(found: Answers, beam: Answers, uncertainty: Real) -> tuple[Real, NDArr
 
 
 def verdict(
-    column: Column,
-    axes: Mapping[str, Real],
-    fixed: Mapping[str, float],
-    load_max: float,
-    found: Answers,
-    step: Callable[[float], None] | None = None,
+    question: Question, axes: Mapping[str, Real], found: Answers, step: Callable[[float], None] | None = None
 ) -> tuple[Real, NDArray[np.bool_]]:
     """`judge` of the answers of a grid, as `solve_grid` gives them. step: told which part is done, 0 to 1."""
     shape, size = found.load.shape, found.load.size
-    polynomials, done = column.polynomials, 0
+    polynomials, done = question.column.polynomials, 0
     if polynomials is None:
         return np.full(shape, np.nan), np.zeros(shape, dtype=bool)
     meshes = np.meshgrid(*axes.values(), indexing="ij")
     points = {name: mesh.ravel() for name, mesh in zip(axes, meshes, strict=True)}
-    points |= {name: np.full(size, value) for name, value in fixed.items()}
 
     def ask(modes: int, which: NDArray[np.intp]) -> Answers:
         nonlocal done
+        asked = question.over(polynomials, modes)
         if len(which) == size:
-            answers = solve_grid(polynomials, modes, axes, fixed, load_max).flat()
+            answers = solve_grid(asked, axes).flat()
         else:
-            answers = solve_points(polynomials, modes, {name: x[which] for name, x in points.items()}, load_max)
+            answers = solve_points(asked, {name: x[which] for name, x in points.items()})
         done += 1
         if step is not None:
             step(min(done / 4, 0.9))

@@ -7,22 +7,17 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, computable, finite, positive, refusal
-from freebeam_sym.columns import is_column
-from freebeam_sym.critical import CriticalLoad, critical_load
-from freebeam_sym.pencil import Kind
-
-if TYPE_CHECKING:
-    from freebeam_sym.columns import Column
+from freebeam_sym.columns import Column, is_column
+from freebeam_sym.question import Question
+from freebeam_sym.stability.critical import CriticalLoad, answer
+from freebeam_sym.stability.problem import Kind, Real
 
 __all__ = ["Boundary", "BoundaryEvent", "trace_boundary"]
-
-Real = NDArray[np.float64]
 
 _PLACED = 1e-10
 """How closely events are placed, relative to the range."""
@@ -141,17 +136,13 @@ def trace_boundary(
     if log and low <= 0:
         raise InputError(f"low = {low}: must be above zero on a logarithmic scale; or leave log out")
     tolerance = positive("tolerance", tolerance, "relative, of load and frequency")
-    modes = column.number(modes)
+    question = Question.of(column, modes, load_max=load_max, **fixed)
 
     def value(t: float) -> float:
         x = low * (high / low) ** t if log else low + (high - low) * t
         return min(max(x, low), high)
 
-    def at(t: float) -> CriticalLoad:
-        given: dict[str, Any] = {**fixed, parameter: value(t)}
-        return critical_load(column, modes, load_max=load_max, **given)
-
-    tracer = _Tracer(at, tolerance)
+    tracer = _Tracer(lambda t: answer(question.at(**{parameter: value(t)})), tolerance)
     ends = np.linspace(0.0, 1.0, 33).tolist()
     for a, b in pairwise(ends):
         tracer.follow(a, b)

@@ -1,0 +1,102 @@
+"""What is asked of a column, as one value: checked where it is made, handed on whole, and kept by what answers it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any
+
+from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
+from freebeam_sym.columns import Column, System, is_column
+from freebeam_sym.stability.pencil import Pencil, pencil_of
+from freebeam_sym.stability.proportional import Proportional
+
+__all__ = ["Question"]
+
+
+@dataclass(frozen=True)
+class Question:
+    """A column at N = `modes`, its dampings and its own parameters (all of them), and the largest load of interest;
+    nondimensional. kappa: the ratio beta/alpha of a limit of vanishing damping, None where none is asked for."""
+
+    column: Column = field(repr=False, compare=False)
+    modes: int
+    alpha: float = 0.0
+    beta: float = 0.0
+    kappa: float | None = None
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    load_max: float = 1000.0
+
+    @staticmethod
+    def of(
+        column: Column,
+        modes: int | None = None,
+        alpha: float = 0.0,
+        beta: float = 0.0,
+        *,
+        load_max: float = 1000.0,
+        kappa: float | None = None,
+        **parameters: float,
+    ) -> Question:
+        """A question, checked; what is left out is the column's own. Raises InputError for bad values."""
+        is_column(column)
+        modes = column.number(modes)
+        alpha, beta = column.dampings(alpha, beta)
+        load_max = computable("load_max", positive("load_max", load_max, "largest load to look at"))
+        if kappa is not None:
+            if not (isinstance(kappa, float) and math.isinf(kappa) and kappa > 0):
+                kappa = nonnegative("kappa", kappa, "ratio beta/alpha of vanishing damping; math.inf is allowed")
+                computable("kappa", kappa)
+            if alpha or beta:
+                raise InputError(
+                    f"kappa = {kappa}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} and "
+                    f"{beta}"
+                )
+        return Question(column, modes, alpha, beta, kappa, column.own_parameters(parameters), load_max)
+
+    def at(self, **values: float) -> Question:
+        """The same with other values of alpha, beta or own parameters. Raises InputError for bad ones."""
+        dampings = {name: values.pop(name, getattr(self, name)) for name in ("alpha", "beta")}
+        given = {**self.parameters, **values}
+        return Question.of(self.column, self.modes, **dampings, kappa=self.kappa, load_max=self.load_max, **given)
+
+    def over(self, column: Column, modes: int) -> Question:
+        """The same of so many functions of another basis of the column."""
+        return replace(self, column=column, modes=modes)
+
+    @property
+    def values(self) -> dict[str, float]:
+        """alpha, beta and the column's own parameters by name."""
+        return {"alpha": self.alpha, "beta": self.beta, **self.parameters}
+
+    @property
+    def pencil(self) -> Pencil:
+        """E + P H − s M of the column. Raises InputError where it is not stable without load."""
+        return pencil_of(*self.column.matrices(self.modes, False, **self.parameters))
+
+    @cached_property
+    def factors(self) -> tuple[float, float, float | None]:
+        """c_E and c_M of C = c_E E + c_M M, Eq. (12); in a limit of vanishing damping 0, 0 and the ratio c_M/c_E."""
+        limit = self.kappa is not None
+        kappa = self.kappa or 0.0
+        direction = (self.alpha, self.beta) if not limit else (0.0, 1.0) if math.isinf(kappa) else (1.0, kappa)
+        c_M, c_E = self.column.damping_factors(*direction, **self.parameters)
+        if not max(c_E, c_M) < LARGEST:  # its square times e must stay a float
+            raise InputError(f"alpha = {self.alpha}, beta = {self.beta}: must be below 1e60 to be computed with")
+        return (0.0, 0.0, c_M / c_E if c_E else math.inf) if limit else (c_E, c_M, None)
+
+    @property
+    def problem(self) -> Proportional:
+        """What a search for the first loss of stability sees. Raises InputError."""
+        return Proportional(self.pencil, *self.factors)
+
+    def system(self, load: float, rigid: bool = False) -> System:
+        """The system at a load, Eqs. (10), (11). Raises InputError."""
+        return self.column.system(self.modes, load, self.alpha, self.beta, rigid, **self.parameters)
+
+    def record(self) -> dict[str, Any]:
+        """Its settings by name, as files keep them."""
+        own = self.column
+        return {"column": own.name, "basis": own.basis_name, "modes": self.modes, "load_max": self.load_max}

@@ -1,0 +1,176 @@
+"""Critical loads: the first loss of stability that is found for a question, with its error against the beam itself.
+Section 3.2."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.columns import Column
+from freebeam_sym.question import Question
+from freebeam_sym.stability.convergence import BeamLoss, beam_losses, judge
+from freebeam_sym.stability.crossings import FirstLoss, first_loss
+from freebeam_sym.stability.grids import KINDS, Answers
+from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
+from freebeam_sym.stability.proportional import LIGHTEST_SCAN, Proportional
+from freebeam_sym.stability.surface import surface_of
+
+__all__ = ["CriticalLoad", "Touch", "answer", "critical_load", "settled"]
+
+
+class Touch(NamedTuple):
+    """A load at which an eigenvalue comes to the imaginary axis and goes back, no loss of stability; nondimensional.
+    frequency: 0 where K is singular there."""
+
+    load: float
+    frequency: float
+
+
+@dataclass(frozen=True)
+class CriticalLoad:
+    """First loss of stability of the elastic spectrum as the load grows from 0 to the largest of the question. All
+    nondimensional.
+
+    `load` and `frequency` are None where `kind` is "none"; `frequency` is ω ("flutter", 0 where the eigenvalue leaves
+    λ = 0 as a growing pair) or 0 ("divergence"); `mode` (N,) complex are the generalised coordinates of the motion in
+    the column's own functions, largest entry 1. `touches`: below it, or below the largest load, where the axis is
+    touched and stability not lost. `question`: what was asked, with its column, modes, alpha, beta, and so on.
+    """
+
+    load: float | None
+    kind: Kind
+    frequency: float | None
+    mode: Complex | None = field(repr=False, compare=False)
+    touches: tuple[Touch, ...]
+    question: Question
+
+    @cached_property
+    def beam(self) -> BeamLoss | None:
+        """The first loss of stability of the beam itself, as far as polynomials tell, computed when first asked for;
+        None where series of growing N do not agree, or where the column has no polynomials."""
+        polynomials = self.question.column.polynomials
+        if polynomials is None:
+            return None
+        found, change = beam_losses(lambda modes, _: _as_arrays(answer(self.question.over(polynomials, modes))), 1)
+        if math.isinf(change[0]):
+            return None
+        kind: Kind = KINDS[found.kind[0]]
+        if kind == "none":
+            return BeamLoss(None, kind, None, 0.0)
+        load, frequency = float(found.load[0]), float(found.frequency[0])
+        return BeamLoss(load, kind, frequency, float(change[0]) + self.rounding)
+
+    @cached_property
+    def rounding(self) -> float:
+        """By how much `load` may be off, relative, for the rounding of its matrices; 0 where there is no load."""
+        if self.load is None or self.frequency is None or self.mode is None or self.kind == "none":
+            return 0.0
+        return self.question.problem.rounding(Crossing(self.load, self.frequency, self.mode, self.kind))
+
+    @property
+    def error(self) -> float | None:
+        """Estimated error of `load` against the beam itself, relative to the beam's load; None where there is no load
+        to compare, of the series or of the beam."""
+        error = float(self._verdict[0][0])
+        return None if math.isnan(error) else error
+
+    @property
+    def converged(self) -> bool:
+        """Whether the beam itself loses stability alike: of the same kind, and the error is at most 1e-3."""
+        return bool(self._verdict[1][0])
+
+    @cached_property
+    def _verdict(self) -> tuple[Real, NDArray[np.bool_]]:
+        beam = self.beam
+        uncertainty = np.array([math.inf if beam is None else beam.uncertainty])
+        return judge(_as_arrays(self), _as_arrays(beam or self), uncertainty)
+
+
+def _as_arrays(found: CriticalLoad | BeamLoss) -> Answers:
+    """The answer as arrays of one point."""
+    load, frequency = (np.array([math.nan if x is None else x]) for x in (found.load, found.frequency))
+    return Answers(load, frequency, np.array([KINDS.index(found.kind)], dtype=np.int8))
+
+
+def critical_load(
+    column: Column,
+    modes: int | None = None,
+    alpha: float = 0.0,
+    beta: float = 0.0,
+    *,
+    load_max: float = 1000.0,
+    kappa: float | None = None,
+    **parameters: float,
+) -> CriticalLoad:
+    """First loss of stability of `column` at N = `modes` as its load grows from 0 to `load_max`. Section 3.2,
+    Eqs. (24)-(25).
+
+    `alpha`, `beta`: internal and external damping, Eq. (5). Without damping, flutter is the coalescence of two
+    frequencies. The limit of vanishing damping is another question, whose answer hangs on the ratio β/α: ask it
+    with alpha = beta = 0 and `kappa` = β/α (0 for internal damping alone, math.inf for external alone).
+    `parameters` are the column's own. Everything is nondimensional. Raises InputError for bad values, or where
+    the column is not stable without load.
+    """
+    return answer(Question.of(column, modes, alpha, beta, load_max=load_max, kappa=kappa, **parameters))
+
+
+def answer(question: Question) -> CriticalLoad:
+    """The first loss of stability that a question asks for. Raises InputError, as `critical_load` does."""
+    outcome = settled(question.problem, question.load_max)
+    touches = tuple(Touch(touch.load, touch.frequency) for touch in outcome.touches)
+    found = outcome.crossing
+    if found is None:
+        return CriticalLoad(None, "none", None, None, touches, question)
+    return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question)
+
+
+def settled(problem: Proportional, load_max: float) -> FirstLoss:
+    """As `first_loss`, quicker where many questions have been asked of a pencil."""
+    return _from_surface(problem, load_max) or first_loss(problem, load_max)
+
+
+def _from_surface(problem: Proportional, load_max: float) -> FirstLoss | None:
+    """The answer from the pencil's surface of critical loads; None where that does not settle the question, or where
+    too few have been asked for it to be worth making."""
+    pencil = problem.pencil
+    if not problem.size or min(problem.alpha, problem.beta) < 0 or pencil.conservative:
+        return None
+    surface = surface_of(pencil, load_max)
+    load, frequency, known = surface.at(np.array([problem.alpha]), np.array([problem.beta]), single=True)
+    if not known[0]:
+        return None
+    found = surface.first_divergence if surface.divergence <= load_max else None
+    if load[0] < min(surface.divergence, load_max * (1 + 1e-9)):
+        found = _refined(problem, float(load[0]), float(frequency[0]))
+        if found is None:
+            return None
+        found = found if found.load <= load_max else None
+    top = load_max if found is None else found.load
+    return FirstLoss(found, tuple(x.crossing for x in pencil.divergences if x.crossing.load < top))
+
+
+def _refined(problem: Proportional, P: float, omega: float) -> Crossing | None:
+    """The flutter at a point of the surface, with its motion; None where it is not confirmed there."""
+    pencil = problem.pencil
+    lightest = LIGHTEST_SCAN * math.sqrt(pencil.e[0])
+    size = max(problem.size, lightest)
+    D = 1j * size * problem.shape
+    A = P * pencil.relative + np.diag(1 + omega * (D - omega) / pencil.e)
+    try:
+        B = np.linalg.inv(A)
+    except np.linalg.LinAlgError:
+        return None
+    v = B @ B.sum(axis=1)
+    v = v / np.sqrt(pencil.e) / np.abs(v).max()
+    if problem.size < 10 * lightest:
+        found = problem.near(P, omega, v, size)
+    else:  # one more step of Newton's method for det A = 0, as the surface was made
+        a, b = (B * pencil.relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
+        share = 1 / float((a * b.conj()).imag)
+        found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v), "flutter")
+    return found if found is not None and abs(found.load - P) < 1e-8 * P else None

@@ -1,0 +1,98 @@
+"""First loss of stability of a problem as its load grows from zero: flutter, divergence, or none up to a stated load.
+
+What can end stability is a divergence, λ = 0, or a flutter, λ = ±iω. `first_loss` takes both in the order of their
+loads and decides of each, in one place, whether stability is lost there: a simple root loses it; two roots that
+rounding cannot tell apart are a touch, unless eigenvalues grow beyond it. A count of the eigenvalues that grow just
+below the answer confirms that none was missed. "Stable" means the elastic spectrum: rigid motion of a free beam drifts
+at any load.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.problem import NEAR, Crossing, Event, Problem
+from freebeam_sym.stability.proportional import Proportional
+
+__all__ = ["FirstLoss", "first_crossing", "first_loss", "scan"]
+
+MARGIN = 1e-3
+"""Relative. So far below a load it is confirmed that nothing grows, and so far above a touch, or half the way to its
+neighbour: far enough for the counts, since at a touch ω² falls as the square of the distance."""
+
+
+@dataclass(frozen=True)
+class FirstLoss:
+    """`crossing`: the first loss of stability, None where there is none. `touches`: loads below it at which an
+    eigenvalue comes to the imaginary axis and goes back, or passes it and returns within rounding: no loss."""
+
+    crossing: Crossing | None
+    touches: tuple[Crossing, ...] = ()
+
+
+def first_loss(problem: Problem, load_max: float = 1000.0) -> FirstLoss:
+    """First loss of stability for 0 < P ≤ load_max. Raises InputError where the problem's flutters cannot be had."""
+    touches: list[Crossing] = []
+    stable = 0.0
+    events = _in_order(problem, load_max)
+    event = next(events, None)
+    while event is not None:
+        crossing = event.crossing
+        if not event.simple:
+            following = next(events, None)
+            ahead = math.inf if following is None else following.crossing.load / crossing.load - 1
+            beyond = crossing.load * (1 + min(MARGIN, ahead / 2))
+            if ahead < 2 * NEAR or not problem.unstable(beyond):
+                touches.append(crossing)
+                event, stable = following, stable if ahead < 2 * NEAR else crossing.load
+                continue
+        below = crossing.load * (1 - min(MARGIN, (1 - stable / crossing.load) / 2))
+        if problem.unstable(below):
+            return FirstLoss(scan(problem, stable, below), tuple(touches))
+        return FirstLoss(crossing if crossing.load <= load_max else None, tuple(touches))
+    top = load_max * (1 - MARGIN)
+    if stable < top and problem.unstable(top):
+        return FirstLoss(scan(problem, stable, top), tuple(touches))
+    return FirstLoss(None, tuple(touches))
+
+
+def first_crossing(
+    pencil: Pencil, alpha: float = 0.0, beta: float = 0.0, load_max: float = 1000.0, kappa: float | None = None
+) -> Crossing | None:
+    """First loss of stability of a pencil with damping C = alpha E + beta M, or in the limit of vanishing damping at
+    kappa = beta/alpha."""
+    return first_loss(Proportional(pencil, alpha, beta, kappa), load_max).crossing
+
+
+def _in_order(problem: Problem, load_max: float) -> Iterator[Event]:
+    """Divergences, flutters and touches, ascending, up to `load_max` and the first simple divergence, beyond which
+    nothing can be the first loss; found when they are asked for."""
+    waiting = [event for event in problem.divergences if event.crossing.load <= load_max * (1 + NEAR)]
+    last = next((event.crossing.load for event in waiting if event.simple), load_max)
+    for flutter in problem.flutters(last):
+        while waiting and waiting[0].crossing.load <= flutter.crossing.load:
+            yield waiting.pop(0)
+        yield flutter
+    yield from waiting
+
+
+def scan(problem: Problem, low: float, high: float, count: int = 256) -> Crossing:
+    """A crossing between a stable load and one where something grows, by counts at equal steps and bisection: slow,
+    plain, and blind between steps. What is left where Arnoldi's method has missed a crossing."""
+    steps = np.linspace(low, high, count + 1).tolist()
+    k = next(k for k, load in enumerate(steps) if load > 0 and (load == high or problem.unstable(load)))
+    low, high = steps[max(k - 1, 0)], steps[k]
+    while high - low > 4e-16 * high:
+        middle = (low + high) / 2
+        if not low < middle < high:
+            break
+        if problem.unstable(middle):
+            high = middle
+        else:
+            low = middle
+    return problem.onset(high)

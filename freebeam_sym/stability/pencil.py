@@ -1,0 +1,127 @@
+"""The pencil E + P H − s M of a column: all of a problem that does not depend on the damping. Eqs. (24), (25)."""
+
+from __future__ import annotations
+
+from functools import cached_property, lru_cache
+from threading import get_ident
+from typing import Any
+
+import numpy as np
+
+from freebeam_sym.checks import InputError
+from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
+
+__all__ = ["Pencil", "diagonalise", "pencil_of"]
+
+SINGULAR = 1e-14
+"""Least singular value of E + P H, relative to its norm (in the basis where E = I), up to which it is singular but for
+rounding: matrices are known to 2e-15 of their norms."""
+
+
+class Pencil:
+    """det(E + P H − s M) in the basis where M = I and E = diag(e): all that does not depend on the damping.
+
+    M, E symmetric positive definite and H any, each (N, N). Attributes: `e` (N,) ascending, squared frequencies
+    at P = 0; `H` (N, N); `relative` (N, N), H where E = I, whose norm decides what counts as rounding; `basis` (N, N),
+    whose columns are the new basis in the old coordinates; `kept`, what other modules have made of it. Raises
+    InputError where M or E is not positive definite: the unloaded column is then not stable, and there is no first loss
+    of stability.
+    """
+
+    def __init__(self, M: Real, E: Real, H: Real) -> None:
+        M, E, H = (np.asarray(a, dtype=float) for a in (M, E, H))
+        if not (np.isfinite(M).all() and np.isfinite(E).all() and np.isfinite(H).all()):
+            raise InputError("M, E, H: must be finite; fewer modes keep them within a float's range")
+        e, basis = diagonalise(M, E)
+        self.e: Real = e
+        self.basis: Real = basis
+        self.H: Real = np.ascontiguousarray(basis.T @ H @ basis)
+        self.size = len(e)
+        root = np.sqrt(e)
+        self.relative: Real = self.H / np.outer(root, root)
+        self.norm = float(np.linalg.norm(self.relative, 2))
+        self.kept: dict[Any, Any] = {}
+
+    @cached_property
+    def conservative(self) -> bool:
+        """H symmetric to rounding: the load has a potential, and damping or not, only divergence can come."""
+        R = self.relative
+        return bool(np.abs(R - R.T).max() <= 1e-13 * np.abs(R).max())
+
+    @cached_property
+    def divergences(self) -> tuple[Event, ...]:
+        """Where det(E + P H) = 0 for real P > 0, ascending, with no regard to flutter before. Two roots are one event
+        where E + P H between them is singular but for rounding, real roots or not: a touch of λ = 0."""
+        R = self.relative
+        mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
+        mu = mu[(np.abs(mu.imag) <= CLOSE * mu.real) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
+        mu = mu[np.argsort(-mu.real)]
+        events: list[Event] = []
+        while len(mu):
+            load, pair = float(1 / mu[0].real), len(mu) > 1 and mu[1].real > (1 - CLOSE) * mu[0].real
+            if pair:
+                middle = float(2 / (mu[0].real + mu[1].real))
+                least = np.linalg.svd(np.eye(self.size) + middle * R, compute_uv=False)[-1]
+                if least <= SINGULAR * (1 + middle * self.norm):
+                    events.append(Event(self._divergence(middle), False))
+                    mu = mu[2:]
+                    continue
+            if mu[0].imag == 0:
+                events.append(Event(self._divergence(load), True))
+            mu = mu[1:]
+        return tuple(events)
+
+    def _divergence(self, load: float) -> Crossing:
+        """The crossing at ω = 0 whose load is near `load`."""
+        A = np.eye(self.size) + load * self.relative
+        left, _, right = np.linalg.svd(A)
+        u, v = left[:, -1], right[-1]
+        # one step of Newton's method: the eigenvalue of the whole pencil knew the load to the norm of H only
+        slope, residual = float(u @ self.relative @ v), float(u @ A @ v)
+        if abs(residual) < CLOSE * abs(slope * load):
+            load -= residual / slope
+        return Crossing(float(load), 0.0, self.vector(v / np.sqrt(self.e)), "divergence")
+
+    def vector(self, v: Real | Complex) -> Complex:
+        """v of this basis in the column's own coordinates, largest entry 1."""
+        q = (self.basis @ v).astype(complex)
+        return np.asarray(q / q[np.abs(q).argmax()])
+
+
+def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
+    """e ascending and B with Bᵀ M B = I, Bᵀ E B = diag(e), each to the digits of its own size.
+
+    Raises InputError where M or E is not positive definite."""
+    try:
+        np.linalg.cholesky(M)
+    except np.linalg.LinAlgError:
+        raise InputError("M is not positive definite: the trial functions must be independent") from None
+    m, k = np.sqrt(np.diag(M)), np.diag(E)
+    if (k > 0).all():
+        rest_M = np.abs(M / np.outer(m, m) - np.eye(len(m))).max()
+        rest_E = np.abs(E / np.sqrt(np.outer(k, k)) - np.eye(len(m))).max()
+        if max(rest_M, rest_E) <= 1e-13:  # comparison modes: a scaling, with no rounding of the lowest by the highest
+            order = np.argsort(k / m**2)
+            return (k / m**2)[order], np.diag(1 / m)[:, order]
+    # 1/e from the elastic energy's side: the low modes, which decide, keep their relative accuracy
+    try:
+        L = np.linalg.cholesky(E)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            "E is not positive definite: the column is not stable at load 0, so it has no first loss of stability"
+        ) from None
+    half = np.linalg.solve(L, M)
+    inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
+    e = 1 / inverse[::-1]
+    return e, np.linalg.solve(L.T, Y[:, ::-1]) * np.sqrt(e)
+
+
+def pencil_of(M: Real, E: Real, H: Real) -> Pencil:
+    """The pencil of these matrices, kept from earlier calls: by value, so that no one's change of an array is
+    missed, and by thread, as what a pencil holds is computed when it is first asked for."""
+    return _kept(get_ident(), len(M), *(np.asarray(a, dtype=float).tobytes() for a in (M, E, H)))
+
+
+@lru_cache(maxsize=64)
+def _kept(thread: int, n: int, *matrices: bytes) -> Pencil:
+    return Pencil(*(np.frombuffer(a).reshape(n, n) for a in matrices))

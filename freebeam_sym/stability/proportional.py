@@ -1,0 +1,380 @@
+"""Problems of damping C = αE + βM, Eq. (12): their flutters as the real eigenvalues of one operator, and counts.
+
+With K = E + P H and C = size · diag(D) in the basis where M = I and E = diag(e): where x = (v, iωv) is a state of
+Eq. (25) with A x = iωx, the antisymmetric X = Im(x xᴴ) solves A X + X Aᵀ = 0, and some X ≠ 0 does so exactly where two
+eigenvalues of A add up to zero (the bialternate product of A with I is singular: Fuller 1968; Guckenheimer, Myers and
+Sturmfels 1997). The blocks of X are made of S = −ω Re(v vᴴ) = Sᵀ and Y = Im(v vᴴ)/size = −Yᵀ, for which
+
+    Y Kᵀ − K Y + S D + D S = 0
+    S Kᵀ − K S = size² (D W + W D),    W = (Y Kᵀ + K Y + S D − D S)/2
+
+linear in P, and regular down to size = 0, the limit of vanishing damping. At P = 0 each pair of modes stands alone, so
+this is z = P T z, and T z costs two products of N × N matrices (`_Operator`). Arnoldi's method finds the eigenvalues
+1/P of greatest modulus (`_Krylov`), Newton's method makes them exact (`newton`).
+On the boundary λ = iω the equations are real and regular down to vanishing damping, so that the limit is no special
+case. Eqs. (12), (24), (25).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.checks import InputError
+from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
+
+__all__ = ["LIGHTEST_SCAN", "Proportional", "newton"]
+
+LIGHTEST_STATE = 1e-7
+"""Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
+LIGHTEST_SCAN = 1e-5
+"""Damping ratio of mode 1 below which boundary points are computed at this ratio first: they move by its square only,
+and Newton's method ends at the true damping. Far below it their imaginary parts are rounding."""
+ROUNDING = 1e-15
+"""Of the matrices' entries, relative to the matrices' norms."""
+TOLERANCE = 1e-9
+"""Residual, relative, at which an eigenvalue of T is taken. Newton's method starts from it."""
+DOUBLE = 1e-13
+"""The same for eigenvalues of T that are close together, whose errors are as the root of their residuals."""
+STEPS = 400
+"""Most steps of Arnoldi's method. 10,000 random questions of the package's columns (N to 40, any damping) took 12 in
+the median and 214 at most."""
+
+
+@dataclass(frozen=True)
+class Proportional:
+    """The problem of a pencil with damping C = alpha E + beta M, Eq. (12); where both are 0, the limit of vanishing
+    damping at the ratio kappa = beta/alpha, or no damping at all where kappa is None.
+
+    size, shape: C = size · diag(shape) in the basis of the pencil. A limit has a shape too: the ratio it is taken at.
+    Raises InputError where the damping does not take energy from every mode.
+    """
+
+    pencil: Pencil
+    alpha: float = 0.0
+    beta: float = 0.0
+    kappa: float | None = None
+    size: float = field(init=False, default=0.0)
+    shape: Real = field(init=False)
+
+    def __post_init__(self) -> None:
+        e, alpha, beta = self.pencil.e, self.alpha, self.beta
+        if alpha or beta:
+            top = max(alpha, abs(beta))
+            a, b = alpha / top, beta / top
+            if a < 0 or not a * e[0] + b > 0:
+                raise InputError(f"damping {alpha} E + {beta} M: must take energy from every mode")
+            object.__setattr__(self, "size", top * float(a * e[0] + b))
+        elif self.kappa is None or math.isinf(self.kappa):  # without damping, frequencies meet where they do for D = I
+            a, b = 0.0, 1.0
+        else:
+            a, b = 1.0, self.kappa
+        object.__setattr__(self, "shape", (a * e + b) / (a * e[0] + b))
+
+    @property
+    def divergences(self) -> tuple[Event, ...]:
+        return self.pencil.divergences
+
+    def flutters(self, bound: float) -> Iterator[Event]:
+        """None where the load has a potential. Raises InputError where two modes have one frequency and hardly any
+        damping."""
+        return iter(()) if self.pencil.conservative or self.pencil.size == 1 else _flutters(self, bound)
+
+    @property
+    def light(self) -> bool:
+        """Whether damping is too small for the 2N eigenvalues to show its effect, or vanishes: branches s_j of the
+        pencil then count, with their growth to first order."""
+        return self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST_STATE
+
+    def _branches(self, load: float) -> tuple[Complex, Complex, Complex]:
+        """s_j, their vectors and their growth to first order per size of the damping."""
+        s, V = np.linalg.eig(np.diag(self.pencil.e) + load * self.pencil.H)
+        return s, V, -np.einsum("jn,n,nj->j", np.linalg.inv(V), self.shape, V)
+
+    def unstable(self, load: float) -> int:
+        """Elastic eigenvalues λ that grow at a load; where damping is `light`, branches s_j that are not real and
+        positive, or whose growth to first order is positive."""
+        if self.light:
+            s, _, growth = self._branches(load)
+            bad = int(((s.imag != 0) | (s.real <= 0)).sum())
+            return bad or (int((growth.real > 0).sum()) if self.size > 0 or self.kappa is not None else 0)
+        try:
+            A = self._inverse_state(load)
+        except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
+            return 1
+        return int((np.linalg.eigvals(A).real > 1e-14 * np.linalg.norm(A)).sum())
+
+    def onset(self, load: float) -> Crossing:
+        omega, v = self._growing(load)
+        found = self.near(load, omega, v) if omega > 0 else None
+        if found is not None and abs(found.load - load) < 1e-3 * load:
+            return found
+        return Crossing(load, omega, self.pencil.vector(v), "flutter" if omega > 0 else "divergence")
+
+    def _growing(self, load: float) -> tuple[float, Complex]:
+        """What grows most at a load: its frequency, 0 where it does not swing, and its motion in the pencil's basis."""
+        if self.light:
+            s, V, growth = self._branches(load)
+            worst = int(np.argmax(np.where((s.real <= 0) | (s.imag != 0), np.inf, growth.real)))
+            return math.sqrt(max(0.0, float(s[worst].real))), V[:, worst]
+        n, e = self.pencil.size, self.pencil.e
+        try:
+            theta, W = np.linalg.eig(self._inverse_state(load))
+        except np.linalg.LinAlgError:
+            _, _, right = np.linalg.svd(np.eye(n) + load * self.pencil.relative)
+            return 0.0, (right[-1] / np.sqrt(e)).astype(complex)
+        worst = int(np.argmax(theta.real))
+        return abs(float((math.sqrt(e[0]) / theta[worst]).imag)), W[:n, worst].astype(complex)
+
+    def _inverse_state(self, load: float) -> Real:
+        """Inverse of the state matrix of Eq. (25), times ω₁, in the basis of the pencil, (2N, 2N). Its eigenvalues
+        are ω₁/λ: those of the low modes, which decide, are not lost in the rounding of the fast ones, however strong
+        the damping."""
+        n, e = self.pencil.size, self.pencil.e
+        inverse = np.linalg.inv(np.diag(e / e[0]) + (load / e[0]) * self.pencil.H)
+        A = np.zeros((2 * n, 2 * n))
+        A[:n, :n] = -inverse * (self.size / math.sqrt(e[0]) * self.shape)
+        A[:n, n:] = -inverse
+        A[n:, :n] = np.eye(n)
+        return A
+
+    def near(self, load: float, omega: float, v: Complex, size: float | None = None) -> Crossing | None:
+        """The flutter near a load, a frequency and a motion in the basis of the pencil, by Newton's method; None where
+        there is none. size: of the damping that the motion belongs to, where that is another."""
+        square = v @ v
+        v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
+        root = newton(self, omega**2, load, v.real.copy(), v.imag / (omega * (size or self.size or 1.0)))
+        if root is None or root[1] <= 0:
+            return None
+        found = self.crossing(root)
+        return found if found.frequency > 0 else None
+
+    def crossing(self, root: tuple[float, float, Real, Real]) -> Crossing:
+        """The flutter that a root of `newton` stands for; its frequency is −1 where ω² < 0."""
+        square, load, a, b = root
+        rounding = 1e-13 * float(self.pencil.e[0])
+        omega = 0.0 if abs(square) <= rounding else math.sqrt(square) if square > 0 else -1.0
+        return Crossing(load, omega, self.pencil.vector(a + 1j * omega * self.size * b), "flutter")
+
+    def rounding(self, crossing: Crossing) -> float:
+        """By how much a crossing's load may be off, relative, for the rounding of E + P H, to first order.
+
+        With G = (E − ω² + iω C + P H) and its null vectors u and v, a change of G by g, real, changes P and ω by
+        uᴴ g v + (uᴴ H v) dP + (uᴴ G_ω v) dω = 0, of which both parts hold."""
+        p, load, omega = self.pencil, crossing.load, crossing.frequency
+        first = math.sqrt(p.e[0])
+        size = max(self.size, LIGHTEST_SCAN * first)  # what is left of both parts as damping vanishes
+        if crossing.kind == "flutter":
+            omega = max(omega, 1e-3 * first)  # as well, where ω vanishes
+        slope = (1j * size * self.shape - 2 * omega) / p.e
+        G = np.diag(1 + omega * (1j * size * self.shape - omega) / p.e) + load * p.relative
+        left, _, right = np.linalg.svd(G)
+        u, v = left[:, -1].conj(), right[-1].conj()
+        a, b = u @ p.relative @ v, u @ (slope * v)
+        change = ROUNDING * (1 + load * p.norm)
+        if omega == 0:
+            moved = change / abs(a)
+        else:
+            moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
+        return float(min(moved / load, 1.0))
+
+
+def newton(
+    problem: Proportional, w: float, P: float, a: Real, b: Real, steps: int = 25
+) -> tuple[float, float, Real, Real] | None:
+    """Root of the boundary equations near (w = ω², P, a, b), to rounding; None where the iteration does not settle.
+
+    With v = a + iω·size·b, A = diag(e − w) + P H and D = diag(shape), (A + iω·size·D) v = 0 reads
+
+        A a − w size² D b = 0,    A b + D a = 0,    c·a = 1,  c·b = 0
+
+    real, polynomial, and regular down to size = 0, where it is the limit of vanishing damping: uᵀ D a = 0 with u
+    the left null vector of A (D = I: the coalescence; D = E: the tangent rule P s′ = s).
+    """
+    pencil, D = problem.pencil, problem.shape
+    n, e = pencil.size, pencil.e
+    m, i = 2 * n, np.arange(n)
+    c = a / (a @ a)
+    x = np.concatenate([a, b - (c @ b) * a])
+    # all equations at once are (F + w G + P L) x = (0, …, 0, 1, 0), rows scaled to the size of their mode
+    F, G, L = (np.zeros((m + 2, m)) for _ in range(3))
+    scale = 1 / (e + abs(w))
+    F[i, i] = F[n + i, n + i] = scale * e
+    F[n + i, i] = scale * D
+    F[m, :n] = F[m + 1, n:] = c
+    G[i, i] = G[n + i, n + i] = -scale
+    G[i, n + i] = -scale * problem.size**2 * D
+    L[:n, :n] = L[n:m, n:] = scale[:, None] * pencil.H
+    J = np.empty((m + 2, m + 2))
+    before, astray, tiny = math.inf, 0, 1e-7 * float(e[0])
+    for _ in range(steps):
+        J[:, :m] = F + w * G + P * L
+        r = J[:, :m] @ x
+        r[m] -= 1
+        J[:, m], J[:, m + 1] = G @ x, L @ x
+        try:
+            change = np.linalg.solve(J, r)
+        except np.linalg.LinAlgError:
+            return None
+        x = x - change[:m]
+        w, P = w - float(change[m]), P - float(change[m + 1])
+        astray = 0 if w > -tiny and P > 0 else astray + 1
+        # where ω goes to zero its square is judged beside that of mode 1
+        step = abs(change[m]) / (abs(w) + tiny) + abs(change[m + 1] / P) if P else math.inf
+        if astray > 3 or not step < 1e6:
+            return None
+        # rounding reached: the next step, by the law of the last two, would be below it, or steps no longer shrink
+        if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
+            return w, P, x[:n], x[n:]
+        before = step
+    return None
+
+
+class _Operator:
+    """T. A vector holds Y above its diagonal, and there too q = S Hᵀ − H S, which is all that P multiplies."""
+
+    def __init__(self, problem: Proportional) -> None:
+        pencil = problem.pencil
+        e, D, square = pencil.e, problem.shape, problem.size**2
+        self.H, n = pencil.H, pencil.size
+        if square < 1e-6 * e[0] and (np.diff(e) < 1e-8 * e[1:]).any():  # T is infinite, or nearly so
+            raise InputError(
+                "two modes have one frequency without load: with so little damping their first loss of stability is "
+                "not computed"
+            )
+        gap, both = e - e[:, None], D + D[:, None]
+        half = square / 2 * both
+        # the two equations of each pair of modes at P = 0: both S + gap Y = first, slope S − weight Y = second
+        slope, weight = gap - half * (D - D[:, None]), half * (e + e[:, None])
+        determinant = gap**2 + square * both * (np.outer(e, D) + np.outer(D, e))
+        np.fill_diagonal(weight, 1.0)  # a mode by itself: S = first / both, at vanishing damping too
+        np.fill_diagonal(determinant, np.diag(both))
+        self._half = half
+        self._weight, self._gap = weight / determinant, gap / determinant
+        self._slope, self._both = slope / determinant, both / determinant
+        self._upper, self._lower, i, j = _pairs(n)
+        # entries of an eigenvector fall as 1/√(e_i e_j); unscaled, the lowest modes drown in the rounding of the others
+        root = np.sqrt(e[i] * e[j])
+        self._scale = np.concatenate([root, root / np.maximum(e[i], e[j])])
+        self._unpacked = np.zeros(2 * n * n)
+        self.order = len(self._scale)
+
+    def matrices(self, z: Real) -> tuple[Real, Real]:
+        """S and Y, each (N, N), that z is taken to."""
+        self._unpacked[self._upper] = z = z / self._scale
+        self._unpacked[self._lower] = -z
+        Y, q = self._unpacked.reshape(2, *self.H.shape)
+        HY = self.H @ Y
+        first, second = HY + HY.T, self._half * (HY - HY.T) - q
+        return self._weight * first + self._gap * second, self._slope * first - self._both * second
+
+    def __call__(self, z: Real) -> Real:
+        S, Y = self.matrices(z)
+        HS = self.H @ S
+        return np.asarray(np.concatenate([Y.ravel(), (HS.T - HS).ravel()])[self._upper] * self._scale)
+
+
+@lru_cache(maxsize=8)
+def _pairs(n: int) -> tuple[NDArray[np.intp], ...]:
+    """Places of the pairs i < j and of their mirror images in two n × n matrices, flat; i; j."""
+    i, j = np.triu_indices(n, 1)
+    return *(np.concatenate([a * n + b, n * n + a * n + b]) for a, b in ((i, j), (j, i))), i, j
+
+
+class _Krylov:
+    """Arnoldi's method, taken as many steps as is asked for."""
+
+    def __init__(self, apply: Callable[[Real], Real], order: int) -> None:
+        self._apply, self.most = apply, min(order, STEPS)
+        start = np.cos(np.arange(order) + 0.3)  # any vector
+        self._basis, self._h = [start / np.linalg.norm(start)], np.zeros((self.most + 1, self.most))
+        self._look = 9
+        self.done = False
+
+    def _step(self) -> None:
+        """One more vector of the basis."""
+        k = len(self._basis) - 1
+        Q = np.asarray(self._basis)
+        w = self._apply(Q[k])
+        for _ in range(2):  # once more, so that the basis stays orthogonal to rounding
+            c = Q @ w
+            w = w - c @ Q
+            self._h[: k + 1, k] += c
+        b = self._h[k + 1, k] = float(np.linalg.norm(w))
+        self.done = k == self.most - 1 or b < 1e-14 * np.abs(self._h[: k + 1, : k + 1]).max()
+        self._basis.append(w / b if b else w)
+
+    def values(self, floor: float, after: float) -> tuple[Complex, Complex]:
+        """Eigenvalues of positive real part and modulus above `floor`, descending, (m,), and their vectors (m, order):
+        among them the greatest real one below `after`, and all of greater modulus than it."""
+        while True:
+            while not self.done and len(self._basis) <= self._look:
+                self._step()
+            k = len(self._basis) - 1
+            self._look = int(1.25 * k) + 1
+            theta, s = np.linalg.eig(self._h[:k, :k])
+            size, left = np.abs(theta), self._h[k, k - 1] * np.abs(s[-1])
+            real = (np.abs(theta.imag) <= NEAR * size) & (theta.real > floor) & (theta.real < after)
+            least = max(floor, float(theta.real[real].max(initial=0.0)) * (1 - 1e-3))
+            need = size + left >= least
+            near = np.abs(theta[:, None] - theta) + np.diag(np.full(k, np.inf)) < CLOSE * size
+            tolerance = np.where(real & near.any(axis=1), DOUBLE, TOLERANCE)
+            if self.done or (left <= tolerance * size)[need].all():
+                break
+        found = np.flatnonzero(need & (theta.real > floor))
+        found = found[np.argsort(-theta.real[found])]
+        return theta[found], s[:, found].T @ np.asarray(self._basis[:k])
+
+
+def _flutters(problem: Proportional, bound: float) -> Iterator[Event]:
+    """Flutters and their touches below `bound`, ascending, found when they are asked for."""
+    operator = _Operator(problem)
+    krylov = _Krylov(operator, operator.order)
+    floor, after = (1 - NEAR) / bound, math.inf
+    while True:
+        mu, vectors = krylov.values(floor, after)
+        real = np.flatnonzero((np.abs(mu.imag) <= NEAR * mu.real) & (mu.real < after))
+        if not len(real):
+            return
+        real = real[mu.real[real] >= mu.real[real[0]] * (1 - 2 * NEAR)]
+        yield from _told_apart(problem, operator, mu[real], vectors[real])
+        after = float(mu.real[real[-1]]) * (1 - NEAR / 10)
+
+
+def _told_apart(problem: Proportional, operator: _Operator, mu: Complex, vectors: Complex) -> list[Event]:
+    """Close eigenvalues of T as simple flutters, ascending, where Newton's method tells them apart, else as one
+    event."""
+    roots = [_flutter(problem, operator, float(m.real), z.real) for m, z in zip(mu, vectors, strict=True)]
+    if (mu.imag == 0).all() and None not in roots:
+        events = sorted((Event(root, True) for root in roots if root), key=lambda event: event.crossing.load)
+        loads = np.array([event.crossing.load for event in events])
+        if (np.diff(loads) > NEAR / 10 * loads[:-1]).all():
+            return [event for event in events if event.crossing.frequency >= 0]
+    root = next((root for root in roots if root), None)
+    omega, vector = (
+        (0.0, np.ones(problem.pencil.size, complex)) if root is None else (max(root.frequency, 0.0), root.vector)
+    )
+    return [Event(Crossing(float(1 / mu.real.mean()), omega, vector, "flutter"), False)]
+
+
+def _flutter(problem: Proportional, operator: _Operator, mu: float, z: Real) -> Crossing | None:
+    """The flutter at an eigenvalue of T, by Newton's method; None where that does not settle there. Of negative
+    frequency where two real λ add up to zero, which is no crossing."""
+    load, pencil = 1 / mu, problem.pencil
+    # S ~ a aᵀ + ω² size² b bᵀ with a and b at right angles, and Y ~ a bᵀ − b aᵀ
+    S, Y = operator.matrices(z)
+    sizes, vectors = np.linalg.eigh((S + S.T) / 2)
+    top = int(np.abs(sizes).argmax())
+    a = vectors[:, top]
+    b = -(Y @ a) / sizes[top]
+    square = a @ (pencil.e * a + load * (pencil.H @ a)) / (a @ a + problem.size**2 * (a @ (problem.shape * b)))
+    root = newton(problem, float(square), load, a, b)
+    if root is None or not abs(root[1] * mu - 1) < NEAR:
+        return None
+    return problem.crossing(root)
