@@ -438,9 +438,8 @@ def truncation_error(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    more = _itself(
-        asked, max(24, asked.question.modes + 8) if column.basis_name == "modes" else max(18, asked.question.modes)
-    )
+    N = asked.question.modes
+    more = _itself(asked, max(24, N + 8) if column.basis_name == "modes" else max(18, N))
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     near = _near(more)
     if series is None:
