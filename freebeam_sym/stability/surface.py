@@ -156,19 +156,16 @@ class Surface:
 
     # --- asking ----------------------------------------------------------------------------------------------------
 
-    def coordinates(self, alpha: Real, beta: Real, kappa: float | None = None) -> tuple[Real, Real, Real]:
-        """ξ, 1 − ξ and χ of damping, each (n,). kappa: of the limit, where alpha and beta are 0."""
+    def coordinates(self, alpha: Real, beta: Real) -> tuple[Real, Real, Real]:
+        """ξ, 1 − ξ and χ of damping, each (n,)."""
         size = alpha * self.kappa0 + beta
         square = size * size
         rest = self.kappa0 / (square + self.kappa0)
-        limit = 1.0 if kappa is None or math.isinf(kappa) else kappa / (kappa + self.kappa0)
         with np.errstate(invalid="ignore", divide="ignore"):
-            chi = np.where(size > 0, beta / size, limit)
+            chi = np.where(size > 0, beta / size, 1.0)
         return np.minimum(square / self.kappa0, 1e300) * rest, rest, chi
 
-    def at(
-        self, alpha: Real, beta: Real, kappa: float | None = None, single: bool = False
-    ) -> tuple[Real, Real, NDArray[np.bool_]]:
+    def at(self, alpha: Real, beta: Real, single: bool = False) -> tuple[Real, Real, NDArray[np.bool_]]:
         """Load and frequency of the first flutter at damping (n,), nan where there is none below the bound, and which
         of them are settled: that hangs on these points alone. single: a question that is asked by itself; a patch is
         then made only after ASKED questions for it."""
@@ -181,7 +178,7 @@ class Surface:
             self._root = self._first()
         for start in range(0, len(alpha), _BLOCK):
             part = slice(start, start + _BLOCK)
-            xi, rest, chi = self.coordinates(alpha[part], beta[part], kappa)
+            xi, rest, chi = self.coordinates(alpha[part], beta[part])
             self._descend(self._root, np.arange(len(xi)), xi, chi, load[part], square[part], settled[part], single)
             square[part] *= rest
         return load, np.sqrt(square), settled

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 import freebeam as fb
 from freebeam_sym.stability.critical import critical_load
 from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.stability.crossings import scan as scan_for
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.proportional import Proportional, _Krylov, _Operator
 from tests.reference.dense import Case, answer, cases, disagreement
@@ -419,10 +420,23 @@ def test_two_equal_columns_flutter_together_or_are_refused() -> None:
     one = np.array([[1.0, 0.6], [-0.6, -0.5]])
     twice = Pencil(np.eye(4), np.diag([1.0, 4.0, 1.0, 4.0]), np.kron(np.eye(2), one))
     alone = first_crossing(Pencil(np.eye(2), np.diag([1.0, 4.0]), one), 0.01, 0.02)
-    both = first_crossing(twice, 0.01, 0.02)
-    assert alone is not None and both is not None and both.load == pytest.approx(alone.load, rel=1e-7)
+    both = first_loss(Proportional(twice, 0.01, 0.02))
+    assert alone is not None and both.crossing is not None and not both.touches
+    assert both.crossing.load == pytest.approx(alone.load, rel=1e-7)
     with pytest.raises(fb.InputError, match="one frequency"):
         first_crossing(twice)
+
+
+@pytest.mark.parametrize(("alpha", "beta", "kappa"), [(0, 0, None), (0, 0, 3.0), (1e-9, 0, None), (0.01, 0.5, None)])
+@pytest.mark.parametrize("name", ["free-free", "beck", "euler-pinned"])
+def test_the_last_resort_finds_the_same_loads(name: str, alpha: float, beta: float, kappa: float | None) -> None:
+    """Counts at equal steps and bisection, from where nothing grows to where something does."""
+    problem = Proportional(pencil(name, 6), alpha, beta, kappa)
+    found = first_loss(problem).crossing
+    assert found is not None
+    plain = scan_for(problem, 0.0, 1.05 * found.load)
+    assert (plain.kind, plain.load) == (found.kind, pytest.approx(found.load, rel=1e-9))
+    assert plain.frequency == pytest.approx(found.frequency, rel=1e-6, abs=1e-6)
 
 
 def test_branches_that_cross_and_do_not_meet_are_no_flutter() -> None:
