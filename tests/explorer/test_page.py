@@ -4,6 +4,7 @@ import json
 import random
 import re
 import shlex
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -11,6 +12,9 @@ import pytest
 
 import freebeam as fb
 from freebeam import cli
+from freebeam_sym.crossings import first_crossing
+from freebeam_sym.pencil import Damping, Pencil
+from tests.reference import dense
 
 FULL = "#P=42.5&alpha=0.02&beta=0&N=11&sensor=0.35"
 
@@ -53,7 +57,7 @@ def test_numbers_are_those_of_the_runtime(opened, own_column, name, basis):
     name = own_column if name == "own" else name
     page, column = opened(name, basis=basis), fb.column(name, basis)
     cases = list(cases_of(column, 10, 4))
-    found = page.ask("(all) => all.map((case_) => freebeam.criticalLoad(...case_))", cases)
+    found = page.ask("(all) => all.map((case_) => freebeam.firstLoss(...case_).crossing)", cases)
     for case, crossing in zip(cases, found, strict=True):
         N, alpha, beta, own = case
         expected = fb.critical_load(column, N, alpha, beta, **own)
@@ -70,6 +74,67 @@ def test_numbers_are_those_of_the_runtime(opened, own_column, name, basis):
         exact = fb.spectrum(column.system(N, P, alpha, beta, **own)).eigenvalues
         nearest = np.abs((np.array(values) @ [1, 1j])[:, None] - exact).min(axis=0)
         assert (nearest <= 1e-8 * (1 + np.abs(exact))).all(), (N, P, alpha, beta, own)
+
+
+@pytest.mark.parametrize("basis", ["modes", "legendre"])
+@pytest.mark.parametrize("name", fb.column_names())
+def test_first_losses_and_touches_are_those_of_the_runtime(opened, name, basis):
+    """Random questions: all N of the page, all damping and its limits, many next to the touch at η = 1/2."""
+    known = {p.name: (p.low, p.high) for p in fb.column(name).parameters}
+    asked = [
+        replace(case, own={key: min(max(value, known[key][0]), known[key][1]) for key, value in case.own.items()})
+        for case in dense.cases(900, 5, most=16)
+        if (case.name, case.basis) == (name, basis)
+    ]
+    assert len(asked) > 80
+    question = [[case.modes, case.alpha, case.beta, case.own, case.kappa] for case in asked]
+    found = opened(name, basis=basis).ask(
+        "(all) => all.map(([N, a, b, own, kappa]) => freebeam.firstLoss(N, a, b, own, kappa ?? undefined))", question
+    )
+    for case, one in zip(asked, found, strict=True):
+        expected = dense.answer(case)
+        assert [touch["load"] for touch in one["touches"]] == pytest.approx([x.load for x in expected.touches], rel=1e-8)
+        if expected.load is None:
+            assert one["crossing"] is None, case
+            continue
+        assert one["crossing"]["kind"] == expected.kind, case
+        assert one["crossing"]["load"] == pytest.approx(expected.load, rel=1e-8), case
+
+
+ASK = """([M, E, H, size, shape]) => {
+  const problem = problemOf(M, E, H);
+  return firstLoss(problem, { size, ratio: size / problem.root[0], shape, limit: false });
+}"""
+
+
+def test_two_modes_of_one_frequency_are_not_computed_without_damping(opened):
+    """Two equal columns side by side: with damping every flutter is double and is found, without it none is told."""
+    one = np.array([[1.0, 0.6], [-0.6, -0.5]])
+    M, E, H = np.eye(4), np.diag([1.0, 4.0, 1.0, 4.0]), np.kron(np.eye(2), one)
+    damping = Damping.of(np.array([1.0, 1.0, 4.0, 4.0]), 0.01, 0.02, None)
+    ask = opened().ask
+    found = ask(ASK, [M.tolist(), E.tolist(), H.tolist(), damping.size, damping.shape.tolist()])["crossing"]
+    assert found["load"] == pytest.approx(first_crossing(Pencil(M, E, H), 0.01, 0.02).load, rel=1e-7)
+    bare = [M.tolist(), E.tolist(), H.tolist(), 0, [1] * 4]
+    assert ask(f"(all) => ({ASK})(all).crossing === undefined", bare)
+    assert ask("criticalOf(undefined, 1000)").startswith("not computed")
+
+
+def test_the_last_resort_finds_what_the_operator_finds(opened):
+    """Equal steps and bisection, for damping, hardly any, and none."""
+    page = opened("beck")
+    for alpha, beta in ((1e-3, 0.1), (1e-9, 0.0), (0, 0)):
+        sought, scanned = page.ask(
+            """([alpha, beta]) => {
+              const pencil = pencilOf(freebeam.view().column, 6, { eta: 1 });
+              const damping = dampingOf(pencil, alpha, beta);
+              return [firstLoss(pencil, damping).crossing, scan(pencil, damping, 1, 30)];
+            }""",
+            [alpha, beta],
+        )
+        assert scanned["kind"] == sought["kind"] == "flutter"
+        assert scanned["load"] == pytest.approx(sought["load"], rel=1e-8)
+        assert scanned["omega"] == pytest.approx(sought["omega"], rel=1e-3)
 
 
 def test_map_is_right_for_each_number_of_functions(opened):

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 __all__ = ["page"]
 
-NUMERICS = ("pencil", "crossing", "branches", "map", "analysis", "worker")
+NUMERICS = ("matrices", "pencil", "search", "branches", "map", "analysis", "worker")
 """Scripts that compute, in the page and in its worker."""
 PAGE = ("motion", "words", "state", "controls", "colours", "beam", "plots", "mapplot", "app")
 """Scripts that show."""

@@ -10,47 +10,27 @@ function pencilKept(column, N, own) {
   return lastPencil;
 }
 
-/** Remembers nodes by their load, so that the search and the plots share them. */
-function remembered(compute) {
-  const known = new Map();
-  return (P) => {
-    if (!known.has(P)) known.set(P, compute(P));
-    return known.get(P);
-  };
-}
-
 /** Undamped: curves ω²(P), their first loss of stability, and the spectrum along the load. */
 function undampedPart(kept, range) {
-  if (!kept.undamped) {
+  if (kept.undamped?.range !== range) {
     const { pencil } = kept;
-    const none = { size: 0, ratio: 0, shape: pencil.e.map(() => 1), limit: false };
-    const at = remembered((P) => lightNode(pencil, none, P));
-    const crossing = brief(firstCrossing(pencil, none, range, LOAD_MAX, at));
-    const states = follow(at, range, crossing);
-    const curves = frequencyCurves(states, SHOWN);
-    kept.undamped = { range, curves, crossing, locus: rootLocus(states, true, SHOWN) };
-  }
-  if (kept.undamped.range !== range) {
-    kept.undamped = null;
-    return undampedPart(kept, range);
+    const { crossing } = firstLoss(pencil, undamped(pencil));
+    const states = follow(undampedNode(pencil), range, crossing);
+    kept.undamped = { range, crossing, curves: frequencyCurves(states, SHOWN), locus: rootLocus(states, true, SHOWN) };
   }
   return kept.undamped;
 }
 
-function brief(crossing) {
-  return crossing && { load: crossing.load, omega: crossing.omega, kind: crossing.kind };
-}
-
 /** The limit of vanishing damping at the ratio of this case: where P s′ − s = κ. Without damping, κ = 0. */
-function tangentOf(pencil, column, alpha, beta, range) {
+function tangentOf(pencil, column, alpha, beta) {
   if (!column.damping.includes("alpha")) return null;
   const [cM, cE] = dampingFactors(pencil, alpha, beta);
   if (cM > 0 && cE === 0) return null;
   const kappa = cE > 0 ? cM / cE : 0;
   const [zeroM, zeroE] = dampingFactors(pencil, 0, 0);
   if (zeroM || zeroE) return null;
-  const found = firstCrossing(pencil, dampingOf(pencil, 0, 0, kappa), range);
-  return found && found.kind === "flutter" ? { ...brief(found), kappa } : null;
+  const { crossing } = firstLoss(pencil, dampingOf(pencil, 0, 0, kappa));
+  return crossing?.kind === "flutter" ? { ...crossing, kappa } : null;
 }
 
 /** Critical load, curves and root locus of a case. */
@@ -60,16 +40,14 @@ function analyse(column, { N, own, alpha, beta, range }) {
   if (!pencil.sound) return { sound: false };
   const { curves, crossing, locus } = undampedPart(kept, range);
   const damping = dampingOf(pencil, alpha, beta);
-  const light = damping.ratio < LIGHTEST;
-  const at = remembered((P) => nodeAt(pencil, damping, P));
-  const found = damping.size === 0 ? crossing : firstCrossing(pencil, damping, range, LOAD_MAX, at);
+  const critical = damping.size === 0 ? crossing : firstLoss(pencil, damping).crossing;
+  const isLight = damping.ratio < LIGHTEST;
   return {
     sound: true,
-    critical: brief(found),
-    solution: found?.a ? found : null,
+    critical,
     undamped: crossing,
-    tangent: tangentOf(pencil, column, alpha, beta, range),
+    tangent: tangentOf(pencil, column, alpha, beta),
     curves,
-    locus: light ? locus : rootLocus(follow(at, range, found), false, SHOWN),
+    locus: isLight ? locus : rootLocus(follow(dampedNode(pencil, damping), range, critical), false, SHOWN),
   };
 }

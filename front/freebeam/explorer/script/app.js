@@ -101,7 +101,7 @@ function settle(view) {
   view.damping = dampingOf(view.pencil, question.alpha, question.beta);
   if (keys.question !== view.questionKey) {
     view.questionKey = keys.question;
-    view.critical = foreseen(view);
+    view.critical = firstLoss(view.pencil, view.damping).crossing;
     view.compute({ kind: "case", id: ++view.asked, ...question });
   }
   view.state = stateAt(view.pencil, view.damping, values.P);
@@ -127,14 +127,6 @@ function watchMap(view) {
   watch.observe(view.part.map);
 }
 
-/** The critical load from the last one by Newton's method, until the search has confirmed it; undefined if unsure. */
-function foreseen({ critical, pencil, damping, solution }) {
-  if (pencil.conservative) return firstCrossing(pencil, damping, 1);
-  if (!critical || !solution || solution.a.length !== pencil.N || damping.size === 0) return undefined;
-  const found = newton(pencil, damping, solution);
-  return found && isFirst(pencil, damping, found.load, [1 - 1e-6, 0.7]) ? found : undefined;
-}
-
 function receive(view, answer) {
   if (answer.kind === "map") {
     if (answer.id !== view.mapKey) return;
@@ -146,8 +138,6 @@ function receive(view, answer) {
   view.answered = answer.id;
   if (!answer.sound) return;
   view.analysis = answer;
-  view.critical = answer.critical;
-  view.solution = answer.solution;
   showWords(view);
   showPlots(view);
 }
@@ -174,11 +164,9 @@ function showWords({ part, state, values, critical, analysis, damping, column })
   document.documentElement.dataset.verdict = verdict;
   const remark = remarkOf(state, critical, values.P, column.load_max);
   if (part.remark.textContent !== remark) part.remark.textContent = remark;
-  if (critical !== undefined) {
-    part.critical.textContent = criticalOf(critical, column.load_max);
-    part.critical.dataset.value = critical ? exact(critical.load) : "";
-    part.kind.textContent = critical ? ` ${critical.kind}${critical.omega ? `, ω = ${shown(critical.omega, 5)}` : ""}` : "";
-  }
+  part.critical.textContent = criticalOf(critical, column.load_max);
+  part.critical.dataset.value = critical ? exact(critical.load) : "";
+  part.kind.textContent = critical ? ` ${critical.kind}${critical.omega ? `, ω = ${shown(critical.omega, 5)}` : ""}` : "";
   if (analysis) {
     part.undamped.textContent = criticalOf(analysis.undamped, column.load_max);
     const { tangent } = analysis;
@@ -355,9 +343,9 @@ function outside(view) {
     response: () => view.response,
     steps: () => [...view.steps],
     frames: () => [...view.frames],
-    criticalLoad: (N, alpha, beta, own = {}) => {
+    firstLoss: (N, alpha, beta, own = {}, kappa = undefined) => {
       const found = pencil(N, own);
-      return firstCrossing(found, dampingOf(found, alpha, beta), view.column.load_range);
+      return firstLoss(found, dampingOf(found, alpha, beta, kappa));
     },
     spectrum: (N, P, alpha, beta, own = {}) => {
       const found = pencil(N, own);

@@ -4,11 +4,29 @@
 
 const DEEPEST = 6; // halvings of a step before a match is taken as it stands
 
-/** Values z_k with slopes, of the undamped s or of the damped λ, from a node. */
-function valuesOf(node) {
-  return node.s
-    ? { load: node.load, re: node.s, im: node.sIm, dRe: node.slope, dIm: node.slopeImag }
-    : { load: node.load, re: node.re, im: node.im, dRe: node.slopeRe, dIm: node.slopeIm };
+/** The undamped branches s = ω² along the load, with slopes. */
+function undampedNode(pencil) {
+  return (P) => nodeOf(undampedMatrix(pencil, P), new Matrix(pencil.H), P);
+}
+
+/** The branches of λ along the load, with slopes. */
+function dampedNode(pencil, damping) {
+  const change = stateMatrix(pencil, damping, 1).sub(stateMatrix(pencil, damping, 0));
+  return (P) => nodeOf(stateMatrix(pencil, damping, P), change, P);
+}
+
+/** Eigenvalues of A with their slopes, where A changes by `change` per unit of load: left vector · change · right. */
+function nodeOf(A, change, load) {
+  const found = new EigenvalueDecomposition(A, { assumeSymmetric: false });
+  const { realEigenvalues: re, imaginaryEigenvalues: im, eigenvectorMatrix: V } = found;
+  const lu = new LuDecomposition(V);
+  const G = lu.isSingular() ? Matrix.zeros(A.rows, A.rows) : lu.solve(change.mmul(V));
+  const slopes = im.map((value, k) => {
+    if (value === 0) return [G.get(k, k), 0];
+    const other = value > 0 ? k + 1 : k - 1; // the columns of a pair are real and imaginary part
+    return [(G.get(k, k) + G.get(other, other)) / 2, (G.get(k, other) - G.get(other, k)) / 2];
+  });
+  return { load, re, im, dRe: slopes.map((slope) => slope[0]), dIm: slopes.map((slope) => slope[1]) };
 }
 
 function reordered(state, order) {
@@ -19,26 +37,25 @@ function reordered(state, order) {
 /** States from load 0 to `range`, place k the same branch in each, ascending in |s| or |λ| at load 0; close to a
  * crossing there are states on both sides of it. */
 function follow(at, range, crossing, count = 48) {
-  const first = valuesOf(at(0));
+  const first = at(0);
   const size = first.re.map((re, k) => Math.hypot(re, first.im[k]));
   const order = size.map((_, k) => k).sort((j, k) => size[j] - size[k] || first.im[k] - first.im[j]);
   const states = [reordered(first, order)];
   const loads = Array.from({ length: count }, (_, k) => (range * (k + 1)) / count);
   if (crossing && crossing.load < range) loads.push(crossing.load * (1 - 1e-7), crossing.load * (1 + 1e-7));
-  for (const load of loads.sort((a, b) => a - b)) advance(states, at, load, 0);
+  for (const load of loads.sort((a, b) => a - b)) advance(states, at, at(load), 0);
   return states;
 }
 
-function advance(states, at, load, depth) {
+function advance(states, at, b, depth) {
   const a = states[states.length - 1];
-  const b = valuesOf(at(load));
   const order = match(a, b, depth >= DEEPEST);
   if (order) {
     states.push(reordered(b, order));
     return;
   }
-  advance(states, at, (a.load + load) / 2, depth + 1);
-  advance(states, at, load, depth + 1);
+  advance(states, at, at((a.load + b.load) / 2), depth + 1);
+  advance(states, at, b, depth + 1);
 }
 
 /** For each branch its place in b; null where that is not clear and need not yet be settled. */

@@ -1,4 +1,4 @@
-// The stability map: critical load over the dampings, cell by cell, coarse first, each from a neighbour's solution.
+// The stability map: critical load over the dampings, cell by cell, coarse first.
 
 /** The dampings of a map's cells: zero, then even steps on a logarithmic scale. */
 function dampingAxis(known, { low, high, decade }) {
@@ -14,46 +14,17 @@ function mapAxes(column) {
   };
 }
 
-/** Fills `loads` (alpha fastest; Infinity: none up to the limit), and yields after each cell. */
-function* mapCells(pencil, axes, range, loads) {
+/** Fills `loads` (alpha fastest; Infinity: none up to the limit, NaN: not computed), and yields after each cell. */
+function* mapCells(pencil, axes, loads) {
   const [n, m] = [axes.alpha.length, axes.beta.length];
-  const solved = new Array(n * m);
   for (const stride of [8, 4, 2, 1]) {
     for (let j = 0; j < m; j += stride) {
       for (let i = 0; i < n; i += stride) {
-        if (solved[j * n + i] !== undefined) continue;
-        const damping = dampingOf(pencil, axes.alpha[i], axes.beta[j]);
-        const near = neighbours(solved, i, j, n, m, stride);
-        solved[j * n + i] = cell(pencil, damping, range, near);
-        loads[j * n + i] = solved[j * n + i]?.load ?? Infinity;
+        if (!Number.isNaN(loads[j * n + i])) continue;
+        const { crossing } = firstLoss(pencil, dampingOf(pencil, axes.alpha[i], axes.beta[j]));
+        loads[j * n + i] = crossing === null ? Infinity : (crossing?.load ?? NaN);
         yield;
       }
     }
   }
-}
-
-function neighbours(solved, i, j, n, m, stride) {
-  const found = [];
-  for (const reach of [stride, 2 * stride]) {
-    for (const [x, y] of [[i - reach, j], [i + reach, j], [i, j - reach], [i, j + reach], [i - reach, j - reach]]) {
-      if (x > 0 && y > 0 && x < n && y < m && solved[y * n + x]?.a) found.push(solved[y * n + x]);
-    }
-  }
-  return found.slice(0, 2);
-}
-
-/** Crossing of a cell: Newton's method from a neighbour where nothing grows below, else the search. */
-function cell(pencil, damping, range, near) {
-  if (!pencil.conservative && damping.size > 0) {
-    for (const start of near) {
-      const found = newton(pencil, damping, start);
-      if (found && isFirst(pencil, damping, found.load)) return found;
-    }
-  }
-  return firstCrossing(pencil, damping, range);
-}
-
-function isFirst(pencil, damping, load, checks = [1 - 1e-6, 0.97, 0.9, 0.75, 0.5]) {
-  if (load > LOAD_MAX || load >= (pencil.divergence[0] ?? Infinity)) return false;
-  return checks.every((share) => !isGrowing(pencil, damping, share * load));
 }

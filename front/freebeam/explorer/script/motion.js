@@ -39,6 +39,16 @@ function numberOf({ q }) {
   return share.indexOf(Math.max(...share)) + 1;
 }
 
+/** v turned so that its real part is as large as can be, and of length 1. */
+function aligned(v) {
+  const re = dot(v.re, v.re) - dot(v.im, v.im);
+  const im = 2 * dot(v.re, v.im);
+  const angle = -0.5 * Math.atan2(im, re);
+  const size = Math.sqrt(dot(v.re, v.re) + dot(v.im, v.im));
+  const [c, s] = [Math.cos(angle) / size, Math.sin(angle) / size];
+  return { re: v.re.map((x, i) => c * x - s * v.im[i]), im: v.im.map((x, i) => s * x + c * v.im[i]) };
+}
+
 /** The motion of a mode along the beam: real and imaginary part, the largest deflection 1. */
 function motionOf(pencil, mode, shapes) {
   const q = aligned(mode.q);

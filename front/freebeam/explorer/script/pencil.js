@@ -1,10 +1,18 @@
 // The pencil E + P H − s M of the column at its own parameters, in the basis where M = I and E = diag(e).
 // Matrices are rows of numbers; ml-matrix factorises them.
 
-const { Matrix, EigenvalueDecomposition, LuDecomposition, CholeskyDecomposition } = mlMatrix;
+const { Matrix, EigenvalueDecomposition, LuDecomposition, CholeskyDecomposition, SingularValueDecomposition } = mlMatrix;
+
+const CLOSE = 1e-4; // relative: roots nearer than this are looked at together
+const SINGULAR = 1e-14; // least singular value of E + P H, relative to its norm, up to which it is singular but for rounding
 
 function square(n, entry) {
-  return Array.from({ length: n }, (_, i) => Float64Array.from({ length: n }, (_, j) => entry(i, j)));
+  const rows = [];
+  for (let i = 0; i < n; i++) {
+    rows.push(new Float64Array(n));
+    for (let j = 0; j < n; j++) rows[i][j] = entry(i, j);
+  }
+  return rows;
 }
 
 function dot(a, b) {
@@ -15,51 +23,6 @@ function dot(a, b) {
 
 function times(A, x) {
   return Float64Array.from(A, (row) => dot(row, x));
-}
-
-function isFiniteAll(values) {
-  for (const value of values) if (!Number.isFinite(value)) return false;
-  return true;
-}
-
-/** Chebyshev polynomials T_0 … T_degree at u. */
-function chebyshev(degree, u) {
-  const T = [1, u];
-  for (let k = 2; k <= degree; k++) T.push(2 * u * T[k - 1] - T[k - 2]);
-  return T.slice(0, degree + 1);
-}
-
-/** The embedded quantities at own parameters: a series in Chebyshev polynomials of each parameter. */
-function atParameters(column, own) {
-  let weights = [1];
-  column.parameters.forEach((parameter, k) => {
-    const u = (2 * own[parameter.name] - parameter.low - parameter.high) / (parameter.high - parameter.low);
-    const T = chebyshev(column.degrees[k], u);
-    weights = weights.flatMap((weight) => T.map((value) => weight * value));
-  });
-  const sum = new Float64Array(column.series[0].length);
-  column.series.forEach((term, k) => {
-    for (let i = 0; i < sum.length; i++) sum[i] += weights[k] * term[i];
-  });
-  return sum;
-}
-
-/** M, E, H of N functions (leading blocks), the coefficients of the damping and of the load. */
-function matricesOf(column, N, own) {
-  const values = atParameters(column, own);
-  const most = column.modes;
-  const block = (which) => square(N, (i, j) => values[which * most * most + i * most + j]);
-  const rest = Array.from(values.slice(3 * most * most));
-  const axial = column.axial_terms;
-  return {
-    M: block(0),
-    E: block(1),
-    H: block(2),
-    damping: [rest.slice(0, 3), rest.slice(3, 6)],
-    ends: rest.slice(6, 8),
-    axial: rest.slice(8, 8 + axial),
-    along: rest.slice(8 + axial),
-  };
 }
 
 /** e ascending and B, rows of numbers, with Bᵀ M B = I and Bᵀ E B = diag(e); null where E is not positive. */
@@ -94,52 +57,59 @@ function diagonalise(M, E) {
 
 /** Everything of a column at N functions and own parameters that does not depend on load and damping. */
 function pencilOf(column, N, own) {
-  const matrices = matricesOf(column, N, own);
-  const found = diagonalise(matrices.M, matrices.E);
-  if (found === null) return { sound: false };
-  const { e, basis } = found;
-  const columns = square(N, (i, j) => basis[j][i]);
-  const HB = columns.map((b) => times(matrices.H, b));
-  const H = square(N, (i, j) => dot(columns[i], HB[j]));
-  const root = e.map(Math.sqrt);
-  const relative = square(N, (i, j) => H[i][j] / (root[i] * root[j]));
-  let size = 0;
-  let skew = 0;
-  relative.forEach((row, i) =>
-    row.forEach((x, j) => {
-      size = Math.max(size, Math.abs(x));
-      skew = Math.max(skew, Math.abs(x - relative[j][i]));
-    }),
-  );
-  const conservative = skew <= 1e-13 * size;
-  return {
-    sound: true,
-    N,
-    e,
-    root,
-    basis,
-    H,
-    conservative,
-    divergence: divergenceLoads(relative, conservative),
-    damping: matrices.damping,
-    ends: matrices.ends,
-    axial: matrices.axial,
-    along: matrices.along,
-  };
+  const { M, E, H, ...rest } = matricesOf(column, N, own);
+  const problem = problemOf(M, E, H);
+  return problem ? { sound: true, ...problem, ...rest } : { sound: false };
 }
 
-/** Real positive roots of det(E + P H), ascending. */
-function divergenceLoads(relative, symmetric) {
+/** What the search sees of M, E and H, rows of numbers; null where M or E is not positive. */
+function problemOf(M, E, load) {
+  const found = diagonalise(M, E);
+  if (found === null) return null;
+  const { e, basis } = found;
+  const N = e.length;
+  const columns = square(N, (i, j) => basis[j][i]);
+  const HB = columns.map((b) => times(load, b));
+  const H = square(N, (i, j) => dot(columns[i], HB[j]));
+  const relative = square(N, (i, j) => H[i][j] / Math.sqrt(e[i] * e[j])); // beside the elastic energies
+  const most = (entry) => Math.max(...relative.map((row, i) => Math.max(...row.map((x, j) => Math.abs(entry(x, i, j))))));
+  const conservative = most((x, i, j) => x - relative[j][i]) <= 1e-13 * most((x) => x);
+  return { N, e, root: e.map(Math.sqrt), basis, H, conservative, divergences: divergencesOf(relative, conservative) };
+}
+
+/** Where det(E + P H) = 0 for real P > 0, ascending. Two roots are one event where E + P H between them is singular but
+ * for rounding: a touch of λ = 0. */
+function divergencesOf(relative, conservative) {
   const n = relative.length;
-  const A = square(n, (i, j) => (symmetric ? -(relative[i][j] + relative[j][i]) / 2 : -relative[i][j]));
-  const found = new EigenvalueDecomposition(new Matrix(A), { assumeSymmetric: symmetric });
-  const re = found.realEigenvalues;
-  const im = found.imaginaryEigenvalues;
-  const largest = Math.max(...re.map((x, k) => Math.hypot(x, im[k])));
-  return re
-    .filter((x, k) => im[k] === 0 && x > 1e-14 * largest)
-    .map((x) => 1 / x)
-    .sort((a, b) => a - b);
+  const A = square(n, (i, j) => (conservative ? -(relative[i][j] + relative[j][i]) / 2 : -relative[i][j]));
+  const found = new EigenvalueDecomposition(new Matrix(A), { assumeSymmetric: conservative });
+  const all = found.realEigenvalues.map((re, k) => ({ re, im: found.imaginaryEigenvalues[k] }));
+  const rounding = 1e-14 * Math.max(...all.map(({ re, im }) => Math.hypot(re, im)));
+  const mu = all.filter(({ re, im }) => Math.abs(im) <= CLOSE * re && re > rounding).sort((x, y) => y.re - x.re);
+  const norm = new SingularValueDecomposition(new Matrix(relative)).diagonal[0];
+  const events = [];
+  while (mu.length) {
+    const [first, second] = mu;
+    const isClose = second?.re > (1 - CLOSE) * first.re;
+    const middle = isClose ? divergenceAt(relative, 2 / (first.re + second.re)) : null;
+    const isTouch = isClose && middle.least <= SINGULAR * (1 + middle.load * norm);
+    if (isTouch) events.push({ ...middle, simple: false });
+    else if (first.im === 0) events.push({ ...divergenceAt(relative, 1 / first.re), simple: true });
+    mu.splice(0, isTouch ? 2 : 1);
+  }
+  return events;
+}
+
+/** The divergence near a load, by one step of Newton's method: the eigenvalue knew it to the norm of H only. */
+function divergenceAt(relative, near) {
+  const A = new Matrix(square(relative.length, (i, j) => (i === j ? 1 : 0) + near * relative[i][j]));
+  const { leftSingularVectors: U, rightSingularVectors: V, diagonal } = new SingularValueDecomposition(A);
+  const last = diagonal.length - 1;
+  const [u, v] = [U.getColumn(last), V.getColumn(last)];
+  const least = diagonal[last];
+  const slope = dot(u, times(relative, v));
+  const load = least < CLOSE * Math.abs(slope * near) ? near - least / slope : near;
+  return { load, omega: 0, kind: "divergence", least };
 }
 
 /** c_M and c_E of C = c_M M + c_E E, Eq. (12). */
@@ -155,8 +125,12 @@ function dampingOf(pencil, alpha, beta, kappa = Infinity) {
     const size = cE * e[0] + cM;
     return { size, ratio: size / Math.sqrt(e[0]), shape: e.map((x) => (cE * x + cM) / size), limit: false };
   }
-  if (kappa === Infinity) return { size: 0, ratio: 0, shape: e.map(() => 1), limit: false };
+  if (kappa === Infinity) return undamped(pencil);
   return { size: 0, ratio: 0, shape: e.map((x) => (x + kappa) / (e[0] + kappa)), limit: true };
+}
+
+function undamped({ e }) {
+  return { size: 0, ratio: 0, shape: e.map(() => 1), limit: false };
 }
 
 /** Complex eigenvectors from the real columns of ml-matrix: a pair of columns is real and imaginary part. */

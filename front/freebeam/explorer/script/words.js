@@ -60,6 +60,7 @@ function commandOf({ given, basis, damping, parameters }, { N, own, alpha, beta 
 }
 
 function criticalOf(critical, limit) {
+  if (critical === undefined) return "not computed: two modes have one frequency without load";
   if (!critical) return `none up to ${limit}`;
   return `${exact(Number(critical.load.toPrecision(10)))}`;
 }

@@ -40,7 +40,7 @@ function computer(column, send) {
       const loads = new Float64Array(axes.alpha.length * axes.beta.length).fill(NaN);
       map = null;
       if (pencil.sound) {
-        map = { id: message.id, axes, loads, shown: 0, cells: mapCells(pencil, axes, column.load_range, loads) };
+        map = { id: message.id, axes, loads, shown: 0, cells: mapCells(pencil, axes, loads) };
       }
     }
     wake();
