@@ -12,8 +12,9 @@ import pytest
 
 import freebeam as fb
 from freebeam import cli
-from freebeam_sym.crossings import first_crossing
-from freebeam_sym.pencil import Damping, Pencil
+from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.pencil import Pencil
+from tests.gallery import GALLERY
 from tests.reference import dense
 
 FULL = "#P=42.5&alpha=0.02&beta=0&N=11&sensor=0.35"
@@ -76,6 +77,23 @@ def test_numbers_are_those_of_the_runtime(opened, own_column, name, basis):
         assert (nearest <= 1e-8 * (1 + np.abs(exact))).all(), (N, P, alpha, beta, own)
 
 
+def assert_as_the_runtime(page, asked):
+    """First loss and touches of each question, load by load."""
+    question = [[case.modes, case.alpha, case.beta, case.own, case.kappa] for case in asked]
+    found = page.ask(
+        "(all) => all.map(([N, a, b, own, kappa]) => freebeam.firstLoss(N, a, b, own, kappa ?? undefined))", question
+    )
+    for case, one in zip(asked, found, strict=True):
+        expected = dense.answer(case)
+        touches = [touch["load"] for touch in one["touches"]]
+        assert touches == pytest.approx([touch.load for touch in expected.touches], rel=1e-8), case
+        if expected.load is None:
+            assert one["crossing"] is None, case
+            continue
+        assert one["crossing"]["kind"] == expected.kind, case
+        assert one["crossing"]["load"] == pytest.approx(expected.load, rel=1e-8), case
+
+
 @pytest.mark.parametrize("basis", ["modes", "legendre"])
 @pytest.mark.parametrize("name", fb.column_names())
 def test_first_losses_and_touches_are_those_of_the_runtime(opened, name, basis):
@@ -87,18 +105,15 @@ def test_first_losses_and_touches_are_those_of_the_runtime(opened, name, basis):
         if (case.name, case.basis) == (name, basis)
     ]
     assert len(asked) > 80
-    question = [[case.modes, case.alpha, case.beta, case.own, case.kappa] for case in asked]
-    found = opened(name, basis=basis).ask(
-        "(all) => all.map(([N, a, b, own, kappa]) => freebeam.firstLoss(N, a, b, own, kappa ?? undefined))", question
-    )
-    for case, one in zip(asked, found, strict=True):
-        expected = dense.answer(case)
-        assert [touch["load"] for touch in one["touches"]] == pytest.approx([x.load for x in expected.touches], rel=1e-8)
-        if expected.load is None:
-            assert one["crossing"] is None, case
-            continue
-        assert one["crossing"]["kind"] == expected.kind, case
-        assert one["crossing"]["load"] == pytest.approx(expected.load, rel=1e-8), case
+    assert_as_the_runtime(opened(name, basis=basis), asked)
+
+
+@pytest.mark.parametrize("basis", ["modes", "legendre"])
+@pytest.mark.parametrize("name", fb.column_names())
+def test_hard_questions_are_answered_as_by_the_runtime(opened, name, basis):
+    asked = [case for case in GALLERY.values() if (case.name, case.basis) == (name, basis)]
+    if asked:
+        assert_as_the_runtime(opened(name, basis=basis), asked)
 
 
 ASK = """([M, E, H, size, shape]) => {
@@ -111,9 +126,9 @@ def test_two_modes_of_one_frequency_are_not_computed_without_damping(opened):
     """Two equal columns side by side: with damping every flutter is double and is found, without it none is told."""
     one = np.array([[1.0, 0.6], [-0.6, -0.5]])
     M, E, H = np.eye(4), np.diag([1.0, 4.0, 1.0, 4.0]), np.kron(np.eye(2), one)
-    damping = Damping.of(np.array([1.0, 1.0, 4.0, 4.0]), 0.01, 0.02, None)
+    shape = (0.01 * np.array([1.0, 1.0, 4.0, 4.0]) + 0.02) / 0.03
     ask = opened().ask
-    found = ask(ASK, [M.tolist(), E.tolist(), H.tolist(), damping.size, damping.shape.tolist()])["crossing"]
+    found = ask(ASK, [M.tolist(), E.tolist(), H.tolist(), 0.03, shape.tolist()])["crossing"]
     assert found["load"] == pytest.approx(first_crossing(Pencil(M, E, H), 0.01, 0.02).load, rel=1e-7)
     bare = [M.tolist(), E.tolist(), H.tolist(), 0, [1] * 4]
     assert ask(f"(all) => ({ASK})(all).crossing === undefined", bare)

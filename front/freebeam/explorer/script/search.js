@@ -1,8 +1,9 @@
 // The first loss of stability as the load grows from 0: flutter, divergence, or none. Section 3.2, Eqs. (24), (25).
 //
-// The same operator and the same decisions as in freebeam_sym/crossings.py, which derives them: flutter loads P are the
-// real eigenvalues 1/P of T, found by Arnoldi's method and made exact by Newton's. A column is seen as a problem alone,
-// { N, e, H, conservative, divergences } in the basis where M = I and E = diag(e), with its damping.
+// The same decisions as in freebeam_sym/stability/crossings.py and the same operator as in proportional.py beside it,
+// which derives it: flutter loads P are the real eigenvalues 1/P of T, found by Arnoldi's method and made exact by
+// Newton's. A column is seen as a problem alone, { N, e, H, conservative, divergences } in the basis where M = I and
+// E = diag(e), with its damping.
 
 const LOAD_MAX = 1000;
 const LIGHTEST = 1e-7; // damping ratio of mode 1 below which growth is counted to first order
