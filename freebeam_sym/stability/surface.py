@@ -181,7 +181,8 @@ class Surface:
             xi, rest, chi = self.coordinates(alpha[part], beta[part])
             self._descend(self._root, np.arange(len(xi)), xi, chi, load[part], square[part], settled[part], single)
             square[part] *= rest
-        return load, np.sqrt(square), settled
+        settled &= ~(square < 0)  # where an eigenvalue starts at λ = 0, rounding decides the sign: the search is asked
+        return load, np.sqrt(np.maximum(square, 0)), settled
 
     def _descend(
         self,
