@@ -37,6 +37,13 @@ class FirstLoss:
 
 def first_loss(problem: Problem, load_max: float = 1000.0) -> FirstLoss:
     """First loss of stability for 0 < P ≤ load_max. Raises InputError where the problem's flutters cannot be had."""
+    crossing, touches = _decided(problem, load_max)
+    top = math.inf if crossing is None else crossing.load * (1 - NEAR)
+    return FirstLoss(crossing, tuple(touch for touch in touches if touch.load < top))
+
+
+def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[Crossing]]:
+    """The first loss and the touches that were met on the way to it; one may stand at the same load but for rounding."""
     touches: list[Crossing] = []
     stable = 0.0
     events = _in_order(problem, load_max)
@@ -53,12 +60,12 @@ def first_loss(problem: Problem, load_max: float = 1000.0) -> FirstLoss:
                 continue
         below = crossing.load * (1 - min(MARGIN, (1 - stable / crossing.load) / 2))
         if problem.unstable(below):
-            return FirstLoss(scan(problem, stable, below), tuple(touches))
-        return FirstLoss(crossing if crossing.load <= load_max else None, tuple(touches))
+            return scan(problem, stable, below), touches
+        return crossing if crossing.load <= load_max else None, touches
     top = load_max * (1 - MARGIN)
     if stable < top and problem.unstable(top):
-        return FirstLoss(scan(problem, stable, top), tuple(touches))
-    return FirstLoss(None, tuple(touches))
+        return scan(problem, stable, top), touches
+    return None, touches
 
 
 def first_crossing(

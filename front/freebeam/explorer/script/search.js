@@ -20,8 +20,13 @@ const STEPS = 400; // most steps of Arnoldi's method, as in the runtime
 function firstLoss(pencil, damping, limit = LOAD_MAX) {
   const { e, conservative } = pencil;
   const touches = [];
+  // one may stand at the load of the loss but for rounding
+  const told = (crossing) => ({
+    crossing,
+    touches: touches.filter((touch) => !crossing || touch.load < crossing.load * (1 - NEAR)),
+  });
   const isTwice = e.some((x, i) => i > 0 && x - e[i - 1] < 1e-8 * x);
-  if (!conservative && isTwice && damping.size ** 2 < 1e-6 * e[0]) return { crossing: undefined, touches };
+  if (!conservative && isTwice && damping.size ** 2 < 1e-6 * e[0]) return told(undefined);
   const events = inOrder(pencil, damping, limit);
   let stable = 0;
   let event = events.next().value;
@@ -38,12 +43,12 @@ function firstLoss(pencil, damping, limit = LOAD_MAX) {
         continue;
       }
     }
-    if (isGrowing(pencil, damping, below)) return { crossing: scan(pencil, damping, stable, below), touches };
-    return { crossing: event.load <= limit ? event : null, touches };
+    if (isGrowing(pencil, damping, below)) return told(scan(pencil, damping, stable, below));
+    return told(event.load <= limit ? event : null);
   }
   const top = limit * (1 - MARGIN);
   const isMissed = stable < top && isGrowing(pencil, damping, top);
-  return { crossing: isMissed ? scan(pencil, damping, stable, top) : null, touches };
+  return told(isMissed ? scan(pencil, damping, stable, top) : null);
 }
 
 /** Divergences and flutters, ascending, up to the limit and the first simple divergence; found as they are asked for. */
