@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
@@ -13,7 +12,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals, refusal
-from freebeam_sym.response.double import BITS, Fixed, exponential, fixed
 from freebeam_sym.response.messages import Message
 
 if TYPE_CHECKING:
@@ -22,7 +20,8 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Function = Callable[[Any], Any]
 
-LOST = 1e-5 / np.finfo(float).eps  # radians, of which the digits of a frequency leave 1e-5 undecided
+LOST = 1e-5 / np.finfo(float).eps
+"""Radians, of which the digits of a frequency leave 1e-5 undecided."""
 
 
 @dataclass(frozen=True)
@@ -47,11 +46,59 @@ class Harmonic:
 
 
 class Wave(NamedTuple):
-    """A force Re(size e^(iθn)) after n steps, with size (*cases,), its frequency θ/h, and e^(iθ) to more digits."""
+    """A force Re(size e^(iωt)), size (*cases,); a constant one where ω = 0."""
 
     size: NDArray[np.complex128]
     frequency: float
-    rotation: Fixed
+
+
+@dataclass(frozen=True)
+class Load:
+    """A force F₀ that acts with the vector Q, (n,), in load cases: a wave, or values at the steps; or none."""
+
+    Q: Array
+    cases: tuple[int, ...] = ()
+    wave: Wave | None = None
+    sampled: Callable[[int, int], Array] | None = None
+    """F₀ at the times begin, …, end − 1, (*cases, end − begin)."""
+
+    @property
+    def acts(self) -> bool:
+        return self.wave is not None or self.sampled is not None
+
+    def size(self, cases: tuple[int, ...]) -> NDArray[np.complex128]:
+        """Of the wave in each of the response's cases, (number of cases, 1)."""
+        assert self.wave is not None
+        return np.broadcast_to(self.wave.size, cases).reshape(-1, 1)
+
+    def values(self, begin: int, end: int, cases: tuple[int, ...]) -> Array:
+        """At some times, in each of the response's cases, (number of cases, end − begin)."""
+        assert self.sampled is not None
+        values = self.sampled(begin, end)
+        shape = (*cases, end - begin)
+        return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, end - begin)
+
+    def first(self, cases: tuple[int, ...]) -> Array:
+        """At t = 0."""
+        if self.sampled is not None:
+            return self.values(0, 1, cases)[:, 0]
+        return np.zeros(1) if self.wave is None else self.size(cases)[:, 0].real
+
+    def check(self, begin: int, end: int, h: float) -> None:
+        """Raises InputError for values at some times that are not finite."""
+        if self.sampled is not None:
+            checked("force", self.sampled(begin, end), end - begin, lambda k: h * (begin + k))
+
+
+@dataclass(frozen=True)
+class Start:
+    """States (q, dq) at t = 0, (number of cases, 2 n), and what the trial functions could not hold of them."""
+
+    states: Array
+    cases: tuple[int, ...]
+    """Of the response."""
+    initial_lost: float
+    velocity_lost: float
 
 
 def checked_parameters(newmark: tuple[float, float]) -> tuple[float, float]:
@@ -87,24 +134,6 @@ def moments(step: Fraction, begin: int, end: int) -> Array:
         found: Array = np.arange(begin, end, dtype=np.float64) * top / bottom
         return found
     return float(step) * np.arange(begin, end, dtype=np.float64)
-
-
-def check_memory(times: int, columns: int, sensors: int) -> None:
-    needed, held = 8 * times * (2 + columns), _memory()
-    if needed > held:
-        raise InputError(Message(
-            f"duration / step = {times - 1:.3g} steps at {sensors} sensors: needs {needed / 2**30:.3g} GiB, "
-            f"more than the {held / 2**30:.3g} GiB that this machine can give; use fewer sensors, a longer step, or a "
-            "target that takes the response in parts (a file, on the command line)"
-        ))  # fmt: skip
-
-
-def _memory() -> float:
-    """Bytes that one response may take: half of the machine's memory."""
-    try:
-        return 0.5 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # no such call, as on Windows
-        return 4.0 * 2**30
 
 
 def _evaluate(name: str, function: Function, points: Array) -> Array:
@@ -153,50 +182,81 @@ def checked(name: str, values: NDArray[Any], count: int, place: Callable[[int], 
     return result
 
 
-def force_of(force: Any, times: int, h: float) -> tuple[Wave | Callable[[int, int], Array] | None, tuple[int, ...]]:
-    """What gives the force after any number of steps, and the shape of its cases; an array's values are not checked."""
+def force_of(system: System, force: Any, position: Any, times: int, h: float) -> Load:
+    """A force as it was asked for. The values of an array are not looked at."""
+    if force is not None and position is None:
+        raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
+    Q = np.zeros(len(system.M))
+    if position is not None:
+        Q = np.asarray(system.Q(position_of("force_position", position)), dtype=float)
     if force is None:
-        return None, ()
+        return Load(Q)
     if isinstance(force, Harmonic):
-        frequency = finite("force.frequency", force.frequency)
-        if LOST < abs(frequency) * h * times:
-            raise InputError(Message(
-                "force.frequency = {omega:frequency}: turns by more radians in this response than its digits tell; "
-                "choose a shorter duration", omega=frequency,
-            ))  # fmt: skip
-        size, phase = (reals(f"force.{name}", getattr(force, name)) for name in ("amplitude", "phase"))
-        whole = np.asarray(size * (np.sin(phase) - 1j * np.cos(phase)))
-        return Wave(whole, frequency, exponential((0, fixed(frequency) * fixed(h) >> BITS))), whole.shape
+        wave = _wave(force, h * times)
+        return Load(Q, wave.size.shape, wave)
     if callable(force):
-        step = Fraction(repr(h))
-        cases = _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
-
-        def sampled(begin: int, end: int) -> Array:
-            found = _evaluate("force", force, moments(step, begin, end))
-            if found.shape[:-1] != cases:
-                raise InputError(
-                    f"force gives values of shape {found.shape[:-1]} at one time and {cases} at another: must be one "
-                    "number at each time, or one for each load case"
-                )
-            return found
-
-        return sampled, cases
+        return _sampled(Q, force, h)
     values = array("force", force)
     if values.ndim == 0:
-        return Wave(np.asarray(complex(finite("force", force))), 0.0, exponential((0, 0))), ()
+        return Load(Q, (), Wave(np.asarray(complex(finite("force", force))), 0.0))
     if values.shape[-1] != times:
         raise InputError(
             f"force has shape {values.shape}: must be a function of time, one number, or an array of shape "
             f"({times},) or (*cases, {times}), a value at each of the {times - 1} steps' ends and at t = 0"
         )
-
-    def given(begin: int, end: int) -> Array:
-        return _floats("force", values[..., begin:end], end - begin)
-
-    return given, values.shape[:-1]
+    return Load(Q, values.shape[:-1], None, lambda begin, end: _floats("force", values[..., begin:end], end - begin))
 
 
-def start_of(system: System, name: str, value: Function | ArrayLike | None) -> tuple[Array, float]:
+def _wave(force: Harmonic, duration: float) -> Wave:
+    frequency = finite("force.frequency", force.frequency)
+    if LOST < abs(frequency) * duration:
+        raise InputError(Message(
+            "force.frequency = {omega:frequency}: turns by more radians in this response than its digits tell; "
+            "choose a shorter duration", omega=frequency,
+        ))  # fmt: skip
+    size, phase = (reals(f"force.{name}", getattr(force, name)) for name in ("amplitude", "phase"))
+    return Wave(np.asarray(size * (np.sin(phase) - 1j * np.cos(phase))), frequency)
+
+
+def _sampled(Q: Array, force: Function, h: float) -> Load:
+    step = Fraction(repr(h))
+    cases = _evaluate("force", force, moments(step, 0, 2)).shape[:-1]
+
+    def values(begin: int, end: int) -> Array:
+        found = _evaluate("force", force, moments(step, begin, end))
+        if found.shape[:-1] != cases:
+            raise InputError(
+                f"force gives values of shape {found.shape[:-1]} at one time and {cases} at another: must be one "
+                "number at each time, or one for each load case"
+            )
+        return found
+
+    return Load(Q, cases, None, values)
+
+
+def start_of(system: System, initial: Any, initial_velocity: Any, load: Load) -> Start:
+    """The initial states as asked for: rest under a force, else 0.01 of mode 1, where neither is given."""
+    q, initial_lost = _coordinates(system, "initial", initial)
+    dq, velocity_lost = _coordinates(system, "initial_velocity", initial_velocity)
+    if initial is None and initial_velocity is None and not load.acts:
+        q += 0.01 * system.mode(1)
+    shapes = (load.cases, q.shape[:-1], dq.shape[:-1])
+    try:
+        cases = np.broadcast_shapes(*shapes)
+    except ValueError:
+        raise InputError(
+            f"load cases of shapes {shapes[0]} (force), {shapes[1]} (initial) and {shapes[2]} (initial_velocity): must "
+            "broadcast to one shape"
+        ) from None
+    if 0 in cases:
+        raise InputError(f"load cases of shape {cases}: must be one or more")
+    n = q.shape[-1]
+    states = np.concatenate([np.broadcast_to(part, (*cases, n)) for part in (q, dq)], axis=-1)
+    return Start(states.reshape(-1, 2 * n), cases, initial_lost, velocity_lost)
+
+
+def _coordinates(system: System, name: str, value: Any) -> tuple[Array, float]:
+    """Initial q or dq, (*cases, n), and what was lost of a function."""
     n = len(system.M)
     if value is None:
         return np.zeros(n), 0.0
@@ -237,21 +297,3 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
             "motion needs a system with rigid=True"
         )
     return q, math.sqrt(w @ (y - fitted) ** 2) / size
-
-
-def cases_of(*shapes: tuple[int, ...]) -> tuple[int, ...]:
-    try:
-        found = np.broadcast_shapes(*shapes)
-    except ValueError:
-        raise InputError(
-            f"load cases of shapes {shapes[0]} (force), {shapes[1]} (initial) and {shapes[2]} (initial_velocity): must "
-            "broadcast to one shape"
-        ) from None
-    if 0 in found:
-        raise InputError(f"load cases of shape {found}: must be one or more")
-    return found
-
-
-def spread(values: NDArray[Any], shape: tuple[int, ...]) -> NDArray[Any]:
-    """As np.broadcast_to, which takes its time where there is nothing to do."""
-    return values if values.shape == shape else np.broadcast_to(values, shape)

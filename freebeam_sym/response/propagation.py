@@ -1,157 +1,174 @@
-"""Many steps: outputs at all times from a step's powers, a stretch of steps at a time, by products of matrices.
+"""Many steps of x⁺ = A x + B₀ F + B₁ F⁺ without a loop over them: by powers of A, and products of matrices.
 
-A stretch is cut into blocks of steps. The states at the blocks' starts come first, then products give all outputs.
-Memory beyond the results is bounded by the stretch.
+A response is made in stretches, a stretch in blocks of steps. The states at the blocks' starts come first, then products
+give all outputs. Memory beyond the results is bounded by the stretch.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from threading import Lock
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.powers import Powers, orbit
+from freebeam_sym.response.digits import Double, Roots
 
 Array = NDArray[np.float64]
-Outputs = Mapping[str, Any]
-Fill = Callable[[str, Array], None]
-Look = Callable[[int], Array]
-Store = Callable[[int, int, Fill, bool, range, Look], None]
+Tables = Mapping[str, Array]
 
-STRETCH = 20  # 2^20 numbers of a response at a time
-CACHE = 18  # 2^18 of a forced one, whose stretches are gone through more than once
-GROUP = 3  # 2^3 states are carried at a time, all groups side by side
-SMALL = 300_000  # multiplications of a product that BLAS makes at once, without packing
+LARGEST = 1e100
+"""Of a power that is used: beyond it zero times infinity could come in where the response is small."""
+STRETCH = 20
+"""A stretch of a response is 2^20 numbers."""
+CACHE = 18
+"""One of a forced response, which is gone through more than once, is 2^18: two megabytes, of the size of a cache."""
+PRODUCT = 300_000
+"""Multiplications of a product of matrices that OpenBLAS makes at once, without copying the factors first."""
 
 
-def free(powers: Powers, state: Any, rows: Outputs, count: int, store: Store) -> None:
-    """Outputs `rows` (name: (s, d)) of `count` times from states (cases, d) that no force acts on.
+class Powers:
+    """A^(2^k) as floats, each rounded once: A is squared in more digits. Rows of states are multiplied by them, so they
+    are kept transposed."""
 
-    store: called for one stretch after another with its first time, its end, a function that fills an array
-    (cases, end − first, s) for one of the names, whether all its numbers are sure to be finite, the
-    numbers of steps at which states are at hand, and what gives every so many of these, (cases, times, d), as floats.
+    def __init__(self, exact: Double | Roots) -> None:
+        self._exact = exact
+        self._rounded: list[Array] = [np.ascontiguousarray(exact.high.T)]
+        self._within = 0
+        self._lock = Lock()  # powers are kept for later responses, in whatever thread
+
+    def __getitem__(self, k: int) -> Array:
+        if len(self._rounded) <= k:
+            with self._lock:
+                while len(self._rounded) <= k:
+                    self._exact = self._exact.squared()
+                    self._rounded.append(np.ascontiguousarray(self._exact.high.T))
+        return self._rounded[k]
+
+    def reach(self, k: int) -> bool:
+        """Whether the powers up to 2^k keep below `LARGEST`."""
+        while self._within <= k and np.abs(self[self._within]).max() < LARGEST:
+            self._within += 1
+        return self._within > k
+
+    def states(self, x: Array, count: int, level: int) -> Array:
+        """x, (…, d), after 0, 1, 2, … times 2^level steps, (count, …, d), by doubling."""
+        return _orbit(x, count, level, lambda part, k: part @ self[k])
+
+    def table(self, rows: Array, length: int) -> Array:
+        """What outputs (s, d) give after 0, 1, … steps, (d, length s): states times this are the outputs."""
+        table = _orbit(rows, length, 0, lambda part, k: part @ self[k].T)
+        return np.ascontiguousarray(table.reshape(-1, rows.shape[-1]).T)
+
+
+def _orbit(first: Array, count: int, level: int, move: Callable[[Array, int], Array]) -> Array:
+    found = np.empty((count, *first.shape))
+    found[0], done = first, 1
+    while done < count:
+        more = min(done, count - done)
+        found[done : done + more] = move(found[:more], level)
+        done, level = done + more, level + 1
+    return found
+
+
+@dataclass(eq=False)
+class Stretch:
+    """Times begin, …, end − 1 of a response in blocks of `length`.
+
+    terms: the outputs are a sum of products of numbers for each block, (cases, blocks, …), with tables for each output.
+    The first numbers are the states at the blocks' starts; the second, if any, the forces, of which `after` is B₁.
     """
-    width = sum(len(part) for part in rows.values()) * len(state)
+
+    begin: int
+    end: int
+    length: int
+    terms: tuple[tuple[Array, Tables], ...]
+    after: Array | None = None
+
+    def states(self, every: int) -> Array:
+        """x at the starts of every so many blocks, (cases, blocks, d)."""
+        x = self.terms[0][0][:, ::every]
+        return x if self.after is None else x + self.terms[1][0][:, ::every, :1] * self.after
+
+    def fill(self, name: str, out: Array) -> None:
+        """The outputs of one name into (cases, end − begin, s)."""
+        cases, times, s = out.shape
+        whole, over = divmod(times, self.length)
+        if whole:
+            self._blocks(name, slice(whole), out[:, : whole * self.length].reshape(cases, whole, -1))
+        if over:  # the last block is cut off
+            last = np.empty((cases, 1, self.length * s))
+            self._blocks(name, slice(whole, whole + 1), last)
+            out[:, whole * self.length :] = last.reshape(cases, self.length, s)[:, :over]
+
+    def _blocks(self, name: str, blocks: slice, out: Array) -> None:
+        for k, (numbers, tables) in enumerate(self.terms):
+            if k:
+                out += _product(numbers[:, blocks], tables[name], np.empty(out.shape))
+            else:
+                _product(numbers[:, blocks], tables[name], out)
+
+    @property
+    def finite(self) -> bool:
+        """Whether all outputs are sure to be finite: by bounds of the products."""
+        sizes = (
+            math.sqrt(np.vdot(numbers, numbers)) * max(float(np.abs(table).max()) * len(table) for table in tables.values())
+            for numbers, tables in self.terms
+        )  # fmt: skip
+        return sum(sizes) < 1e300
+
+
+def free(powers: Powers, x: Array, rows: Tables, count: int) -> Iterator[Stretch]:
+    """`count` times from x (cases, d) with no force. rows: of outputs, (s, d)."""
+    width = sum(len(part) for part in rows.values()) * len(x)
     levels = max(2, min((count - 1).bit_length(), STRETCH, STRETCH + 2 - width.bit_length()))
     while levels and not powers.reach(levels):
         levels -= 1
     inner = min(8, (levels + 1) // 2)
     length = 1 << inner
-    tables = {name: np.ascontiguousarray(powers.outputs(part, length).T) for name, part in rows.items()}
-    largest = _largest(tables)
+    tables = {name: powers.table(part, length) for name, part in rows.items()}
     for begin in range(0, count, 1 << levels):
         if begin:
-            state = powers.forward(state, levels)
+            x = x @ powers[levels]
         end = min(count, begin + (1 << levels))
-        starts = orbit(state, -(-(end - begin) // length), powers.forward, inner)
-        states = powers.floats(starts.swapaxes(0, 1))
-
-        def fill(name: str, part: Array, states: Array = states) -> None:
-            _blocks(part, length, lambda at, out: _product(states[:, at], tables[name], out))
-
-        def look(every: int, states: Array = states) -> Array:
-            return states[:, ::every]
-
-        store(begin, end, fill, _size(states) * largest < 1e300, range(begin, end, length), look)
+        states = np.ascontiguousarray(powers.states(x, -(-(end - begin) // length), inner).swapaxes(0, 1))
+        yield Stretch(begin, end, length, ((states, tables),))
 
 
 def forced(
-    powers: Powers,
-    state: Any,
-    before: Any,
-    after: Any,
-    rows: Outputs,
-    direct: Outputs,
-    force: Callable[[int, int], Array],
-    count: int,
-    store: Store,
-) -> None:
-    """The same under a force: x⁺ = A x + before F + after F⁺, outputs rows x + direct F.
+    powers: Powers, x: Array, pushes: tuple[Array, Array], rows: Tables, direct: Tables,
+    force: Callable[[int, int], Array], count: int,
+) -> Iterator[Stretch]:  # fmt: skip
+    """`count` times from x (cases, d) under a force. pushes: B₀ and B₁, (d,). direct: what a force adds to outputs, (s,).
 
-    force: F of times begin, …, end − 1, shape (cases, end − begin). What is not finite in it makes a stretch unsure.
+    force: F at the times begin, …, end − 1, shape (cases, end − begin).
     """
-    # w = x − after F needs the force at the old time only.
-    B = powers.forward(after, 0) + before
-    cases, d = len(state), len(powers.floats(B))
+    before, after = pushes
+    B = after @ powers[0] + before  # w = x − B₁ F needs the force at the old time only: w⁺ = A w + B F
+    cases, d = x.shape
     inner = min(max(5, (d - 1).bit_length()), max(0, (count - 1).bit_length() - 2))
     while inner and not powers.reach(inner):
         inner -= 1
     length = 1 << inner
     width = sum(len(part) for part in rows.values()) * cases
-    levels = max(inner + GROUP, min(inner + 4 * GROUP, CACHE - width.bit_length()))
+    levels = max(inner + 3, min(inner + 12, CACHE - width.bit_length()))
     while levels > inner and not powers.reach(levels):
         levels -= 1
-    free_of, pushed = {}, {}
-    for name, part in rows.items():
-        table = powers.outputs(part, length)
-        at_once = direct[name] + powers.outputs(part, 1) @ powers.floats(after)
-        free_of[name] = np.ascontiguousarray(table.T)
-        pushed[name] = _responses(table @ powers.floats(B), at_once, length)
-    largest = max(_largest(free_of), _largest(pushed))
-    drive = np.ascontiguousarray(powers.floats(orbit(B, length, powers.forward)[::-1]))
-    w = state - force(0, 1) * after
+    tables = {name: powers.table(part, length) for name, part in rows.items()}
+    pushed = {name: _responses(B @ tables[name], direct[name] + rows[name] @ after, length) for name in rows}
+    drive = np.ascontiguousarray(powers.states(B, length, 0)[::-1])
+    w = x - force(0, 1) * after
     for begin in range(0, count, 1 << levels):
         end = min(count, begin + (1 << levels))
         values = force(begin, end)
         if over := -values.shape[1] % length:
             values = np.concatenate([values, np.zeros((cases, over))], axis=1)
         forces = values.reshape(cases, -1, length)
-        pushes = _product(forces, drive, np.empty((*forces.shape[:2], d)))
-        starts = carried(powers, inner, w, powers.states(pushes))
-        states, w = powers.floats(starts[:, :-1]), starts[:, -1]
-
-        def fill(name: str, part: Array, forces: Array = forces, states: Array = states) -> None:
-            def both(at: slice, out: Array) -> None:
-                _product(forces[:, at], pushed[name], out)
-                out += _product(states[:, at], free_of[name], np.empty(out.shape))
-
-            _blocks(part, length, both)
-
-        def look(every: int, forces: Array = forces, states: Array = states) -> Array:
-            found: Array = states[:, ::every] + forces[:, ::every, :1] * powers.floats(after)
-            return found
-
-        safe = (_size(states) + _size(forces)) * largest < 1e300
-        store(begin, end, fill, safe, range(begin, end, length), look)
-
-
-def _blocks(part: Array, length: int, fill: Callable[[slice, Array], object]) -> None:
-    """Fill an array (cases, times, s) by blocks, (cases, blocks, length s): a slice of them at a time. What has no
-    room in the last is dropped."""
-    cases, times, s = part.shape
-    whole, over = divmod(times, length)
-    if whole:
-        fill(slice(whole), part[:, : whole * length].reshape(cases, whole, length * s))
-    if over:
-        last = np.empty((cases, 1, length * s))
-        fill(slice(whole, whole + 1), last)
-        part[:, whole * length :] = last.reshape(cases, length, s)[:, :over]
-
-
-def _product(a: Array, b: Array, out: Array) -> Array:
-    """a @ b into `out`, (cases, m, n), some rows at a time."""
-    cases, count, d = a.shape
-    rows = 1 << max(0, (SMALL // (d * b.shape[1])).bit_length() - 1)
-    whole = count // rows * rows if rows >= 8 else 0
-    if whole:
-        parts = out[:, :whole].reshape(cases, -1, rows, out.shape[2])
-        np.matmul(a[:, :whole].reshape(cases, -1, rows, d), b, out=parts)
-    if whole < count:
-        np.matmul(a[:, whole:], b, out=out[:, whole:])
-    return out
-
-
-def _largest(tables: Mapping[str, Array]) -> float:
-    """Bound of what they make of numbers, a unit of these' norm."""
-    return max(float(np.abs(table).max()) * len(table) for table in tables.values())
-
-
-def _size(states: Array) -> float:
-    flat = states.ravel()
-    return math.sqrt(np.vdot(flat, flat))
+        starts = carried(powers, inner, w, _product(forces, drive, np.empty((*forces.shape[:2], d))))
+        w = starts[:, -1]
+        yield Stretch(begin, end, length, ((starts[:, :-1], tables), (forces, pushed)), after)
 
 
 def _responses(impulse: Array, at_once: Array, length: int) -> Array:
@@ -164,25 +181,29 @@ def _responses(impulse: Array, at_once: Array, length: int) -> Array:
     return table.reshape(length, length * s)
 
 
-def carried(powers: Powers, level: int, w: Any, r: Any) -> Any:
-    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): those at the starts of groups of r's are carried in
-    the same way, with what a group adds to them."""
+def carried(powers: Powers, level: int, w: Array, r: Array) -> Array:
+    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): every other one in the same way, from pairs of r's."""
     cases, count, d = r.shape
-    group, grows = 1 << GROUP, not powers.reach(level + GROUP)
-    number = -(-count // group) if count > group and not grows else 0
-    if over := max(0, number * group - count):
-        r = np.concatenate([r, np.zeros((cases, over, d), dtype=r.dtype)], axis=1)
-    states = np.empty((cases, count + over + 1, d), dtype=r.dtype)
-    if number:
-        totals, spread = powers.groups(r.reshape(cases, number, group, d), level)
-        starts = carried(powers, level + GROUP, w, totals)
-        spread(starts[:, :-1], states[:, :-1].reshape(cases, number, group, d))
-        states[:, -1] = starts[:, -1]
-        return states[:, : count + 1]
-    states[:, 0] = w
-    if not grows:
-        _, spread = powers.groups(r[:, None], level)
-        spread(states[:, None, 0], states[:, None, :-1])
-    for k in range(0 if grows else count - 1, count):
-        states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
+    step, states = powers[level], np.empty((cases, count + 1, d))
+    if count < 4 or not powers.reach(level + 1):
+        states[:, 0] = w
+        for k in range(count):
+            states[:, k + 1] = states[:, k] @ step + r[:, k]
+        return states
+    even = count // 2 * 2
+    states[:, : even + 1 : 2] = carried(powers, level + 1, w, r[:, :even:2] @ step + r[:, 1:even:2])
+    states[:, 1::2] = states[:, :count:2] @ step + r[:, ::2]
     return states
+
+
+def _product(a: Array, b: Array, out: Array) -> Array:
+    """a @ b into `out`, (cases, m, n), so many rows at a time as make a `PRODUCT`."""
+    cases, count, d = a.shape
+    rows = 1 << max(0, (PRODUCT // (d * b.shape[1])).bit_length() - 1)
+    whole = count // rows * rows if rows >= 8 else 0
+    if whole:
+        parts = out[:, :whole].reshape(cases, -1, rows, out.shape[2])
+        np.matmul(a[:, :whole].reshape(cases, -1, rows, d), b, out=parts)
+    if whole < count:
+        np.matmul(a[:, whole:], b, out=out[:, whole:])
+    return out

@@ -5,51 +5,65 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from freebeam_sym.response.coordinates import Start
+from freebeam_sym.response.inputs import Load
 from freebeam_sym.response.messages import Message
-from freebeam_sym.response.propagation import Look
-from freebeam_sym.response.stepping import Spectrum, Steps
+from freebeam_sym.response.propagation import Stretch
+from freebeam_sym.response.recurrence import Recurrence, Steps
 
-CARRIES = 0.01  # share of the local amplitude from which on a mode carries the motion
-OUT_OF_PHASE = 0.01  # radians, and about the error relative to the local amplitude
-MOMENTS = 32  # of a stretch of steps, at which the modes' amplitudes are looked at
+Array = NDArray[np.float64]
+
+CARRIES = 0.01
+"""Share of the local amplitude from which on a mode carries the motion."""
+OUT_OF_PHASE = 0.01
+"""Radians, and about the error relative to the local amplitude."""
+MOMENTS = 32
+"""Of a stretch of steps, at which the modes' amplitudes are looked at."""
 
 
 class Quality:
     """Amplitudes of the modes in the first output of a response, looked at now and then, and what follows from them.
 
-    forgets: whether a force drives the modes all the time. What a step has put out of phase adds up for as long as a
-    mode remembers: always in free motion, 1 / |Re λ| in forced motion. frequency: of a harmonic force.
+    row: of the first output, (s, 2 n), and `direct` of a force, (s,). What a step has put out of phase adds up for as
+    long as a mode remembers: always in free motion, 1 / |Re λ| in forced motion. A steady state is one more of the
+    modes, of no error but its own.
     """
 
-    def __init__(self, steps: Steps, start: Start, forgets: bool, frequency: float) -> None:
-        self.start, self.step, self.frequency = start, steps.step, abs(frequency)
-        values, self.rates, self.exact = steps.seen
-        self.frequencies = values.imag
+    def __init__(self, steps: Steps, recurrence: Recurrence, row: Array, direct: Array, load: Load) -> None:
+        spectrum, self.modes, self.step = steps.spectrum, recurrence.modes, steps.step
+        values, errors = spectrum.values[spectrum.half], steps.errors[spectrum.half]
+        self.exact, self.frequencies = not errors.any(), values.imag
+        self.frequency = 0.0 if load.wave is None else abs(load.wave.frequency)
+        self.sizes = np.linalg.norm(_judged(row, spectrum.part) @ spectrum.vectors[:, spectrum.half], axis=0)
+        # logarithm, in a unit of time, of what the motion is to what it should be or the other way; a root may be zero
+        self.rates = np.maximum(-np.abs(errors.real), -1e300) + 1j * errors.imag
+        forgets = load.acts and recurrence.unsteady is None
         self.memory = 1 / np.maximum(-values.real, 1e-300) if forgets else np.full(values.size, np.inf)
-        self.once = 0.0
-        if start.steady_error is not None:
-            self.rates, self.memory = np.append(self.rates, 0.0), np.append(self.memory, 0.0)
-            self.frequencies = np.append(self.frequencies, 0.0)
-            self.once = start.steady_error
+        self.steady_error = 0.0
+        if recurrence.steady is not None and recurrence.unsteady is not None:
+            height = float(np.linalg.norm(row @ recurrence.steady + direct))
+            self.steady_error = float(np.linalg.norm(row @ recurrence.unsteady)) / max(height, 1e-300)
+            self.sizes, self.rates, self.memory, self.frequencies = (
+                np.append(numbers, more)
+                for numbers, more in ((self.sizes, height), (self.rates, 0), (self.memory, 0), (self.frequencies, 0))
+            )
         self.largest = np.zeros(self.rates.size)
         self.phase_error = 0.0
 
-    def see(self, moments: range, look: Look) -> None:
-        """Look at states: after each of these numbers of steps, `look` gives every so many of them."""
-        every = -(-len(moments) // MOMENTS)
-        shares = np.abs(self.start.modes_in(look(every))) * self.start.sizes
+    def see(self, stretch: Stretch) -> None:
+        """Look at some of a stretch's states."""
+        moments = np.arange(stretch.begin, stretch.end, stretch.length)
+        every = -(-moments.size // MOMENTS)
+        shares = np.abs(stretch.states(every) @ self.modes) * self.sizes
         shares /= np.maximum(shares.sum(axis=-1, keepdims=True), 1e-300)
         self.largest = np.fmax(self.largest, shares.max(axis=(0, 1)))
         if self.exact:
             return
-        times = self.step * np.asarray(moments[::every])[:, None]
+        times = self.step * moments[::every, None]
         # relative to the motion or to what it should be, whichever is larger
         wrong = np.abs(1 - np.exp(self.rates * np.minimum(times, self.memory)))
-        errors = (shares * wrong).sum(axis=-1)
-        if self.once:
-            errors += self.once * shares[..., -1]
+        errors = (shares * wrong).sum(axis=-1) + self.steady_error * shares[..., -1]
         self.phase_error = max(self.phase_error, float(errors.max()))
 
     @property
@@ -59,10 +73,14 @@ class Quality:
         return 2 * math.pi / fastest / self.step if fastest else math.inf
 
 
-def warnings_of(spectrum: Spectrum, duration: float, quality: Quality) -> tuple[Message, ...]:
-    """What a reader of a response should know before he trusts it."""
+def _judged(row: Array, part: slice) -> Array:
+    """Of rows for (q, dq) what belongs to a part of the coordinates."""
+    return row.reshape(len(row), 2, -1)[:, :, part].reshape(len(row), -1)
+
+
+def warnings_of(quality: Quality, growing: complex | None, duration: float) -> tuple[Message, ...]:
+    """What should be known before a response is trusted. growing: the eigenvalue that grows fastest, if any does."""
     found, step = [], quality.step
-    growing = spectrum.growing
     if growing is not None:
         kind = "flutter" if growing.imag else "divergence"
         decades = growing.real * duration / math.log(10)

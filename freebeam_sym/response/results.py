@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -14,9 +15,9 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError, refusal
 from freebeam_sym.response.inputs import moments
 from freebeam_sym.response.messages import Message
+from freebeam_sym.response.propagation import Stretch
 
 Array = NDArray[np.float64]
-Fill = Callable[[str, Array], None]
 
 OUTPUTS = ("y", "dy", "ddy")
 
@@ -108,65 +109,79 @@ def names_of(outputs: Sequence[str], rigid: bool, states: bool, target: Target |
 
 
 class Results:
-    """Takes a response, a stretch of times after another. about: makes a `Response` of arrays and the rest."""
+    """Takes a response, a stretch of times after another: widths names the arrays, (*cases, count, width) each."""
 
     def __init__(
-        self,
-        about: Callable[..., Response],
-        widths: Mapping[str, int],
-        rigid: bool,
-        cases: tuple[int, ...],
-        count: int,
-        target: Target | None,
+        self, widths: Mapping[str, int], rigid: bool, cases: tuple[int, ...], count: int, target: Target | None
     ) -> None:
-        self.about, self.rigid, self.cases, self.count, self.target = about, rigid, cases, count, target
-        self.widths = widths
-        self.number = math.prod(cases)
+        self.widths, self.rigid, self.cases, self.count, self.target = widths, rigid, cases, count, target
+        self.parts: dict[str, Array] = {}
         self.last: Response | None = None
         if target is None:
-            self.arrays = {name: np.empty((self.number, count, width)) for name, width in widths.items()}
+            _check_memory(count, sum(widths.values()) * math.prod(cases))
+            self.arrays = {name: np.empty((math.prod(cases), count, width)) for name, width in widths.items()}
         elif not callable(target):
             for name, width in widths.items():
                 shape, wanted = getattr(target[name], "shape", None), (*cases, count, width)
                 if shape != wanted:
                     raise InputError(f"target[{name!r}] has shape {shape}: must be an array of shape {wanted}")
 
-    def take(self, begin: int, end: int, fill: Fill, safe: bool, overflow: Callable[[int], InputError]) -> None:
-        """Fill the times begin, …, end − 1. Raises what `overflow` makes of the first time that is not finite."""
-        parts: dict[str, Array] = {}
-        self.last = None  # no two parts at once
+    def fill(self, stretch: Stretch, fill: Callable[[Stretch, str, Array], None]) -> int | None:
+        """Fill the times of a stretch; the number of the first one that is not finite, if any."""
+        begin, end = stretch.begin, stretch.end
+        self.last, self.parts = None, {}  # no two parts at once
         for name, width in self.widths.items():
-            own = self.target is not None
-            part = np.empty((self.number, end - begin, width)) if own else self.arrays[name][:, begin:end]
-            parts[name] = part
-            fill(name, part)
-        if not safe:
-            finite = np.logical_and.reduce([np.isfinite(part).all(axis=(0, 2)) for part in parts.values()])
-            if not finite.all():
-                raise overflow(begin + int(np.argmin(finite)))
+            own = self.target is None
+            part = self.arrays[name][:, begin:end] if own else np.empty((math.prod(self.cases), end - begin, width))
+            self.parts[name] = part
+            fill(stretch, name, part)
+        if stretch.finite:
+            return None
+        finite = np.logical_and.reduce([np.isfinite(part).all(axis=(0, 2)) for part in self.parts.values()])
+        return None if finite.all() else begin + int(np.argmin(finite))
+
+    def hand_on(self, stretch: Stretch, about: Callable[..., Response]) -> None:
+        """Give what was filled to the target. about: makes a `Response` of arrays and the rest."""
         if self.target is None:
             return
-        shaped = {name: part.reshape(*self.cases, end - begin, -1) for name, part in parts.items()}
+        begin, end = stretch.begin, stretch.end
+        shaped = {name: part.reshape(*self.cases, end - begin, -1) for name, part in self.parts.items()}
         if callable(self.target):
-            self.last = self._response(begin, end, shaped)
+            self.last = about(begin=begin, end=end, **self._named(shaped))
             self.target(self.last)
         else:
             for name, part in shaped.items():
                 self.target[name][..., begin:end, :] = part
 
-    def response(self) -> Response:
+    def response(self, about: Callable[..., Response]) -> Response:
         """The whole of it; of what a function took, the last part."""
-        if callable(self.target):
-            assert self.last is not None  # there is a time at least
+        if self.last is not None:
             return self.last
-        if self.target is not None:
-            return self._response(0, self.count, dict(self.target))
-        whole = {name: array.reshape(*self.cases, self.count, -1) for name, array in self.arrays.items()}
-        return self._response(0, self.count, whole)
+        arrays = self.target
+        if arrays is None:
+            arrays = {name: array.reshape(*self.cases, self.count, -1) for name, array in self.arrays.items()}
+        assert isinstance(arrays, Mapping)
+        return about(begin=0, end=self.count, **self._named(arrays))
 
-    def _response(self, begin: int, end: int, arrays: dict[str, Any]) -> Response:
-        for name in OUTPUTS:
-            if name in arrays and not self.rigid:
-                arrays[f"{name}_elastic"] = arrays[name]
-                arrays[f"{name}_rigid"] = np.broadcast_to(0.0, arrays[name].shape)
-        return self.about(begin=begin, end=end, **arrays)
+    def _named(self, arrays: Mapping[str, Any]) -> dict[str, Any]:
+        """Arrays by their names; without rigid functions the elastic part is all there is."""
+        found = dict(arrays)
+        for name in () if self.rigid else set(OUTPUTS) & set(arrays):
+            found[f"{name}_elastic"] = arrays[name]
+            found[f"{name}_rigid"] = np.broadcast_to(0.0, arrays[name].shape)
+        return found
+
+
+def _check_memory(times: int, columns: int) -> None:
+    """InputError where a response takes more than half of the machine's memory."""
+    try:
+        held = 0.5 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # no such call, as on Windows
+        held = 4.0 * 2**30
+    needed = 8 * times * (2 + columns)
+    if needed > held:
+        raise InputError(Message(
+            f"duration / step = {times - 1:.3g} steps, {columns} numbers each: needs {needed / 2**30:.3g} GiB, "
+            f"more than the {held / 2**30:.3g} GiB that this machine can give; use fewer sensors, a longer step, or a "
+            "target that takes the response in parts (a file, on the command line)"
+        ))  # fmt: skip

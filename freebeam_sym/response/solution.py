@@ -5,7 +5,7 @@ All quantities are nondimensional, Eq. (5).
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,29 +13,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
-from freebeam_sym.response.coordinates import Scaled, coordinates_of
-from freebeam_sym.response.exact import Exact
+from freebeam_sym.response.eigen import Spectrum
 from freebeam_sym.response.inputs import (
     LOST,
     Function,
     Harmonic,
-    Wave,
-    cases_of,
-    check_memory,
-    checked,
+    Load,
+    Start,
     checked_parameters,
     force_of,
     position_of,
-    spread,
     start_of,
     times_of,
 )
 from freebeam_sym.response.messages import Message
-from freebeam_sym.response.newmark import Newmark
-from freebeam_sym.response.propagation import Fill, Look, forced, free
+from freebeam_sym.response.methods import Exact, Method, Newmark
+from freebeam_sym.response.propagation import Stretch, forced, free
 from freebeam_sym.response.quality import Quality, warnings_of
+from freebeam_sym.response.recurrence import Recurrence, recurrence_of, steps_of
 from freebeam_sym.response.results import OUTPUTS, Response, Results, Target, names_of
-from freebeam_sym.response.stepping import Method, Spectrum, acceleration, overflow, spectrum_of, steps_of
+from freebeam_sym.spectra import state_matrix
 
 if TYPE_CHECKING:
     from scipy.signal import StateSpace
@@ -45,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["respond", "state_space"]
 
 Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+Rows = dict[str, Array]
 
 
 def respond(
@@ -105,86 +102,59 @@ def respond(
     duration, h = positive("duration", duration), positive("step", step)
     by = _method(system, method, newmark)
     x_s = positions("sensors", sensors)
-    times = times_of(duration, h)
-    n, r = len(system.M), system.rigid_count
-    names = names_of(outputs, bool(r), states, target)
-    if force is not None and force_position is None:
-        raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
-    source, force_cases = force_of(force, times, h)
-    q, initial_lost = start_of(system, "initial", initial)
-    dq, velocity_lost = start_of(system, "initial_velocity", initial_velocity)
-    if force is None and initial is None and initial_velocity is None:
-        q += 0.01 * system.mode(1)
-    cases = cases_of(force_cases, q.shape[:-1], dq.shape[:-1])
-    shape = (*cases, n)
-    start = np.concatenate([spread(q, shape), spread(dq, shape)], axis=-1).reshape(-1, 2 * n)
+    times, n = times_of(duration, h), len(system.M)
+    names = names_of(outputs, bool(system.rigid_count), states, target)
+    load = force_of(system, force, force_position, times, h)
+    start = start_of(system, initial, initial_velocity, load)
     widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
-    if target is None:
-        check_memory(times, sum(widths.values()) * len(start), x_s.size)
-    Q = np.zeros(n)
-    if force_position is not None:
-        Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
-    spectrum = spectrum_of(system)
-    steps = steps_of(spectrum, by, h)
-    exact = isinstance(by, Exact)
-    if exact:
+    results = Results(widths, bool(system.rigid_count), start.cases, times, target)
+    steps = steps_of(system, by, h)
+    spectrum = steps.spectrum
+    if isinstance(by, Exact):
         _check_phase(spectrum, duration)
+    if progress is not None:
+        progress(0.0)
+    rows, direct = _rows(system, names, x_s, load.Q)
 
     def about(**parts: Any) -> Response:
         return Response(
-            sensors=x_s, step=h, method="exact" if exact else "newmark",
+            sensors=x_s, step=h, method="exact" if isinstance(by, Exact) else "newmark",
             newmark=(by.b, by.g) if isinstance(by, Newmark) else None, growth=float(spectrum.values.real.max()),
             frequencies=spectrum.oscillating.imag, period_errors=steps.period_errors,
             phase_error=quality.phase_error, samples_per_period=quality.samples,
-            warnings=warnings_of(spectrum, duration, quality),
-            initial_lost=initial_lost, velocity_lost=velocity_lost, **parts,
+            warnings=warnings_of(quality, spectrum.growing, duration),
+            initial_lost=start.initial_lost, velocity_lost=start.velocity_lost, **parts,
         )  # fmt: skip
 
-    results = Results(about, widths, bool(r), cases, times, target)
+    def fill(stretch: Stretch, name: str, part: Array) -> None:
+        stretch.fill(name, part)
+        if not stretch.begin:  # without rounding: what rests at first is at rest
+            part[:, 0] = start.states @ rows[name].T + np.multiply.outer(load.first(start.cases), direct[name])
 
-    def sample(begin: int, end: int) -> Array:
-        assert callable(source)
-        return spread(source(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
-
-    def store(begin: int, end: int, fill: Fill, safe: bool, moments: range, look: Look) -> None:
-        def filled(name: str, part: Array) -> None:
-            fill(name, part)
-            if not begin:  # without rounding: what rests at first is at rest
-                part[:, 0] = start @ rows[name].T + np.multiply.outer(first, direct[name])
-
-        if not safe and callable(source):  # whether it is the force's own doing
-            checked("force", sample(begin, end), end - begin, lambda k: h * (begin + k))
-        quality.see(moments, look)
-        results.take(begin, end, filled, safe, lambda k: overflow(k * h, spectrum))
-        if progress is not None:
-            progress(end / times)
-
-    rows, direct = _rows(system, names, x_s, Q)
-    if progress is not None:
-        progress(0.0)
-    first = np.zeros(1)
     with np.errstate(over="ignore", invalid="ignore"):
-        basis = coordinates_of(system, steps)
-        if not isinstance(source, Wave):
-            begun = basis.free(start, rows)
-        else:
-            size = spread(source.size, cases).reshape(-1, 1)
-            first = size[:, 0].real
-            asked = (start, rows, direct, Q, source, size, duration)
-            driven = basis.driven(*asked)
-            if driven is None:  # resonance
-                basis = Scaled(system, steps)
-                driven = basis.driven(*asked)
-            begun = driven
-        forgets = source is not None and begun.steady_error is None
-        quality = Quality(steps, begun, forgets, getattr(source, "frequency", 0.0))
-        if callable(source):
-            first = sample(0, 1)[:, 0]
-            before, after = basis.pushes(Q)
-            forced(begun.powers, begun.states, before, after, begun.rows, direct, sample, times, store)
-        else:
-            free(begun.powers, begun.states, begun.rows, times, store)
-    return results.response()
+        recurrence = recurrence_of(system, steps, load, duration)
+        quality = Quality(steps, recurrence, rows[names[0]], direct[names[0]], load)
+        for stretch in _stretches(recurrence, start, load, rows, direct, times):
+            quality.see(stretch)
+            bad = results.fill(stretch, fill)
+            if bad is not None:
+                load.check(stretch.begin, stretch.end, h)
+                raise _overflow(bad * h, spectrum)
+            results.hand_on(stretch, about)
+            if progress is not None:
+                progress(stretch.end / times)
+    return results.response(about)
+
+
+def _stretches(
+    recurrence: Recurrence, start: Start, load: Load, rows: Rows, direct: Rows, times: int
+) -> Iterator[Stretch]:
+    x = recurrence.start(start.states, None if load.wave is None else load.size(start.cases))
+    own = {name: recurrence.rows(rows[name], direct[name]) for name in rows}
+    if load.sampled is None:
+        return free(recurrence.powers, x, own, times)
+    pushes = (recurrence.before, recurrence.after)
+    return forced(recurrence.powers, x, pushes, own, direct, lambda *span: load.values(*span, start.cases), times)
 
 
 def state_space(
@@ -201,32 +171,25 @@ def state_space(
     Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
     from scipy.signal import StateSpace  # half a second, so only where it is used
 
-    n = Q.size
     rows, direct = _rows(system, outputs, x_s, Q)
-    A = np.zeros((2 * n, 2 * n))
-    A[:n, n:] = np.eye(n)
-    A[n:], force = acceleration(system.M, system.C, system.K, Q)
+    B = np.concatenate([np.zeros(Q.size), np.linalg.solve(system.M, Q)])
     C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
-    return StateSpace(A, np.concatenate([np.zeros(n), force])[:, None], C, D[:, None])
+    return StateSpace(state_matrix(system.M, system.C, system.K), B[:, None], C, D[:, None])
 
 
-def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[Rows, Rows]:
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
     shapes = np.asarray(system.shapes(x_s), dtype=float).T
+    A, force = state_matrix(system.M, system.C, system.K), np.linalg.solve(system.M, Q)
+    states = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n), "dd": A[n:]}
     rows, direct = {}, {}
-    if any(name.startswith("ddy") for name in names):
-        state, force = acceleration(system.M, system.C, system.K, Q)
     for name in names:
-        order, _, part = name.partition("_")
-        own = np.eye(n) if order in ("q", "dq") else shapes.copy()
+        quantity, _, part = name.partition("_")
+        own = np.eye(n) if quantity in ("q", "dq") else shapes.copy()
         own[:, {"": slice(0), "elastic": slice(0, r), "rigid": slice(r, None)}[part]] = 0
-        none = np.zeros_like(own)
-        if order == "ddy":
-            rows[name], direct[name] = own @ state, own @ force
-        else:
-            rows[name] = np.hstack([none, own] if order.startswith("d") else [own, none])
-            direct[name] = np.zeros(len(own))
+        rows[name] = own @ states[quantity[:-1]]
+        direct[name] = own @ force if quantity == "ddy" else np.zeros(len(own))
     return rows, direct
 
 
@@ -252,3 +215,17 @@ def _check_phase(spectrum: Spectrum, duration: float) -> None:
             "choose a shorter duration",
             duration=duration, omega=values[worst].imag, limit=LOST / values[worst].imag,
         ))  # fmt: skip
+
+
+def _overflow(t: float, spectrum: Spectrum) -> InputError:
+    """What to say of a response that is not finite from t on."""
+    worst = spectrum.values[np.argmax(spectrum.values.real)]
+    if worst.real * t < 1:
+        return InputError(Message(
+            "the response passes the range of floats at t = {t:time}: the force or the initial state is too large", t=t
+        ))  # fmt: skip
+    kind = "flutter" if worst.imag else "divergence"
+    return InputError(Message(
+        f"the response passes the range of floats at t = {{t:time}}: {kind} grows as exp(r t), r = {{rate:rate}}; "
+        "choose a shorter duration or a load below the critical one", t=t, rate=worst.real
+    ))  # fmt: skip

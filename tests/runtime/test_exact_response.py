@@ -15,7 +15,6 @@ from scipy.linalg import expm
 
 import freebeam as fb
 from freebeam_sym.checks import InputError
-from freebeam_sym.response import stepping
 from freebeam_sym.response.inputs import moments
 
 X = np.array([0.1, 0.6])
@@ -117,22 +116,17 @@ def test_a_piecewise_linear_force_may_be_sampled_anew(system: Any) -> None:
     close(other[::2], one, 1e-11)
 
 
-def test_both_routes_agree(system: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The eigenvectors and the step's matrix, under every kind of force."""
-    forces = (None, 0.3, fb.Harmonic(1.0, 40.0), np.random.default_rng(3).normal(size=301))
-
-    def all_of() -> list[Any]:
-        stepping._spectrum.cache_clear()
-        return [
-            fb.respond(system, 30, 0.1, sensors=X, force=f, force_position=1, initial=np.full(len(system.M), 1e-3)).y
-            for f in forces
-        ]
-
-    first = all_of()
-    monkeypatch.setattr(stepping, "modes_of", lambda *_: None)
-    for one, other in zip(first, all_of(), strict=True):
-        close(one, other, 1e-12)
-    stepping._spectrum.cache_clear()
+@pytest.mark.parametrize("force", [None, 0.3, fb.Harmonic(1.0, 40.0), np.random.default_rng(3).normal(size=301)])
+@pytest.mark.parametrize("method", ["exact", "newmark"])
+def test_rigid_functions_leave_the_elastic_part_alone(method: str, force: Any) -> None:
+    """They make λ = 0 defective, so that no eigenvectors serve: the same elastic part, to rounding, with and without."""
+    options: dict[str, Any] = {"sensors": X, "force": force, "force_position": 1, "method": method}
+    with_rigid, without = (
+        fb.respond(system, 30, 0.1, initial=1e-3 * system.mode(1), **options)
+        for system in (FREE.system(6, 50, 1e-3, 0.1, rigid=rigid) for rigid in (True, False))
+    )
+    for name in ("y", "dy", "ddy"):
+        close(getattr(with_rigid, f"{name}_elastic"), getattr(without, name), 1e-12)
 
 
 def test_newmark_s_method_converges_to_it() -> None:

@@ -53,7 +53,7 @@ class Beam:
     gamma: Any
     rigid_count: int
 
-    column = SimpleNamespace(kernel=SimpleNamespace(newmark_step=textbook_step))
+    column = SimpleNamespace(kernel=fb.column("free-free").kernel)
 
     @property
     def modes(self) -> int:
