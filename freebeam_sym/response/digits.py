@@ -198,7 +198,7 @@ def rounded(z: Fixed) -> complex:
 
 @dataclass(frozen=True)
 class Roots:
-    """Complex numbers as a matrix: block diagonal, it multiplies pairs of a real and an imaginary part."""
+    """Complex numbers that multiply coordinates: the diagonal of a matrix."""
 
     numbers: list[Fixed]
 
@@ -206,10 +206,5 @@ class Roots:
         return Roots([square(z) for z in self.numbers])
 
     @property
-    def high(self) -> Array:
-        values, own = np.array([rounded(z) for z in self.numbers]), np.arange(len(self.numbers))
-        blocks = np.zeros((len(own), 2, len(own), 2))
-        blocks[own, 0, own, 0] = blocks[own, 1, own, 1] = values.real
-        blocks[own, 1, own, 0] = values.imag
-        blocks[own, 0, own, 1] = -values.imag
-        return blocks.reshape(2 * len(own), -1)
+    def high(self) -> NDArray[np.complex128]:
+        return np.array([rounded(z) for z in self.numbers])

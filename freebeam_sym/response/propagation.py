@@ -10,6 +10,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from threading import Lock
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,16 +31,18 @@ PRODUCT = 300_000
 
 
 class Powers:
-    """A^(2^k) as floats, each rounded once: A is squared in more digits. Rows of states are multiplied by them, so they
-    are kept transposed."""
+    """A^(2^k), squared in more digits than floats have, and each rounded once.
+
+    A is a matrix, (d, d), or the diagonal of one in complex coordinates, of which each is a pair of x, (d / 2,).
+    """
 
     def __init__(self, exact: Double | Roots) -> None:
         self._exact = exact
-        self._rounded: list[Array] = [np.ascontiguousarray(exact.high.T)]
+        self._rounded: list[NDArray[Any]] = [np.ascontiguousarray(exact.high.T)]
         self._within = 0
         self._lock = Lock()  # powers are kept for later responses, in whatever thread
 
-    def __getitem__(self, k: int) -> Array:
+    def _transposed(self, k: int) -> NDArray[Any]:
         if len(self._rounded) <= k:
             with self._lock:
                 while len(self._rounded) <= k:
@@ -47,23 +50,29 @@ class Powers:
                     self._rounded.append(np.ascontiguousarray(self._exact.high.T))
         return self._rounded[k]
 
+    def forward(self, x: Array, k: int) -> Array:
+        """x, (…, d), after 2^k steps."""
+        A = self._transposed(k)
+        return x @ A if A.ndim == 2 else (x.view(complex) * A).view(float)
+
+    def backward(self, rows: Array, k: int) -> Array:
+        """Outputs of x, (…, d), that give after no step what `rows` give after 2^k."""
+        A = self._transposed(k)
+        return rows @ A.T if A.ndim == 2 else (rows.view(complex) * np.conj(A)).view(float)
+
     def reach(self, k: int) -> bool:
         """Whether the powers up to 2^k keep below `LARGEST`."""
-        while self._within <= k and np.abs(self[self._within]).max() < LARGEST:
+        while self._within <= k and np.abs(self._transposed(self._within)).max() < LARGEST:
             self._within += 1
         return self._within > k
 
-    def states(self, x: Array, count: int, level: int) -> Array:
-        """x, (…, d), after 0, 1, 2, … times 2^level steps, (count, …, d), by doubling."""
-        return _orbit(x, count, level, lambda part, k: part @ self[k])
-
     def table(self, rows: Array, length: int) -> Array:
         """What outputs (s, d) give after 0, 1, … steps, (d, length s): states times this are the outputs."""
-        table = _orbit(rows, length, 0, lambda part, k: part @ self[k].T)
-        return np.ascontiguousarray(table.reshape(-1, rows.shape[-1]).T)
+        return np.ascontiguousarray(_orbit(rows, length, 0, self.backward).reshape(-1, rows.shape[-1]).T)
 
 
 def _orbit(first: Array, count: int, level: int, move: Callable[[Array, int], Array]) -> Array:
+    """`first`, and it moved by 1, 2, … times 2^level steps, (count, …), by doubling."""
     found = np.empty((count, *first.shape))
     found[0], done = first, 1
     while done < count:
@@ -131,9 +140,9 @@ def free(powers: Powers, x: Array, rows: Tables, count: int) -> Iterator[Stretch
     tables = {name: powers.table(part, length) for name, part in rows.items()}
     for begin in range(0, count, 1 << levels):
         if begin:
-            x = x @ powers[levels]
+            x = powers.forward(x, levels)
         end = min(count, begin + (1 << levels))
-        states = np.ascontiguousarray(powers.states(x, -(-(end - begin) // length), inner).swapaxes(0, 1))
+        states = np.ascontiguousarray(_orbit(x, -(-(end - begin) // length), inner, powers.forward).swapaxes(0, 1))
         yield Stretch(begin, end, length, ((states, tables),))
 
 
@@ -146,19 +155,19 @@ def forced(
     force: F at the times begin, …, end − 1, shape (cases, end − begin).
     """
     before, after = pushes
-    B = after @ powers[0] + before  # w = x − B₁ F needs the force at the old time only: w⁺ = A w + B F
+    B = powers.forward(after, 0) + before  # w = x − B₁ F needs the force at the old time only: w⁺ = A w + B F
     cases, d = x.shape
     inner = min(max(5, (d - 1).bit_length()), max(0, (count - 1).bit_length() - 2))
     while inner and not powers.reach(inner):
         inner -= 1
     length = 1 << inner
     width = sum(len(part) for part in rows.values()) * cases
-    levels = max(inner + 3, min(inner + 12, CACHE - width.bit_length()))
+    levels = max(inner + 3, min(inner + 15, CACHE - width.bit_length()))
     while levels > inner and not powers.reach(levels):
         levels -= 1
     tables = {name: powers.table(part, length) for name, part in rows.items()}
     pushed = {name: _responses(B @ tables[name], direct[name] + rows[name] @ after, length) for name in rows}
-    drive = np.ascontiguousarray(powers.states(B, length, 0)[::-1])
+    drive = np.ascontiguousarray(_orbit(B, length, 0, powers.forward)[::-1])
     w = x - force(0, 1) * after
     for begin in range(0, count, 1 << levels):
         end = min(count, begin + (1 << levels))
@@ -184,15 +193,16 @@ def _responses(impulse: Array, at_once: Array, length: int) -> Array:
 def carried(powers: Powers, level: int, w: Array, r: Array) -> Array:
     """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): every other one in the same way, from pairs of r's."""
     cases, count, d = r.shape
-    step, states = powers[level], np.empty((cases, count + 1, d))
+    states = np.empty((cases, count + 1, d))
     if count < 4 or not powers.reach(level + 1):
         states[:, 0] = w
         for k in range(count):
-            states[:, k + 1] = states[:, k] @ step + r[:, k]
+            states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
         return states
     even = count // 2 * 2
-    states[:, : even + 1 : 2] = carried(powers, level + 1, w, r[:, :even:2] @ step + r[:, 1:even:2])
-    states[:, 1::2] = states[:, :count:2] @ step + r[:, ::2]
+    pairs = powers.forward(r[:, :even:2], level) + r[:, 1:even:2]
+    states[:, : even + 1 : 2] = carried(powers, level + 1, w, pairs)
+    states[:, 1::2] = powers.forward(states[:, :count:2], level) + r[:, ::2]
     return states
 
 

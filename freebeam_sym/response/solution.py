@@ -181,8 +181,10 @@ def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[R
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
     shapes = np.asarray(system.shapes(x_s), dtype=float).T
-    A, force = state_matrix(system.M, system.C, system.K), np.linalg.solve(system.M, Q)
-    states = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n), "dd": A[n:]}
+    states, force = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n)}, np.zeros(n)
+    if any(name.startswith("ddy") for name in names):
+        states["dd"] = state_matrix(system.M, system.C, system.K)[n:]
+        force = np.linalg.solve(system.M, Q)
     rows, direct = {}, {}
     for name in names:
         quantity, _, part = name.partition("_")
