@@ -76,7 +76,7 @@ class Double:
     __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> Double:
-        return math.prod([self] * exponent, start=Double.of(1.0))
+        return self if exponent == 1 else self * self ** (exponent - 1)
 
     def __matmul__(self, other: Any) -> Double:
         """An entry to 2⁻⁹⁰ or so of the largest in its row on the left times the largest in its column on the right."""
@@ -96,6 +96,13 @@ class Double:
 
 def _lifted(value: Any) -> Double:
     return value if isinstance(value, Double) else Double.of(value)
+
+
+def stacked(*parts: Double, axis: int = 0) -> Double:
+    """Parts one below another, or one beside another along axis 1."""
+    return Double(
+        *(np.concatenate(pair, axis=axis) for pair in zip(*((part.high, part.low) for part in parts), strict=True))
+    )
 
 
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
@@ -121,11 +128,6 @@ def _slices(x: Double, bits: int, axis: int) -> list[Array]:
         found.append((high + rounder) - rounder)
         high, low = _two_sum(high - found[-1], low)
     return found
-
-
-def stacked(parts: list[Double]) -> Double:
-    """Parts one below another."""
-    return Double(np.concatenate([part.high for part in parts]), np.concatenate([part.low for part in parts]))
 
 
 def solve(a: Double, b: Double) -> Double:

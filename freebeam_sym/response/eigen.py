@@ -27,10 +27,8 @@ rounding of the vectors costs this factor."""
 class Spectrum:
     """The exact eigenvalues (2 n,) of the part of a system that is judged, and their vectors."""
 
-    M: Array
-    C: Array
-    K: Array
-    """Of that part, (n, n)."""
+    matrices: tuple[Array, Array, Array]
+    """M, C, K of that part, (n, n)."""
     part: slice
     """That part of the coordinates: without the rigid ones where these have no share in the elastic spectrum."""
     values: Complex
@@ -63,7 +61,7 @@ class Spectrum:
     def growing(self) -> complex | None:
         """The eigenvalue that grows fastest; None where none grows by more than rounding may have made of it."""
         worst = int(np.argmax(self.values.real))
-        scale = scale_of(self.M, self.K)
+        scale = scale_of(self.matrices[0], self.matrices[2])
         condition = np.linalg.norm(self.vectors[:, worst] / scale) * np.linalg.norm(self.inverse[worst] * scale)
         # first order in the backward error of the eigenvalues; 10 is generous where a few eps of the norm are usual
         rounding = 10 * np.finfo(float).eps * condition * np.abs(self.values).max()
@@ -75,9 +73,9 @@ class Spectrum:
 
         One step of Newton's method with the residual in twice the digits: what is left is its square.
         """
-        n, high = len(self.M), self.values[self.half]
+        (M, C, K), high = self.matrices, self.values[self.half]
         oscillating = high.imag > 0
-        m = high.size
+        n, m = len(M), high.size
         if m + np.count_nonzero(oscillating) != 2 * n:
             return None
 
@@ -93,9 +91,9 @@ class Spectrum:
         # G X − X Λ, real parts first: its upper half is exact rounding of V λ, its lower one M⁻¹ (…)
         a, b, parts = np.diag(high.real), np.diag(high.imag), np.concatenate([X.real, X.imag], axis=1)
         turned = Double.of(parts) @ np.block([[a, b], [-b, a]])
-        states = stacked([Double.of(parts), turned[n:]])
-        lower = (Double.of(np.concatenate([self.K, self.C, self.M], axis=1)) @ states).high
-        residual = -np.concatenate([(turned[:n] - parts[n:]).high, np.linalg.solve(self.M, lower)])
+        states = stacked(Double.of(parts), turned[n:])
+        lower = (Double.of(np.concatenate([K, C, M], axis=1)) @ states).high
+        residual = -np.concatenate([(turned[:n] - parts[n:]).high, np.linalg.solve(M, lower)])
         E = W @ (residual[:, :m] + 1j * residual[:, m:])
         own = np.arange(m)
         low, gaps = E[own, own], high - with_conjugates(high[None])[0][:, None]
@@ -107,7 +105,7 @@ class Spectrum:
         V = V + with_conjugates(X)[:n] @ moves
         X = with_conjugates(np.concatenate([V, V * high]))
         W = np.linalg.inv(X).astype(complex)
-        scale = scale_of(self.M, self.K)
+        scale = scale_of(M, K)
         condition = np.linalg.norm(X / scale[:, None], axis=0) * np.linalg.norm(W * scale, axis=1)
         return Refined(high, low, X, W) if condition.max() < CONDITION else None
 
@@ -155,7 +153,7 @@ def _spectrum(size: int, r: int, mass: bytes, damping: bytes, elasticity: bytes)
         part = slice(r, None)
     M, C, K = (matrix[part, part] for matrix in (M, C, K))
     values, vectors = (found.astype(complex) for found in np.linalg.eig(state_matrix(M, C, K)))
-    return Spectrum(M, C, K, part, values, vectors, decay)
+    return Spectrum((M, C, K), part, values, vectors, decay)
 
 
 def _coupled(M: Array, C: Array, K: Array, r: int) -> bool:

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals, refusal
-from freebeam_sym.response.messages import Message
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import System
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Function = Callable[[Any], Any]
 
 LOST = 1e-5 / np.finfo(float).eps
@@ -45,49 +45,39 @@ class Harmonic:
         return amplitude * np.sin(self.frequency * t + phase)
 
 
-class Wave(NamedTuple):
-    """A force Re(size e^(iωt)), size (*cases,); a constant one where ω = 0."""
-
-    size: NDArray[np.complex128]
-    frequency: float
-
-
 @dataclass(frozen=True)
 class Load:
-    """A force F₀ that acts with the vector Q, (n,), in load cases: a wave, or values at the steps; or none."""
+    """A force F₀ with its vector Q, (n,), in load cases: Re(size e^(iωt)), or values at the steps, or none."""
 
     Q: Array
     cases: tuple[int, ...] = ()
-    wave: Wave | None = None
+    size: Complex | None = None
+    """(*cases,)"""
+    frequency: float = 0.0
     sampled: Callable[[int, int], Array] | None = None
     """F₀ at the times begin, …, end − 1, (*cases, end − begin)."""
 
     @property
     def acts(self) -> bool:
-        return self.wave is not None or self.sampled is not None
+        return self.size is not None or self.sampled is not None
 
-    def size(self, cases: tuple[int, ...]) -> NDArray[np.complex128]:
-        """Of the wave in each of the response's cases, (number of cases, 1)."""
-        assert self.wave is not None
-        return np.broadcast_to(self.wave.size, cases).reshape(-1, 1)
+    def over(self, cases: tuple[int, ...]) -> Load:
+        """The same in all load cases of a response, their axes as one: size (cases, 1), values (cases, times)."""
+        size = None if self.size is None else np.broadcast_to(self.size, cases).reshape(-1, 1)
+        sampled = self.sampled
+        if sampled is None:
+            return replace(self, size=size)
+        return replace(
+            self,
+            sampled=lambda begin, end: np.broadcast_to(sampled(begin, end), (*cases, end - begin)).reshape(-1, end - begin),
+        )  # fmt: skip
 
-    def values(self, begin: int, end: int, cases: tuple[int, ...]) -> Array:
-        """At some times, in each of the response's cases, (number of cases, end − begin)."""
-        assert self.sampled is not None
-        values = self.sampled(begin, end)
-        shape = (*cases, end - begin)
-        return (values if values.shape == shape else np.broadcast_to(values, shape)).reshape(-1, end - begin)
-
-    def first(self, cases: tuple[int, ...]) -> Array:
-        """At t = 0."""
+    @property
+    def first(self) -> Array:
+        """F₀ at t = 0 in these cases."""
         if self.sampled is not None:
-            return self.values(0, 1, cases)[:, 0]
-        return np.zeros(1) if self.wave is None else self.size(cases)[:, 0].real
-
-    def check(self, begin: int, end: int, h: float) -> None:
-        """Raises InputError for values at some times that are not finite."""
-        if self.sampled is not None:
-            checked("force", self.sampled(begin, end), end - begin, lambda k: h * (begin + k))
+            return self.sampled(0, 1)[:, 0]
+        return np.zeros(1) if self.size is None else self.size[:, 0].real
 
 
 @dataclass(frozen=True)
@@ -151,7 +141,7 @@ def _evaluate(name: str, function: Function, points: Array) -> Array:
         whole = False
     if not whole:
         values = np.stack([np.asarray(function(point)) for point in points.tolist()], axis=-1)
-    return checked(name, values, points.size, lambda k: points[k])
+    return checked(name, _floats(name, values, points.size), lambda k: points[k])
 
 
 def _single(function: Function, point: float) -> Any:
@@ -170,16 +160,13 @@ def _floats(name: str, values: NDArray[Any], count: int) -> Array:
     return values.astype(float, copy=False)
 
 
-def checked(name: str, values: NDArray[Any], count: int, place: Callable[[int], float]) -> Array:
-    """Values (*cases, count), one a point, as finite floats. place: of a point, for the message."""
-    result = _floats(name, values, count)
-    flat = result.ravel()
+def checked(name: str, values: Array, place: Callable[[int], float]) -> Array:
+    """Values (*cases, points), which must be finite. place: of a point, for the message."""
+    flat = values.ravel()
     if not math.isfinite(np.vdot(flat, flat)):  # or too large to be squared
-        bad = np.argwhere(~np.isfinite(result))
-        if bad.size:
-            at = tuple(bad[0])
-            raise InputError(f"{name} = {result[at]:g} at {place(at[-1]):g}: must be finite")
-    return result
+        for at in np.argwhere(~np.isfinite(values))[:1]:
+            raise InputError(f"{name} = {values[tuple(at)]:g} at {place(at[-1]):g}: must be finite")
+    return values
 
 
 def force_of(system: System, force: Any, position: Any, times: int, h: float) -> Load:
@@ -192,22 +179,21 @@ def force_of(system: System, force: Any, position: Any, times: int, h: float) ->
     if force is None:
         return Load(Q)
     if isinstance(force, Harmonic):
-        wave = _wave(force, h * times)
-        return Load(Q, wave.size.shape, wave)
+        return _wave(Q, force, h * times)
     if callable(force):
         return _sampled(Q, force, h)
     values = array("force", force)
     if values.ndim == 0:
-        return Load(Q, (), Wave(np.asarray(complex(finite("force", force))), 0.0))
+        return Load(Q, (), np.asarray(complex(finite("force", force))))
     if values.shape[-1] != times:
         raise InputError(
             f"force has shape {values.shape}: must be a function of time, one number, or an array of shape "
             f"({times},) or (*cases, {times}), a value at each of the {times - 1} steps' ends and at t = 0"
         )
-    return Load(Q, values.shape[:-1], None, lambda begin, end: _floats("force", values[..., begin:end], end - begin))
+    return Load(Q, values.shape[:-1], sampled=lambda begin, end: _floats("force", values[..., begin:end], end - begin))
 
 
-def _wave(force: Harmonic, duration: float) -> Wave:
+def _wave(Q: Array, force: Harmonic, duration: float) -> Load:
     frequency = finite("force.frequency", force.frequency)
     if LOST < abs(frequency) * duration:
         raise InputError(Message(
@@ -215,7 +201,8 @@ def _wave(force: Harmonic, duration: float) -> Wave:
             "choose a shorter duration", omega=frequency,
         ))  # fmt: skip
     size, phase = (reals(f"force.{name}", getattr(force, name)) for name in ("amplitude", "phase"))
-    return Wave(np.asarray(size * (np.sin(phase) - 1j * np.cos(phase))), frequency)
+    whole = np.asarray(size * (np.sin(phase) - 1j * np.cos(phase)))
+    return Load(Q, whole.shape, whole, frequency)
 
 
 def _sampled(Q: Array, force: Function, h: float) -> Load:
@@ -231,7 +218,7 @@ def _sampled(Q: Array, force: Function, h: float) -> Load:
             )
         return found
 
-    return Load(Q, cases, None, values)
+    return Load(Q, cases, sampled=values)
 
 
 def start_of(system: System, initial: Any, initial_velocity: Any, load: Load) -> Start:
@@ -297,3 +284,41 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
             "motion needs a system with rigid=True"
         )
     return q, math.sqrt(w @ (y - fitted) ** 2) / size
+
+
+# Sentences with quantities in them, for errors and warnings: nondimensional, or in a beam's SI units
+
+Say = Callable[[str, float, str], str]
+
+
+@dataclass(frozen=True)
+class _Quantity:
+    value: float
+    say: Say
+
+    def __format__(self, spec: str) -> str:
+        kind, _, digits = spec.partition(" ")
+        return self.say(kind, self.value, digits or ".6g")
+
+
+class Message(str):
+    """A template such as "step = {h:time}: …" with its quantities. As a string, it has them nondimensional, Eq. (5).
+
+    After the colon stands the kind of the quantity (time, length, frequency, rate, …) and, after a blank, the format.
+    """
+
+    template: str
+    quantities: dict[str, float]
+
+    def __new__(cls, template: str, **quantities: float) -> Message:
+        text = super().__new__(cls, _told(template, quantities, lambda _, value, digits: format(value, digits)))
+        text.template, text.quantities = template, quantities
+        return text
+
+    def told(self, say: Say) -> str:
+        """The sentence with each quantity as `say` has it: from its kind, its nondimensional value and the format."""
+        return _told(self.template, self.quantities, say)
+
+
+def _told(template: str, quantities: dict[str, float], say: Say) -> str:
+    return template.format(**{name: _Quantity(value, say) for name, value in quantities.items()})

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.response.digits import ONE, Double, Fixed, expm, exponential, rounded, solve, stacked
 from freebeam_sym.response.eigen import Spectrum, scale_of
-from freebeam_sym.response.messages import Message
+from freebeam_sym.response.inputs import Message
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Matrices = tuple[Array, Array, Array]
 
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])
 """A quarter of a turn."""
@@ -69,7 +70,7 @@ class Exact:
         `angle` is ωh over 2^BITS. The denominator is what the force and the mode turn apart in a step."""
         return 1.0, rounded((-z[0], angle - z[1]))
 
-    def step(self, matrices: tuple[Array, Array, Array], h: float, Q: Array | None, angle: int | None) -> Double:
+    def step(self, matrices: Matrices, h: float, Q: Array | None, angle: int | None) -> Double:
         """A of the states over their sizes, `scale_of`, to 2⁻⁸⁰ or so.
 
         Q: of a force, which adds two columns, B₀ and B₁. With an `angle` these are what the real and the imaginary part
@@ -78,24 +79,20 @@ class Exact:
         M, C, K = matrices
         n, scale = len(M), scale_of(M, K)
         lower = solve(Double.of(M), Double.of(-np.concatenate([K, C], axis=1)))
-        generator = stacked([Double.of(np.eye(n, 2 * n, n)), lower]) * (h * scale) * (1 / scale[:, None])
+        generator = stacked(Double.of(np.eye(n, 2 * n, n)), lower) * (h * scale) * (1 / scale[:, None])
         if Q is None:
             return expm(generator)
         # the force joins the states: as F and what it grows by in a step, or as the wave
-        drive = h * np.concatenate([np.zeros(n), np.linalg.solve(M, Q)]) / scale
-        size = 2.0 ** math.frexp(float(np.abs(drive).max()))[1]  # beside the others' entries it shall be of their order
         whole = Double(np.pad(generator.high, (0, 2)), np.pad(generator.low, (0, 2)))
-        whole.high[:-2, -2] = drive / size
+        whole.high[n:-2, -2] = h * np.linalg.solve(M, Q) / scale[n:]
         if angle is None:
             whole.high[-2, -1] = 1.0
         else:
             turn = Double.of(Fraction(angle, ONE)) * QUARTER
             whole.high[-2:, -2:], whole.low[-2:, -2:] = turn.high, turn.low
         step = expm(whole)
-        for part in (step.high, step.low):
-            part[:-2, -2:] *= size
-            if angle is None:
-                part[:-2, -2] -= part[:-2, -1]
+        if angle is None:
+            step.high[:-2, -2] -= step.high[:-2, -1]
         return step
 
 
@@ -130,27 +127,24 @@ class Newmark:
         gain = 0.5 / (1 - rounded(z) / 2)
         return gain * rounded((ONE + cosine, sine)), rounded((cosine - root[0], sine - root[1]))
 
-    def step(self, matrices: tuple[Array, Array, Array], h: float, Q: Array | None, angle: int | None) -> Double:
-        M, C, K = matrices
-        scale = scale_of(M, K)
-        step = self._advance(matrices, h, np.zeros(len(M)) if Q is None else Q, Double.of, solve)
-        step = Double(*(part / scale[:, None] for part in (step.high, step.low)))  # powers of two: exact
+    def step(self, matrices: Matrices, h: float, Q: Array | None, angle: int | None) -> Double:
+        scale = scale_of(matrices[0], matrices[2])
+        step = self._advance(matrices, h, np.zeros(len(scale) // 2) if Q is None else Q, Double.of, solve)
+        step = step * (1 / scale[:, None])  # powers of two: exact
         A, pushes = step[:, :-2] * scale, step[:, -2:]
         if Q is None:
             return A
-        if angle is not None:  # F is the real part of e^(iωt) before the step, F⁺ after it
-            cosine, sine = (Double.of(Fraction(part, ONE)) for part in exponential((0, angle)))
-            turn = cosine * np.eye(2) + sine * QUARTER
-            pushes = pushes @ stacked([Double.of([[1.0, 0.0]]), turn[:1]])
-        columns = Double(*(np.concatenate(pair, axis=1) for pair in ((A.high, pushes.high), (A.low, pushes.low))))
         if angle is None:
-            return columns
-        return stacked([columns, Double(*(np.pad(part, ((0, 0), (len(scale), 0))) for part in (turn.high, turn.low)))])
+            return stacked(A, pushes, axis=1)
+        # F is the real part of e^(iωt) before the step, F⁺ that after it
+        cosine, sine = (Double.of(Fraction(part, ONE)) for part in exponential((0, angle)))
+        turn = cosine * np.eye(2) + sine * QUARTER
+        pushes = pushes @ stacked(Double.of([[1.0, 0.0]]), turn[:1])
+        return stacked(stacked(A, pushes, axis=1), stacked(Double.of(np.zeros((2, len(scale)))), turn, axis=1))
 
     def _advance(
-        self, matrices: tuple[Array, Array, Array], h: float, Q: Array, number: Callable[[Any], Any],
-        solve: Callable[..., Any],
-    ) -> Any:  # fmt: skip
+        self, matrices: Matrices, h: float, Q: Array, number: Callable[[Any], Any], solve: Callable[..., Any]
+    ) -> Any:
         """(A, B₀, B₁) of (q, dq), shape (2 n, 2 n + 2): the kernel's recurrence applied to unit states and unit forces,
         in the numbers asked for."""
         n = len(Q)
@@ -159,12 +153,12 @@ class Newmark:
         M, C, K, q, dq, F, F_next = map(number, (*matrices, unit[:n], unit[n:], force, force_next))
         ddq = solve(M, F - C @ dq - K @ q)
         q, dq, _ = self.recurrence(M, C, K, q, dq, ddq, F_next, number(h), (number(self.b), number(self.g)))
-        return stacked([q, dq]) if isinstance(q, Double) else np.concatenate([q, dq])
+        return stacked(q, dq) if isinstance(q, Double) else np.concatenate([q, dq])
 
     def errors(self, spectrum: Spectrum, h: float) -> tuple[Complex, Array]:
         """Refused are roots that grow where the exact ones do not, and steps so long that rounding takes the digits."""
         # The step multiplies K by h² and takes it off again: rounding grows with (ω h)² (measured factor: 1).
-        stiffness = float(np.abs(np.linalg.eigvals(np.linalg.solve(spectrum.M, spectrum.K))).max())
+        stiffness = float(np.abs(np.linalg.eigvals(np.linalg.solve(spectrum.matrices[0], spectrum.matrices[2]))).max())
         noise = 4 * np.finfo(float).eps * max(stiffness, 1e-300)
         if h > math.sqrt(LOST / noise):
             raise InputError(Message(
@@ -172,17 +166,22 @@ class Newmark:
                 "grows with (ω step)²; choose a step below {limit:time .3g} or fewer modes",
                 h=h, omega=math.sqrt(stiffness), limit=math.sqrt(LOST / noise),
             ))  # fmt: skip
-        roots = self._roots(spectrum, h)
-        if roots is None or not self._stable(spectrum, h, roots, noise):
-            raise self._refusal(spectrum, h, roots, noise)
-        exact = spectrum.values
-        if not self.modal:
-            roots = self._matched(exact, roots, h)
+        exact, roots = spectrum.values, self._roots(spectrum, h)
+        if roots is None or not self._stable(spectrum, h, noise):
+            raise self._refusal(spectrum, h, noise)
+        if not self.modal:  # of the step's roots that of each λ: nearest to the Rayleigh quotient of its vectors
+            quotients = np.diag(spectrum.inverse @ self._floats(spectrum, h) @ spectrum.vectors)
+            roots = roots[np.argmin(np.abs(roots - quotients[:, None]), axis=1)]
         oscillating = np.flatnonzero(exact.imag > 0)
         oscillating = oscillating[np.argsort(exact[oscillating].imag)]
         with np.errstate(divide="ignore"):  # a root may be zero, or real
             periods: Array = exact[oscillating].imag * h / np.abs(np.angle(roots[oscillating])) - 1
             return np.log(roots) / h - exact, periods
+
+    def _floats(self, spectrum: Spectrum, h: float) -> Array:
+        n = len(spectrum.matrices[0])
+        step = self._advance(spectrum.matrices, h, np.zeros(n), np.asarray, np.linalg.solve)
+        return np.asarray(step[:, :-2])
 
     def _roots(self, spectrum: Spectrum, h: float) -> Complex | None:
         """Eigenvalues of A; None where there is no step, or one beyond floats."""
@@ -190,33 +189,27 @@ class Newmark:
         if self.modal and (half != 1).all():
             mapped: Complex = (1 + half) / (1 - half)
             return mapped
-        matrices = (spectrum.M, spectrum.C, spectrum.K)
         try:
             with np.errstate(all="ignore"):
-                step = self._advance(matrices, h, np.zeros(len(spectrum.M)), np.asarray, np.linalg.solve)
-                found: Complex = np.linalg.eigvals(step[:, :-2]).astype(complex)
+                found: Complex = np.linalg.eigvals(self._floats(spectrum, h)).astype(complex)
         except np.linalg.LinAlgError:  # a singular effective matrix, or overflow
             return None
         return found if np.isfinite(found).all() else None
 
-    def _stable(self, spectrum: Spectrum, h: float, roots: Complex | None, noise: float) -> bool:
+    def _stable(self, spectrum: Spectrum, h: float, noise: float) -> bool:
+        roots = self._roots(spectrum, h)
         # the rigid part's own decay, β, is one that a step may overshoot where g < 1/2
-        if roots is None or (1 - 2 * self.g) * spectrum.decay * h > 2 or self._antidamped(spectrum):
+        antidamped = self.g < 0.5 and not spectrum.matrices[1].any()  # at any step
+        if roots is None or antidamped or (1 - 2 * self.g) * spectrum.decay * h > 2:
             return False
         rates = np.sort(np.maximum(spectrum.values.real, 0))[::-1]
         growth = np.sort(np.log(np.maximum(np.abs(roots), 1e-300)))[::-1]
         return bool((growth <= FOLLOWED * h * rates + ROUNDING + noise * h**2).all())
 
-    def _antidamped(self, spectrum: Spectrum) -> bool:
-        """Whether the method's damping has the wrong sign at any step."""
-        return self.g < 0.5 and not spectrum.C.any()
-
-    def _refusal(self, spectrum: Spectrum, h: float, roots: Complex | None, noise: float) -> InputError:
-        rate = max(0.0, float(spectrum.values.real.max()))
+    def _refusal(self, spectrum: Spectrum, h: float, noise: float) -> InputError:
+        roots, rate = self._roots(spectrum, h), max(0.0, float(spectrum.values.real.max()))
         growth, radius = math.exp(min(700.0, h * rate)), math.nan if roots is None else float(np.abs(roots).max())
-        limit = None
-        if not self._antidamped(spectrum):
-            limit = _largest(lambda h: self._stable(spectrum, h, self._roots(spectrum, h), noise), h)
+        limit = _largest(lambda h: self._stable(spectrum, h, noise), h)
         if limit is None:
             cure = "no step is stable with these parameters: choose g ≥ 1/2, such as newmark = (0.25, 0.5)"
         else:
@@ -228,32 +221,14 @@ class Newmark:
             h=h, limit=limit or 0.0,
         ))  # fmt: skip
 
-    def _matched(self, exact: Complex, roots: Complex, h: float) -> Complex:
-        """Of the step's roots, that of each λ: nearest to where the method takes a single oscillator of that λ, which
-        is the root itself where the system decouples; nearest to e^(λh) for a λ that does not oscillate."""
-        one = np.ones((exact.size, 1, 1))
-        M, C, K = one, -2 * exact.real[:, None, None], (np.abs(exact) ** 2)[:, None, None]
-        q, dq = one * [1.0, 0.0], one * [0.0, 1.0]
-        q, dq, _ = self.recurrence(M, C, K, q, dq, -K * q - C * dq, 0 * q, h, (self.b, self.g))
-        pairs = np.linalg.eigvals(np.concatenate([q, dq], axis=1))
-        single = pairs[np.arange(exact.size), np.argmax(pairs.imag, axis=1)]
-        single = np.where(exact.imag < 0, np.conj(single), single)
-        single = np.where(exact.imag == 0, np.exp(exact * h), single)
-        matched: Complex = roots[np.argmin(np.abs(roots - single[:, None]), axis=1)]
-        return matched
-
 
 Method = Exact | Newmark
 
 
 def _largest(stable: Callable[[float], bool], h: float) -> float | None:
     """The largest stable step below h, rounded down to six digits, so that it may be used as printed."""
-    low = h
-    for _ in range(80):
-        low /= 2
-        if stable(low):
-            break
-    else:
+    low = next((h / 2**k for k in range(1, 81) if stable(h / 2**k)), None)
+    if low is None:
         return None
     high = 2 * low
     for _ in range(40):

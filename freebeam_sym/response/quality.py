@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.inputs import Load
-from freebeam_sym.response.messages import Message
+from freebeam_sym.response.inputs import Load, Message
 from freebeam_sym.response.propagation import Stretch
 from freebeam_sym.response.recurrence import Recurrence, Steps
 
@@ -34,7 +33,7 @@ class Quality:
         spectrum, self.modes, self.step = steps.spectrum, recurrence.modes, steps.step
         values, errors = spectrum.values[spectrum.half], steps.errors[spectrum.half]
         self.exact, self.frequencies = not errors.any(), values.imag
-        self.frequency = 0.0 if load.wave is None else abs(load.wave.frequency)
+        self.frequency = abs(load.frequency)
         self.sizes = np.linalg.norm(_judged(row, spectrum.part) @ spectrum.vectors[:, spectrum.half], axis=0)
         # logarithm, in a unit of time, of what the motion is to what it should be or the other way; a root may be zero
         self.rates = np.maximum(-np.abs(errors.real), -1e300) + 1j * errors.imag

@@ -1,5 +1,5 @@
-"""A response as a recurrence x⁺ = A x + B₀ F + B₁ F⁺, in the coordinates that serve: those of the eigenvectors, in which
-A costs little to make, or the states over their sizes, which serve every system."""
+"""A response as a recurrence x⁺ = A x + B₀ F + B₁ F⁺, in coordinates that serve: of the eigenvectors, in which A costs
+little to make, or the states over their sizes, which serve every system."""
 
 from __future__ import annotations
 
@@ -100,8 +100,8 @@ class Recurrence:
 
 def recurrence_of(system: System, steps: Steps, load: Load, duration: float) -> Recurrence:
     """The recurrence of a system under a load."""
-    wave, Q = load.wave, load.Q.tobytes() if load.acts else None
-    angle = None if wave is None else fixed(wave.frequency) * fixed(steps.step) >> BITS
+    wave, Q = load.size is not None, load.Q.tobytes() if load.acts else None
+    angle = fixed(load.frequency) * fixed(steps.step) >> BITS if wave else None
     if not system.rigid_count and steps.exponents is not None:
         found = _modal(steps, Q, angle, duration if wave else 0.0)
         if found is not None:
@@ -110,9 +110,9 @@ def recurrence_of(system: System, steps: Steps, load: Load, duration: float) -> 
     powers, before, after = _matrix_powers(steps.method, steps.step, Q, angle, *matrices)
     scale, spectrum = scale_of(np.asarray(system.M), np.asarray(system.K)), steps.spectrum
     judged = np.arange(scale.size).reshape(2, -1)[:, spectrum.part].ravel()
-    modes = np.zeros((scale.size + 2 * (wave is not None), np.count_nonzero(spectrum.half)), dtype=complex)
+    modes = np.zeros((scale.size + 2 * wave, np.count_nonzero(spectrum.half)), dtype=complex)
     modes[judged] = scale[judged, None] * _twice(spectrum.values, spectrum.inverse)[spectrum.half].T
-    steady = None if wave is None else np.zeros(scale.size, dtype=complex)
+    steady = np.zeros(scale.size, dtype=complex) if wave else None
     return Recurrence(powers, np.diag(1 / scale), np.diag(scale), modes, before, after, steady)
 
 
@@ -139,7 +139,7 @@ def _modal(steps: Steps, Q: bytes | None, angle: int | None, duration: float) ->
     )  # fmt: skip
     if Q is None:
         return found
-    M = steps.spectrum.M
+    M = steps.spectrum.matrices[0]
     drive = steps.step * np.concatenate([np.zeros(len(M)), np.linalg.solve(M, np.frombuffer(Q))])
     if angle is None:
         z = steps.step * refined.high

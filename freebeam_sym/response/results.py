@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, refusal
-from freebeam_sym.response.inputs import moments
-from freebeam_sym.response.messages import Message
+from freebeam_sym.response.inputs import Message, moments
 from freebeam_sym.response.propagation import Stretch
 
 Array = NDArray[np.float64]

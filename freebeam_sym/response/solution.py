@@ -19,14 +19,15 @@ from freebeam_sym.response.inputs import (
     Function,
     Harmonic,
     Load,
+    Message,
     Start,
+    checked,
     checked_parameters,
     force_of,
     position_of,
     start_of,
     times_of,
 )
-from freebeam_sym.response.messages import Message
 from freebeam_sym.response.methods import Exact, Method, Newmark
 from freebeam_sym.response.propagation import Stretch, forced, free
 from freebeam_sym.response.quality import Quality, warnings_of
@@ -106,6 +107,7 @@ def respond(
     names = names_of(outputs, bool(system.rigid_count), states, target)
     load = force_of(system, force, force_position, times, h)
     start = start_of(system, initial, initial_velocity, load)
+    load = load.over(start.cases)
     widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
     results = Results(widths, bool(system.rigid_count), start.cases, times, target)
     steps = steps_of(system, by, h)
@@ -129,7 +131,7 @@ def respond(
     def fill(stretch: Stretch, name: str, part: Array) -> None:
         stretch.fill(name, part)
         if not stretch.begin:  # without rounding: what rests at first is at rest
-            part[:, 0] = start.states @ rows[name].T + np.multiply.outer(load.first(start.cases), direct[name])
+            part[:, 0] = start.states @ rows[name].T + np.multiply.outer(load.first, direct[name])
 
     with np.errstate(over="ignore", invalid="ignore"):
         recurrence = recurrence_of(system, steps, load, duration)
@@ -138,7 +140,8 @@ def respond(
             quality.see(stretch)
             bad = results.fill(stretch, fill)
             if bad is not None:
-                load.check(stretch.begin, stretch.end, h)
+                if load.sampled is not None:  # whether it is the force's own doing
+                    checked("force", load.sampled(stretch.begin, stretch.end), lambda k: h * (stretch.begin + k))
                 raise _overflow(bad * h, spectrum)
             results.hand_on(stretch, about)
             if progress is not None:
@@ -149,12 +152,11 @@ def respond(
 def _stretches(
     recurrence: Recurrence, start: Start, load: Load, rows: Rows, direct: Rows, times: int
 ) -> Iterator[Stretch]:
-    x = recurrence.start(start.states, None if load.wave is None else load.size(start.cases))
+    x, powers = recurrence.start(start.states, load.size), recurrence.powers
     own = {name: recurrence.rows(rows[name], direct[name]) for name in rows}
     if load.sampled is None:
-        return free(recurrence.powers, x, own, times)
-    pushes = (recurrence.before, recurrence.after)
-    return forced(recurrence.powers, x, pushes, own, direct, lambda *span: load.values(*span, start.cases), times)
+        return free(powers, x, own, times)
+    return forced(powers, x, (recurrence.before, recurrence.after), own, direct, load.sampled, times)
 
 
 def state_space(
