@@ -64,7 +64,7 @@ class Double:
         return self + -_lifted(other)
 
     def __rsub__(self, other: Any) -> Double:
-        return -self + other
+        return _lifted(other) + -self
 
     def __mul__(self, other: Any) -> Double:
         y = _lifted(other)
@@ -76,7 +76,10 @@ class Double:
     __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> Double:
-        return self if exponent == 1 else self * self ** (exponent - 1)
+        power = self
+        for _ in range(exponent - 1):
+            power = power * self
+        return power
 
     def __matmul__(self, other: Any) -> Double:
         """An entry to 2⁻⁹⁰ or so of the largest in its row on the left times the largest in its column on the right."""

@@ -63,14 +63,14 @@ class Load:
 
     def over(self, cases: tuple[int, ...]) -> Load:
         """The same in all load cases of a response, their axes as one: size (cases, 1), values (cases, times)."""
-        size = None if self.size is None else np.broadcast_to(self.size, cases).reshape(-1, 1)
-        sampled = self.sampled
-        if sampled is None:
-            return replace(self, size=size)
-        return replace(
-            self,
-            sampled=lambda begin, end: np.broadcast_to(sampled(begin, end), (*cases, end - begin)).reshape(-1, end - begin),
-        )  # fmt: skip
+        size, sampled = self.size, self.sampled
+
+        def values(begin: int, end: int) -> Array:
+            assert sampled is not None
+            return np.broadcast_to(sampled(begin, end), (*cases, end - begin)).reshape(-1, end - begin)
+
+        whole = None if size is None else np.broadcast_to(size, cases).reshape(-1, 1)
+        return replace(self, size=whole, sampled=sampled and values)
 
     @property
     def first(self) -> Array:
@@ -141,7 +141,7 @@ def _evaluate(name: str, function: Function, points: Array) -> Array:
         whole = False
     if not whole:
         values = np.stack([np.asarray(function(point)) for point in points.tolist()], axis=-1)
-    return checked(name, _floats(name, values, points.size), lambda k: points[k])
+    return _checked(name, values, points.size, lambda: points)
 
 
 def _single(function: Function, point: float) -> Any:
@@ -151,26 +151,22 @@ def _single(function: Function, point: float) -> Any:
         return None
 
 
-def _floats(name: str, values: NDArray[Any], count: int) -> Array:
-    """Values (*cases, count), one a point, as floats."""
+def _checked(name: str, values: NDArray[Any], count: int, points: Callable[[], Array]) -> Array:
+    """Values (*cases, count), one for each of the points, as finite floats."""
     if values.shape[-1:] != (count,) or values.dtype.kind not in "iuf":
         raise InputError(
             f"{name} gives values of shape {values.shape} and type {values.dtype}: must give one real number a point"
         )
-    return values.astype(float, copy=False)
-
-
-def checked(name: str, values: Array, place: Callable[[int], float]) -> Array:
-    """Values (*cases, points), which must be finite. place: of a point, for the message."""
-    flat = values.ravel()
+    found = values.astype(float, copy=False)
+    flat = found.ravel()
     if not math.isfinite(np.vdot(flat, flat)):  # or too large to be squared
-        for at in np.argwhere(~np.isfinite(values))[:1]:
-            raise InputError(f"{name} = {values[tuple(at)]:g} at {place(at[-1]):g}: must be finite")
-    return values
+        for at in np.argwhere(~np.isfinite(found))[:1]:
+            raise InputError(f"{name} = {found[tuple(at)]:g} at {points()[at[-1]]:g}: must be finite")
+    return found
 
 
 def force_of(system: System, force: Any, position: Any, times: int, h: float) -> Load:
-    """A force as it was asked for. The values of an array are not looked at."""
+    """A force as it was asked for; its values are looked at when they are needed."""
     if force is not None and position is None:
         raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
     Q = np.zeros(len(system.M))
@@ -190,7 +186,11 @@ def force_of(system: System, force: Any, position: Any, times: int, h: float) ->
             f"force has shape {values.shape}: must be a function of time, one number, or an array of shape "
             f"({times},) or (*cases, {times}), a value at each of the {times - 1} steps' ends and at t = 0"
         )
-    return Load(Q, values.shape[:-1], sampled=lambda begin, end: _floats("force", values[..., begin:end], end - begin))
+
+    def given(begin: int, end: int) -> Array:
+        return _checked("force", values[..., begin:end], end - begin, lambda: h * np.arange(begin, end, dtype=float))
+
+    return Load(Q, values.shape[:-1], sampled=given)
 
 
 def _wave(Q: Array, force: Harmonic, duration: float) -> Load:

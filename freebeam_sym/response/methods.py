@@ -129,7 +129,7 @@ class Newmark:
 
     def step(self, matrices: Matrices, h: float, Q: Array | None, angle: int | None) -> Double:
         scale = scale_of(matrices[0], matrices[2])
-        step = self._advance(matrices, h, np.zeros(len(scale) // 2) if Q is None else Q, Double.of, solve)
+        step: Double = self._advance(matrices, h, np.zeros(len(scale) // 2) if Q is None else Q, Double.of, solve)
         step = step * (1 / scale[:, None])  # powers of two: exact
         A, pushes = step[:, :-2] * scale, step[:, -2:]
         if Q is None:
@@ -234,5 +234,5 @@ def _largest(stable: Callable[[float], bool], h: float) -> float | None:
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if stable(middle) else (low, middle)
-    digits = 5 - math.floor(math.log10(low))
-    return math.floor(low * 10.0**digits) / 10.0**digits
+    unit: float = 10.0 ** (5 - math.floor(math.log10(low)))
+    return math.floor(low * unit) / unit

@@ -21,7 +21,6 @@ from freebeam_sym.response.inputs import (
     Load,
     Message,
     Start,
-    checked,
     checked_parameters,
     force_of,
     position_of,
@@ -140,8 +139,6 @@ def respond(
             quality.see(stretch)
             bad = results.fill(stretch, fill)
             if bad is not None:
-                if load.sampled is not None:  # whether it is the force's own doing
-                    checked("force", load.sampled(stretch.begin, stretch.end), lambda k: h * (stretch.begin + k))
                 raise _overflow(bad * h, spectrum)
             results.hand_on(stretch, about)
             if progress is not None:
@@ -183,17 +180,17 @@ def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[R
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
     shapes = np.asarray(system.shapes(x_s), dtype=float).T
-    states, force = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n)}, np.zeros(n)
+    states: Rows = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n)}
     if any(name.startswith("ddy") for name in names):
         states["dd"] = state_matrix(system.M, system.C, system.K)[n:]
-        force = np.linalg.solve(system.M, Q)
-    rows, direct = {}, {}
+    rows: Rows = {}
+    direct: Rows = {}
     for name in names:
         quantity, _, part = name.partition("_")
         own = np.eye(n) if quantity in ("q", "dq") else shapes.copy()
         own[:, {"": slice(0), "elastic": slice(0, r), "rigid": slice(r, None)}[part]] = 0
         rows[name] = own @ states[quantity[:-1]]
-        direct[name] = own @ force if quantity == "ddy" else np.zeros(len(own))
+        direct[name] = own @ np.linalg.solve(system.M, Q) if quantity == "ddy" else np.zeros(len(own))
     return rows, direct
 
 
