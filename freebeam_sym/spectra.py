@@ -26,6 +26,7 @@ __all__ = ["Branches", "Spectrum", "branches", "eigenvalues", "spectrum", "state
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
+Places = NDArray[np.intp]
 
 ROUNDING = 1e-9
 """Real parts of λ up to this, relative to |λ|, are rounding where there is no damping: a stable λ = iω is then
@@ -35,7 +36,9 @@ EPSILON = 1e-15
 AGREED = 1e-4
 """Relative difference up to which eigenvalues of two series are the same one."""
 MOST_COMPARED = 60
-"""Polynomials that eigenvalues are compared with, at most."""
+"""Polynomials that eigenvalues are compared with, at most: beyond, rounding grows faster than the error falls."""
+CLEAR = 0.1
+"""Share of the distance to the nearest other eigenvalue, up to which a predicted eigenvalue is taken as found."""
 MOST_STEPS = 5_000
 """Loads between two given ones at which `branches` looks, at most; a coalescence takes some forty."""
 MOST_CUTS = 40
@@ -131,20 +134,17 @@ def spectrum(system: System) -> Spectrum:
     it by the square root of a float's precision, into the elastic eigenvalues too.
     """
     is_system(system)
-    r, n = system.rigid_count, len(system.M)
-    M, C, K = system.M, system.C, system.K
-    e = slice(r, n)
     E, B, elastic, vectors = _elastic(system)
-    vectors = B @ vectors
-    eigenvalues, full = elastic, vectors
-    if r:
-        eigenvalues, full = _with_rigid(M, C, K, r, elastic, vectors)
+    eigenvalues, full = elastic, B @ vectors
+    if system.rigid_count:
+        eigenvalues, full = _with_rigid(system, system.K, elastic, full)
     order, order_e = _order(eigenvalues), _order(elastic)
-    full = full[:, order]
-    peak = full[np.abs(full).argmax(axis=0), np.arange(2 * n)]
-    reference = _reference(E, B.T @ C[e, e] @ B)
+    e = slice(system.rigid_count, None)
+    reference = _reference(E, B.T @ system.C[e, e] @ B)
     places = np.argsort(order)[order_e]
-    return Spectrum(eigenvalues[order], full / peak, elastic[order_e], reference, system, places)
+    full = full[:, order]
+    full = full / full[np.abs(full).argmax(axis=0), np.arange(len(order))]
+    return Spectrum(eigenvalues[order], full, elastic[order_e], reference, system, places)
 
 
 def beam_errors(
@@ -172,7 +172,8 @@ def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
     e = slice(system.rigid_count, None)
     E, B = _coordinates(system.M[e, e], system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    return E, B, *_eigen(np.eye(len(E)), C, E + load)
+    values, vectors, _ = _eigen(C, E + load)
+    return E, B, values, vectors
 
 
 def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
@@ -189,47 +190,49 @@ def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
         return B.T @ E @ B, B
 
 
-def _eigen(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
-    """λ (2n,) and q̂ (n, 2n), any order. Without damping from s = −λ², n × n: Re λ of a stable beam is then
-    exactly 0."""
-    if not C.any():
-        found = np.linalg.eig(np.linalg.solve(M, K))
-        s, V = found.eigenvalues.astype(complex), found.eigenvectors.astype(complex)
-        root = np.sqrt(-s)
-        values = np.append(root, -root) + 0j  # the sum leaves no negative zeros
-        return values.astype(complex), np.hstack([V, V]).astype(complex)
-    found = np.linalg.eig(state_matrix(M, C, K))
-    return found.eigenvalues.astype(complex), found.eigenvectors[: len(M)].astype(complex)
+def _eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]:
+    """λ (2n,), q̂ (n, 2n) and left vectors û (2n, n) of q̈ + C q̇ + K q = 0, any order, with û (2λ + C) q̂ = 1. Without
+    damping from s = −λ², n × n: Re λ of a stable beam is then exactly 0."""
+    n = len(K)
+    if C.any():
+        values, W = np.linalg.eig(state_matrix(np.eye(n), C, K))
+        return values.astype(complex), W[:n].astype(complex), _left(W)[:, n:].astype(complex)
+    s, V = np.linalg.eig(K)
+    root = np.sqrt(-s.astype(complex))
+    values = np.append(root, -root) + 0j  # the sum leaves no negative zeros
+    with np.errstate(divide="ignore", invalid="ignore"):
+        left = np.vstack([_left(V)] * 2) / (2 * values[:, None])
+    return values, np.hstack([V, V]).astype(complex), left
 
 
-def _with_rigid(M: Real, C: Real, K: Real, r: int, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
-    """Eigenvalues and q̂ of the whole system, whose elastic rows do not see the rigid coordinates."""
-    n, e = len(M), slice(r, len(M))
-    coupling = max(float(np.abs(X[e, :r]).max()) for X in (M, C, K))
-    if coupling > 1e-9 * max(float(np.abs(K[e, e]).max()), 1.0):
-        return _eigen(M, C, K)  # not block triangular: no theorem to use
-    rigid, shapes = _eigen(M[:r, :r], C[:r, :r], K[:r, :r])
-    full = np.zeros((n, 2 * n), dtype=complex)
-    full[:, : len(elastic)] = _lift(M, C, K, r, elastic, vectors)
-    full[:r, len(elastic) :] = shapes
-    return np.concatenate([elastic, rigid]), full
-
-
-def _lift(M: Real, C: Real, K: Real, r: int, elastic: Complex, vectors: Complex) -> Complex:
-    """Elastic eigenvectors with the rigid motion that they drive, (n, 2(n − r))."""
-    full = np.zeros((len(M), len(elastic)), dtype=complex)
-    full[r:] = vectors
-    for k, lam in enumerate(elastic):
-        block = lam**2 * M + lam * C + K
-        full[:r, k] = _solve(block[:r, :r], -block[:r, r:] @ vectors[:, k])
-    return full
-
-
-def _solve(A: Complex, b: Complex) -> Complex:
+def _left(V: Any) -> Any:
     try:
-        return np.asarray(np.linalg.solve(A, b))
+        return np.linalg.inv(V)
+    except np.linalg.LinAlgError:  # at a coalescence to the last digit
+        return np.linalg.pinv(V)
+
+
+def _with_rigid(system: System, K: Real, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+    """λ (2n,) and q̂ (n, 2n) of the whole system from those of the elastic functions: these with the rigid motion that
+    they drive, then the rigid block's in their order."""
+    M, C, r, n = system.M, system.C, system.rigid_count, len(K)
+    coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
+    if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
+        return _eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
+    rigid, shapes, _ = _eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
+    order = _order(rigid)
+    full = np.zeros((n, 2 * n), dtype=complex)
+    full[r:, : len(elastic)] = vectors
+    lam = elastic[:, None, None]
+    blocks = lam**2 * M[:r] + lam * C[:r] + K[:r]
+    right = -blocks[:, :, r:] @ vectors.T[:, :, None]
+    try:
+        driven = np.linalg.solve(blocks[:, :, :r], right)
     except np.linalg.LinAlgError:  # an elastic λ at 0 too
-        return np.asarray(np.linalg.lstsq(A, b, rcond=None)[0])
+        driven = np.linalg.pinv(blocks[:, :, :r]) @ right
+    full[:r, : len(elastic)] = driven[:, :, 0].T
+    full[:r, len(elastic) :] = shapes[:, order]
+    return np.concatenate([elastic, rigid[order]]), full
 
 
 def _order(values: Complex) -> NDArray[np.intp]:
@@ -354,98 +357,60 @@ def branches(
     computable("loads", float(np.abs(P).max()))
     modes = column.number(modes)
     system = column.system(modes, 0.0, alpha, beta, rigid, **parameters)
-    e = slice(system.rigid_count, None)
-    follower = _Follower(*(np.asarray(X)[e, e] for X in (system.M, system.C, system.E, system.H)))
-    state = follower.at(P[0])
-    states = [state]
+    follower = _Follower(system)
+    states = [follower.at(P[0])]
     for load in P[1:]:
         follower.left = MOST_STEPS
-        state = follower.follow(state, follower.at(load))
-        states.append(state)
-    values = np.array([x.values for x in states])
-    shapes = np.array([x.vectors for x in states]) if vectors else None
+        states.append(follower.follow(states[-1], follower.at(load)))
+    pairs = [(x.values, x.vectors) for x in states]
     if system.rigid_count:
-        values, shapes = _join_rigid(system, P, values, shapes)
+        pairs = [_with_rigid(system, system.E + x.load * system.H, x.values, x.vectors) for x in states]
+    values, shapes = (np.array(part) for part in zip(*pairs, strict=True))
     order = _order(values[0])
-    values = values[:, order]
-    if shapes is not None:
-        shapes = shapes[:, :, order]
-        peak = np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None, :], axis=1)
-        shapes = shapes / peak
-    rigid_ones = values.shape[1] - 2 * modes
 
     def errors() -> Real:
-        own = {name: float(value) for name, value in parameters.items()}
-        elastic = order < 2 * modes if rigid_ones else np.ones(len(order), dtype=bool)
+        own, elastic = {name: float(value) for name, value in parameters.items()}, order < 2 * modes
         found = np.zeros(values.shape)
-        found[:, elastic] = beam_errors(column, values[:, elastic], P, modes, alpha, beta, own)
+        found[:, elastic] = beam_errors(column, values[:, order[elastic]], P, modes, alpha, beta, own)
         return found
 
-    return Branches(P, values, shapes, errors)
-
-
-def _join_rigid(system: Any, loads: Real, values: Complex, shapes: Complex | None) -> tuple[Complex, Complex | None]:
-    """Branches of the whole system: the rigid block's eigenvalues come after, those at every load in their order."""
-    r = system.rigid_count
-    all_values, all_shapes = [], []
-    for k, load in enumerate(loads):
-        K = system.E + load * system.H
-        rigid, ones = _eigen(system.M[:r, :r], system.C[:r, :r], K[:r, :r])
-        order = _order(rigid)
-        all_values.append(np.concatenate([values[k], rigid[order]]))
-        if shapes is not None:
-            full = _lift(system.M, system.C, K, r, values[k], shapes[k])
-            motion = np.zeros((len(K), 2 * r), dtype=complex)
-            motion[:r] = ones[:, order]
-            all_shapes.append(np.hstack([full, motion]))
-    return np.array(all_values), np.array(all_shapes) if shapes is not None else None
+    shapes = shapes[:, :, order]
+    shapes = shapes / np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)
+    return Branches(P, values[:, order], shapes if vectors else None, errors)
 
 
 @dataclass(frozen=True)
 class _State:
-    """Eigenvalues at a load, each at its branch's place, with dλ/dP and q̂ in columns."""
+    """Eigenvalues at a load, each at its branch's place, with dλ/dP, and q̂ in columns."""
 
     load: float
     values: Complex
     rates: Complex
     vectors: Complex
 
-    def take(self, order: NDArray[np.intp]) -> _State:
+    def take(self, order: Places) -> _State:
         return _State(self.load, self.values[order], self.rates[order], self.vectors[:, order])
 
 
 class _Follower:
-    """Follows the eigenvalues of M q̈ + C q̇ + (E + P H) q = 0 along P."""
+    """Follows the eigenvalues of a system's elastic functions along the load."""
 
-    def __init__(self, M: Real, C: Real, E: Real, H: Real) -> None:
-        self.n = len(M)
-        self.E, self.basis = _coordinates(M, E)
-        self.C, self.H = (self.basis.T @ X @ self.basis for X in (C, H))
-        self.unit = np.eye(self.n)
+    def __init__(self, system: System) -> None:
+        e = slice(system.rigid_count, None)
+        self.E, self.basis = _coordinates(system.M[e, e], system.E[e, e])
+        self.C, self.H = (self.basis.T @ X[e, e] @ self.basis for X in (system.C, system.H))
         self.left = MOST_STEPS
 
     def at(self, load: float) -> _State:
         """Eigenvalues at a load, sorted as `spectrum` sorts them."""
-        n, K = self.n, self.E + load * self.H
-        if not self.C.any():
-            s, V = np.linalg.eig(np.asarray(K))
-            ds = np.einsum("kj,ji,ik->k", _left(V), self.H, V)
-            root = np.sqrt(-s.astype(complex))
-            values = np.concatenate([root, -root]) + 0.0
-            with np.errstate(divide="ignore", invalid="ignore"):
-                rates = -np.concatenate([ds, ds]) / (2 * values)
-            vectors = np.hstack([V, V]).astype(complex)
-        else:
-            values, W = np.linalg.eig(state_matrix(self.unit, self.C, K))
-            rates = -np.einsum("kj,ji,ik->k", _left(W)[:, n:], self.H, W[:n])
-            vectors = W[:n].astype(complex)
-        vectors = self.basis @ vectors
-        state = _State(float(load), values.astype(complex), np.nan_to_num(rates.astype(complex)), vectors)
-        return state.take(_order(state.values))
+        values, V, U = _eigen(self.C, self.E + load * self.H)
+        with np.errstate(invalid="ignore"):
+            rates = np.nan_to_num(-np.einsum("kj,ji,ik->k", U, self.H, V))
+        return _State(float(load), values, rates, self.basis @ V).take(_order(values))
 
     def follow(self, a: _State, b: _State, depth: int = 0) -> _State:
         """State b in the order of a."""
-        order = self._match(a, b, last=depth >= MOST_CUTS)
+        order = _match(a, b, last=depth >= MOST_CUTS)
         if order is not None:
             return b.take(order)
         self.left -= 1
@@ -457,76 +422,64 @@ class _Follower:
         middle = self.follow(a, self.at((a.load + b.load) / 2), depth + 1)
         return self.follow(middle, b, depth + 1)
 
-    def _match(self, a: _State, b: _State, last: bool) -> NDArray[np.intp] | None:
-        """For each branch the place in b that goes on with it; None where that is not clear."""
-        h = b.load - a.load
-        if h == 0:
-            last = True
-        with np.errstate(over="ignore", invalid="ignore"):  # of rates without bound, where two meet
-            gap = np.nan_to_num(np.abs(b.values - a.values[:, None] - h / 2 * (a.rates[:, None] + b.rates)), nan=np.inf)
-        order: NDArray[np.intp] = gap.argmin(axis=1)
-        k = np.arange(len(order))
-        room = np.minimum(_room(a.values), _room(b.values)[order])
-        good = (gap.argmin(axis=0)[order] == k) & (gap[k, order] <= 0.1 * room)
-        if good.all():
-            return order
-        loose_a, loose_b = k[~good], np.setdiff1d(k, order[good])
-        paired = _part(a, b, loose_a, loose_b)
-        if paired is not None:
-            order[loose_a] = paired
-            return order
-        if not last:
-            return None
+
+def _match(a: _State, b: _State, last: bool) -> Places | None:
+    """For each branch the place in b that goes on with it; None where that is not clear and not the last chance."""
+    h = b.load - a.load
+    with np.errstate(over="ignore", invalid="ignore"):  # of rates without bound, where two meet
+        off = np.nan_to_num(np.abs(b.values - a.values[:, None] - h / 2 * (a.rates[:, None] + b.rates)), nan=np.inf)
+    order: Places = off.argmin(axis=1)
+    k = np.arange(len(order))
+    gap = np.minimum(_gap(a.values), _gap(b.values)[order])
+    clear = (off.argmin(axis=0)[order] == k) & (off[k, order] <= CLEAR * gap)
+    if clear.all():
+        return order
+    open_a, open_b = k[~clear], np.setdiff1d(k, order[clear])
+    parted = _parted(a, b, open_a, open_b)
+    if parted is not None:
+        order[open_a] = parted
+    elif last or h == 0:
         from scipy.optimize import linear_sum_assignment
 
-        order[loose_a] = loose_b[linear_sum_assignment(np.abs(b.values[loose_b] - a.values[loose_a][:, None]))[1]]
-        return order
+        order[open_a] = open_b[linear_sum_assignment(np.abs(b.values[open_b] - a.values[open_a][:, None]))[1]]
+    else:
+        return None
+    return order
 
 
-def _left(V: Any) -> Any:
-    try:
-        return np.linalg.inv(V)
-    except np.linalg.LinAlgError:  # at a coalescence to the last digit
-        return np.linalg.pinv(V)
-
-
-def _room(values: Complex) -> Real:
+def _gap(values: Complex) -> Real:
     """Distance of each value from its nearest neighbour."""
     gap = np.abs(values - values[:, None])
     np.fill_diagonal(gap, np.inf)
     return np.asarray(gap.min(axis=0))
 
 
-def _part(a: _State, b: _State, ka: NDArray[np.intp], kb: NDArray[np.intp]) -> NDArray[np.intp] | None:
-    """Places in b for the branches ka where they meet in pairs and part on other axes; None where they do not.
+def _parted(a: _State, b: _State, in_a: Places, in_b: Places) -> Places | None:
+    """Places in b for the branches `in_a`, where they meet in pairs and part on other axes; None where they do not.
 
     Then (λ₁ − λ₂)² is real and changes its sign, while λ₁ + λ₂ stays smooth.
     """
-    if len(ka) > 2:  # the same above the real axis and below it
-        result = np.zeros(len(ka), dtype=np.intp)
+    if len(in_a) == 4:  # the same above the real axis and below it
+        found = np.zeros(4, dtype=np.intp)
         for side in (1, -1):
-            ia, ib = a.values[ka].imag * side > 0, b.values[kb].imag * side > 0
-            if ia.sum() != 2 or ib.sum() != 2 or len(ka) != 4:
-                return None
-            half = _part(a, b, ka[ia], kb[ib])
+            here, there = a.values[in_a].imag * side > 0, b.values[in_b].imag * side > 0
+            half = _parted(a, b, in_a[here], in_b[there]) if here.sum() == 2 else None
             if half is None:
                 return None
-            result[ia] = half
-        return result
-    if len(ka) != 2 or len(kb) != 2:
+            found[here] = half
+        return found
+    if len(in_a) != 2 or len(in_b) != 2:
         return None
-    da, db = ((x.values[k[0]] - x.values[k[1]]) ** 2 for x, k in ((a, ka), (b, kb)))
-    if max(abs(da.imag) / abs(da), abs(db.imag) / abs(db)) > 1e-6 if da and db else True:
+    squares = np.array([(x.values[k[0]] - x.values[k[1]]) ** 2 for x, k in ((a, in_a), (b, in_b))])
+    if (np.abs(squares.imag) > 1e-6 * np.abs(squares)).any() or not np.prod(squares.real) < 0:
         return None
-    if da.real * db.real >= 0:
-        return None
-    sum_a, sum_b = a.values[ka].sum(), b.values[kb].sum()
-    others = np.setdiff1d(np.arange(len(a.values)), ka), np.setdiff1d(np.arange(len(b.values)), kb)
-    room = min(
-        (np.abs(x.values[o] - m / 2).min(initial=np.inf) for x, o, m in ((a, others[0], sum_a), (b, others[1], sum_b))),
+    sums = [x.values[k].sum() for x, k in ((a, in_a), (b, in_b))]
+    gap = min(
+        np.abs(np.delete(x.values, k) - total / 2).min(initial=np.inf)
+        for x, k, total in ((a, in_a, sums[0]), (b, in_b, sums[1]))
     )
-    slope = (a.rates[ka].sum() + b.rates[kb].sum()) / 2
-    spread = max(abs(da), abs(db)) ** 0.5
-    if abs(sum_b - sum_a - (b.load - a.load) * slope) > 0.2 * room or spread > 2 * room:
+    slope = (a.rates[in_a].sum() + b.rates[in_b].sum()) / 2
+    # away from the others by twice their own distance; a tenth of the distance to these for the mean of the two
+    if abs(sums[1] - sums[0] - (b.load - a.load) * slope) > 2 * CLEAR * gap or np.abs(squares).max() ** 0.5 > 2 * gap:
         return None
-    return np.asarray(kb[np.lexsort((-b.values[kb].imag, -b.values[kb].real))])
+    return np.asarray(in_b[np.lexsort((-b.values[in_b].imag, -b.values[in_b].real))])

@@ -227,12 +227,12 @@ Method = Exact | Newmark
 
 def _largest(stable: Callable[[float], bool], h: float) -> float | None:
     """The largest stable step below h, rounded down to six digits, so that it may be used as printed."""
-    low = next((h / 2**k for k in range(1, 81) if stable(h / 2**k)), None)
+    low = next((h * 0.5**k for k in range(1, 81) if stable(h * 0.5**k)), None)
     if low is None:
         return None
     high = 2 * low
     for _ in range(40):
         middle = (low + high) / 2
         low, high = (middle, high) if stable(middle) else (low, middle)
-    unit: float = 10.0 ** (5 - math.floor(math.log10(low)))
+    unit = math.pow(10.0, 5 - math.floor(math.log10(low)))
     return math.floor(low * unit) / unit
