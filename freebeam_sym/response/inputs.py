@@ -141,7 +141,9 @@ def _evaluate(name: str, function: Function, points: Array) -> Array:
         whole = False
     if not whole:
         values = np.stack([np.asarray(function(point)) for point in points.tolist()], axis=-1)
-    return _checked(name, values, points.size, lambda: points)
+    found = _floats(name, values, points.size)
+    check_finite(name, found, points)
+    return found
 
 
 def _single(function: Function, point: float) -> Any:
@@ -151,22 +153,25 @@ def _single(function: Function, point: float) -> Any:
         return None
 
 
-def _checked(name: str, values: NDArray[Any], count: int, points: Callable[[], Array]) -> Array:
-    """Values (*cases, count), one for each of the points, as finite floats."""
+def _floats(name: str, values: NDArray[Any], count: int) -> Array:
+    """Values (*cases, count), one for each of some points, as floats."""
     if values.shape[-1:] != (count,) or values.dtype.kind not in "iuf":
         raise InputError(
             f"{name} gives values of shape {values.shape} and type {values.dtype}: must give one real number a point"
         )
-    found = values.astype(float, copy=False)
-    flat = found.ravel()
+    return values.astype(float, copy=False)
+
+
+def check_finite(name: str, values: Array, points: Array) -> None:
+    """InputError for values (*cases, points) that are not all finite."""
+    flat = values.ravel()
     if not math.isfinite(np.vdot(flat, flat)):  # or too large to be squared
-        for at in np.argwhere(~np.isfinite(found))[:1]:
-            raise InputError(f"{name} = {found[tuple(at)]:g} at {points()[at[-1]]:g}: must be finite")
-    return found
+        for at in np.argwhere(~np.isfinite(values))[:1]:
+            raise InputError(f"{name} = {values[tuple(at)]:g} at {points[at[-1]]:g}: must be finite")
 
 
 def force_of(system: System, force: Any, position: Any, times: int, h: float) -> Load:
-    """A force as it was asked for; its values are looked at when they are needed."""
+    """A force as it was asked for. Whether an array's values are finite is seen in the response."""
     if force is not None and position is None:
         raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
     Q = np.zeros(len(system.M))
@@ -187,10 +192,7 @@ def force_of(system: System, force: Any, position: Any, times: int, h: float) ->
             f"({times},) or (*cases, {times}), a value at each of the {times - 1} steps' ends and at t = 0"
         )
 
-    def given(begin: int, end: int) -> Array:
-        return _checked("force", values[..., begin:end], end - begin, lambda: h * np.arange(begin, end, dtype=float))
-
-    return Load(Q, values.shape[:-1], sampled=given)
+    return Load(Q, values.shape[:-1], sampled=lambda begin, end: _floats("force", values[..., begin:end], end - begin))
 
 
 def _wave(Q: Array, force: Harmonic, duration: float) -> Load:

@@ -62,6 +62,34 @@ class Powers:
         A = self._transposed(k)
         return np.asarray(rows @ A.T if A.ndim == 2 else (rows.view(complex) * np.conj(A)).view(float))
 
+    def carried(self, w: Array, r: Array, level: int) -> Array:
+        """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d), from w (cases, d) and r's (cases, r's, d)."""
+        numbers = complex if self._transposed(0).ndim == 1 else float
+        # a coordinate's values lie together, which is quicker to add up
+        columns = np.ascontiguousarray(r.view(numbers).swapaxes(1, 2))
+        states = self._carried(w.view(numbers)[..., None], columns, level)
+        return np.ascontiguousarray(states.swapaxes(1, 2)).view(float)
+
+    def _carried(self, w: NDArray[Any], r: NDArray[Any], level: int) -> NDArray[Any]:
+        """The same of columns: every other one so, from pairs of r's."""
+        cases, d, count = r.shape
+        A = self._transposed(level)
+
+        def moved(x: NDArray[Any]) -> NDArray[Any]:
+            return np.asarray(A[:, None] * x if A.ndim == 1 else A.T @ np.ascontiguousarray(x))
+
+        states = np.empty((cases, d, count + 1), dtype=r.dtype)
+        if count < 4 or self.within(level + 1) <= level:
+            states[..., :1] = w
+            for k in range(count):
+                states[..., k + 1 : k + 2] = moved(states[..., k : k + 1]) + r[..., k : k + 1]
+            return states
+        even = count // 2 * 2
+        pairs = moved(r[..., :even:2]) + r[..., 1:even:2]
+        states[..., : even + 1 : 2] = self._carried(w, pairs, level + 1)
+        states[..., 1::2] = moved(states[..., :count:2]) + r[..., ::2]
+        return states
+
     def within(self, k: int) -> int:
         """The largest of 0, …, k up to which the powers keep below `LARGEST`, or 0."""
         while self._within <= k and np.abs(self._transposed(self._within)).max() < LARGEST:
@@ -170,7 +198,7 @@ def forced(
         if over := -values.shape[1] % length:
             values = np.concatenate([values, np.zeros((cases, over))], axis=1)
         forces = values.reshape(cases, -1, length)
-        starts = carried(powers, inner, w, _product(forces, drive, np.empty((*forces.shape[:2], d))))
+        starts = powers.carried(w, _product(forces, drive, np.empty((*forces.shape[:2], d))), inner)
         w = starts[:, -1]
         yield Stretch(begin, end, length, ((starts[:, :-1], tables), (forces, pushed)), after)
 
@@ -183,22 +211,6 @@ def _responses(impulse: Array, at_once: Array, length: int) -> Array:
     for k in range(length):
         table[k, k:] = impulse[: length - k]
     return table.reshape(length, length * s)
-
-
-def carried(powers: Powers, level: int, w: Array, r: Array) -> Array:
-    """All states of w⁺ = A^(2^level) w + r, (cases, r's + 1, d): every other one in the same way, from pairs of r's."""
-    cases, count, d = r.shape
-    states = np.empty((cases, count + 1, d))
-    if count < 4 or powers.within(level + 1) <= level:
-        states[:, 0] = w
-        for k in range(count):
-            states[:, k + 1] = powers.forward(states[:, k], level) + r[:, k]
-        return states
-    even = count // 2 * 2
-    pairs = powers.forward(r[:, :even:2], level) + r[:, 1:even:2]
-    states[:, : even + 1 : 2] = carried(powers, level + 1, w, pairs)
-    states[:, 1::2] = powers.forward(states[:, :count:2], level) + r[:, ::2]
-    return states
 
 
 def _product(a: Array, b: Array, out: Array) -> Array:

@@ -21,6 +21,7 @@ from freebeam_sym.response.inputs import (
     Load,
     Message,
     Start,
+    check_finite,
     checked_parameters,
     force_of,
     position_of,
@@ -139,6 +140,9 @@ def respond(
             quality.see(stretch)
             bad = results.fill(stretch, fill)
             if bad is not None:
+                if load.sampled is not None:  # whether it is the force's own doing
+                    begin, end = stretch.begin, stretch.end
+                    check_finite("force", load.sampled(begin, end), h * np.arange(begin, end, dtype=float))
                 raise _overflow(bad * h, spectrum)
             results.hand_on(stretch, about)
             if progress is not None:
