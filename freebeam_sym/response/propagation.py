@@ -23,10 +23,8 @@ Tables = Mapping[str, Array]
 LARGEST = 1e100
 """Of a power that is used: beyond it zero times infinity could come in where the response is small."""
 STRETCH = 20
-"""A stretch of a response is 2^20 numbers."""
-CACHE = 19
-"""One of a forced response, which is gone through more than once, is 2^19: four megabytes stay in a processor's cache.
-17 to 21 tried; up to 20 within a tenth."""
+"""A stretch of a response is 2^20 numbers: from 2^18 to 2^20 a response of a million steps takes as long within a
+tenth."""
 PRODUCT = 300_000
 """Multiplications of a product of matrices that OpenBLAS makes at once, without copying the factors first: a fifth
 faster than a product of all."""
@@ -85,9 +83,10 @@ class Powers:
                 states[..., k + 1 : k + 2] = moved(states[..., k : k + 1]) + r[..., k : k + 1]
             return states
         even = count // 2 * 2
-        pairs = moved(r[..., :even:2]) + r[..., 1:even:2]
+        pairs = moved(r[..., :even:2])
+        pairs += r[..., 1:even:2]
         states[..., : even + 1 : 2] = self._carried(w, pairs, level + 1)
-        states[..., 1::2] = moved(states[..., :count:2]) + r[..., ::2]
+        np.add(moved(states[..., :count:2]), r[..., ::2], out=states[..., 1::2])
         return states
 
     def within(self, k: int) -> int:
@@ -187,7 +186,7 @@ def forced(
     cases, d = x.shape
     inner = powers.within(min(max(5, (d - 1).bit_length()), max(0, (count - 1).bit_length() - 2)))
     length, width = 1 << inner, sum(len(part) for part in rows.values()) * cases
-    levels = max(inner, powers.within(max(inner + 3, CACHE - width.bit_length())))
+    levels = max(inner, powers.within(max(inner + 3, STRETCH - width.bit_length())))
     tables = {name: powers.table(part, length) for name, part in rows.items()}
     pushed = {name: _responses(B @ tables[name], direct[name] + rows[name] @ after, length) for name in rows}
     drive = np.ascontiguousarray(_orbit(B, length, 0, powers.forward)[::-1])

@@ -403,7 +403,15 @@ def test_bad_input(options: dict[str, Any], message: str) -> None:
 def test_no_part_is_handed_on_with_a_force_that_is_not_finite() -> None:
     parts: list[Any] = []
     with pytest.raises(InputError, match="nan at 2500"):
-        fb.respond(COLUMN.system(2), 3000, 0.01, force=late, force_position=1, target=parts.append)
+        fb.respond(
+            COLUMN.system(2),
+            3000,
+            0.01,
+            force=late,
+            force_position=1,
+            sensors=np.linspace(0, 1, 9),
+            target=parts.append,
+        )
     assert parts and parts[-1].end <= 250_000 and all(np.isfinite(part.y).all() for part in parts)
 
 
