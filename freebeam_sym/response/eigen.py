@@ -61,6 +61,8 @@ class Spectrum:
     def growing(self) -> complex | None:
         """The eigenvalue that grows fastest; None where none grows by more than rounding may have made of it."""
         worst = int(np.argmax(self.values.real))
+        if not self.values[worst].real > 0:
+            return None
         scale = scale_of(self.matrices[0], self.matrices[2])
         condition = np.linalg.norm(self.vectors[:, worst] / scale) * np.linalg.norm(self.inverse[worst] * scale)
         # first order in the backward error of the eigenvalues; 10 is generous where a few eps of the norm are usual

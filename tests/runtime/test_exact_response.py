@@ -119,7 +119,7 @@ def test_a_piecewise_linear_force_may_be_sampled_anew(system: Any) -> None:
 @pytest.mark.parametrize("force", [None, 0.3, fb.Harmonic(1.0, 40.0), np.random.default_rng(3).normal(size=301)])
 @pytest.mark.parametrize("method", ["exact", "newmark"])
 def test_rigid_functions_leave_the_elastic_part_alone(method: str, force: Any) -> None:
-    """They make λ = 0 defective, so that no eigenvectors serve: the same elastic part, to rounding, with and without."""
+    """They make λ = 0 defective, so that no eigenvectors serve: the same elastic part, to rounding, without them."""
     options: dict[str, Any] = {"sensors": X, "force": force, "force_position": 1, "method": method}
     with_rigid, without = (
         fb.respond(system, 30, 0.1, initial=1e-3 * system.mode(1), **options)
