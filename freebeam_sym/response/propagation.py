@@ -69,7 +69,8 @@ class Powers:
         return np.ascontiguousarray(states.swapaxes(1, 2)).view(float)
 
     def _carried(self, w: NDArray[Any], r: NDArray[Any], level: int) -> NDArray[Any]:
-        """The same of columns: every other one so, from pairs of r's."""
+        """The same with the steps along the last axis: every second state so, from pairs of r's, and the others from
+        these."""
         cases, d, count = r.shape
         A = self._transposed(level)
 
