@@ -43,7 +43,7 @@ def first_loss(problem: Problem, load_max: float = 1000.0) -> FirstLoss:
 
 
 def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[Crossing]]:
-    """The first loss and the touches that were met on the way to it; one may stand at the same load but for rounding."""
+    """The first loss, and the touches met on the way to it: one may stand at the same load but for rounding."""
     touches: list[Crossing] = []
     stable = 0.0
     events = _in_order(problem, load_max)
