@@ -70,6 +70,22 @@ def ends(ball: arb) -> tuple[Fraction, Fraction]:
     return middle - radius, middle + radius
 
 
+def ball(middle: arb | int, radius: arb) -> arb:
+    """The ball about a point, of a radius that may be a ball itself."""
+    return middle + radius * arb(0, 1)
+
+
+def rational(value: arb | float, bits: int) -> Fraction:
+    """A dyadic rational near a ball's middle. Raises Unproven for a ball that has none."""
+    if not arb(value).is_finite():
+        raise Unproven("a number that the proof steps by is not finite")
+    mantissa, exponent = (int(part) for part in arb(value).mid().man_exp())
+    excess = mantissa.bit_length() - bits
+    if excess > 0:
+        mantissa, exponent = mantissa >> excess, exponent + excess
+    return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
+
+
 def array(balls: list[Any]) -> Any:
     """A NumPy array of balls."""
     result = np.empty(len(balls), dtype=object)
@@ -135,7 +151,7 @@ def _root(kernel: ModuleType, quarter: int, sigma: int, start: float) -> arb:
             break
         reached *= 2
     for wider in range(4, bits // 2, 8):
-        trial = middle + arb(0, 1) * arb(2) ** (wider - bits)
+        trial = ball(middle, arb(2) ** (wider - bits))
         image = middle - _value(kernel, middle, quarter, sigma) / _slope(kernel, trial, quarter, sigma)
         if trial.contains_interior(image):
             return image
@@ -167,7 +183,7 @@ def _none_before(kernel: ModuleType, quarter: int, sigma: int) -> None:
     order = next(k for k in range(6) if not at_zero[k].contains(0))
     signs = set()
     for piece in range(pieces):
-        around = start + width * piece + width / 2 + arb(0, 1) * width / 2
+        around = ball(start + width * piece + width / 2, width / 2)
         coefficient = _series(kernel, around, quarter, sigma, order)[order]
         signs.add(1 if coefficient > 0 else -1 if coefficient < 0 else 0)
     if len(signs) != 1 or 0 in signs:

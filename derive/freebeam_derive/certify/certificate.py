@@ -12,7 +12,7 @@ from typing import Any
 
 from freebeam_derive.certify.balls import Root, parameters
 from freebeam_derive.certify.decimals import written
-from freebeam_derive.certify.ritz import Enclosure
+from freebeam_derive.certify.first_crossing import Enclosure
 
 FORMAT = "freebeam certificate 1"
 

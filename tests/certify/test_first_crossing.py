@@ -16,9 +16,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_derive.certify import balls, certificate, ritz, verifier
+from freebeam_derive.certify import balls, boundary_polynomials, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven
-from freebeam_derive.certify.ritz import Enclosure, Question
+from freebeam_derive.certify.boundary_polynomials import Question, boundary
+from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 
 F = Fraction
 CASES = {
@@ -55,7 +56,7 @@ def candidate(column: fb.Column, question: Question) -> tuple[float, float] | No
 @cache
 def certified(case: str, digits: int = 30) -> Enclosure:
     question = CASES[case][1]
-    return ritz.certify(column(case).kernel, question, candidate(column(case), question), digits)
+    return first_crossing.certify(column(case).kernel, question, candidate(column(case), question), digits)
 
 
 @pytest.mark.parametrize("name", fb.column_names())
@@ -149,10 +150,10 @@ def test_enclosures_nest_as_digits_grow(case: str) -> None:
 
 
 def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
-    found = ritz.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(100))
+    found = first_crossing.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(100))
     assert found.kind == "none" and found.stretches[-1].end == 100
     with pytest.raises(Unproven, match="not known to be stable"):
-        ritz.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(120))
+        first_crossing.certify(fb.column("free-free", "modes").kernel, Question(8), None, 10, load_max=F(120))
 
 
 @pytest.mark.parametrize(
@@ -168,14 +169,14 @@ def test_no_loss_of_stability_is_proven_up_to_a_load() -> None:
 )
 def test_a_crossing_that_is_not_the_first_is_refused(name: str, question: Question, near: tuple[float, float]) -> None:
     with pytest.raises(Unproven):
-        ritz.certify(fb.column(name, "modes").kernel, question, near, 20)
+        first_crossing.certify(fb.column(name, "modes").kernel, question, near, 20)
 
 
 def test_a_refusal_says_what_was_established() -> None:
     """Beck's column regains stability at 15.99: a crossing, but not the first."""
     question = Question(8, own={"eta": F("0.4")})
     with pytest.raises(Unproven, match=r"established is that there is a crossing, of divergence, at 15\.98833175"):
-        ritz.certify(fb.column("beck", "modes").kernel, question, (15.98833175, 0.0), 20)
+        first_crossing.certify(fb.column("beck", "modes").kernel, question, (15.98833175, 0.0), 20)
 
 
 @pytest.mark.parametrize("case", ["undamped", "damped", "beck, dead load"])
@@ -186,10 +187,10 @@ def test_stability_is_not_proven_past_the_crossing(case: str) -> None:
     kernel = fb.column(name, "modes").kernel
     last = found.stretches[-1]
     with balls.precision(600):
-        boundary = ritz.boundary(kernel, question, 600)
-        assert ritz.holds(boundary, last)
-        beyond = ritz.Stretch(last.start, last.end * (1 + F(1, 10**20)), last.origin, last.separators)
-        assert not ritz.holds(boundary, beyond)
+        polynomials = boundary(kernel, question, 600)
+        assert first_crossing.holds(polynomials, last)
+        beyond = Stretch(last.start, last.end * (1 + F(1, 10**20)), last.origin, last.separators)
+        assert not first_crossing.holds(polynomials, beyond)
 
 
 def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -198,14 +199,10 @@ def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
     def blown(*arguments: Any) -> Any:
         return tuple(m * arb(1, 1e-3) for m in exact(*arguments))
 
-    monkeypatch.setattr(ritz, "matrices", blown)
-    monkeypatch.setattr(ritz, "MOST_BITS", 2000)
-    ritz._characteristic.cache_clear()
-    try:
-        with pytest.raises(Unproven):
-            ritz.certify(fb.column("beck", "modes").kernel, Question(5), (20.05, 11.0), 20)
-    finally:
-        ritz._characteristic.cache_clear()
+    monkeypatch.setattr(boundary_polynomials, "matrices", blown)
+    monkeypatch.setattr(first_crossing, "MOST_BITS", 2000)
+    with pytest.raises(Unproven):
+        first_crossing.certify(fb.column("beck", "modes").kernel, Question(5), (20.05, 11.0), 20)
 
 
 @settings(derandomize=True, deadline=None, max_examples=15)
@@ -223,7 +220,7 @@ def test_the_runtimes_load_lies_in_the_certified_interval(
     near = candidate(fb.column(name, basis), question)
     if near is None:
         return
-    found = ritz.certify(fb.column(name, basis).kernel, question, near, 12)
+    found = first_crossing.certify(fb.column(name, basis).kernel, question, near, 12)
     assert found.load is not None
     assert math.isclose(near[0], float(found.load[0]), rel_tol=1e-9)
 

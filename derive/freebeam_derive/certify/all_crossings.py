@@ -1,6 +1,6 @@
 """All crossings of a Ritz series up to a load, with the proof that none is left out. Eqs. (24), (25).
 
-With h and g of `ritz.py`, an eigenvalue is on the imaginary axis at a load P if and only if h(P, x) = g(P, x) = 0 for
+With h and g of `boundary_polynomials.py`, an eigenvalue is on the imaginary axis at a load P if and only if h(P, x) = g(P, x) = 0 for
 some x = ω² > 0, or h(P, 0) = det K = 0. (Without damping g is h_x: two eigenvalues meet. Where that happens at x < 0,
 or off the real axis, nothing becomes stable or unstable, and none of it appears here.) So it is to be shown that h and
 g have no common zero on a stretch of loads for any x from 0 to ∞: the half line is cut between neighbouring zeros of h
@@ -18,29 +18,23 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from math import comb
 from types import ModuleType
 
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.balls import Unproven, exact, precision
-from freebeam_derive.certify.ritz import (
+from freebeam_derive.certify.balls import Unproven, exact, precision, rational
+from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary
+from freebeam_derive.certify.first_crossing import (
     LOWEST_BITS,
-    Boundary,
-    Question,
     Stretch,
     alone,
-    boundary,
-    enclose_divergence,
-    enclose_flutter,
+    bits_for,
     holds,
-    newton,
-    rational,
+    refined,
     separators_at,
-    shifted_to,
-    tables,
-    zeros,
 )
+from freebeam_derive.certify.krawczyk import enclose, newton
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
 FINEST = 80  # halvings of the load axis
@@ -107,7 +101,7 @@ def survey(
     Raises Unproven with what could not be established, Inseparable where crossings are too close to each other.
     """
     say = progress or (lambda _: None)
-    bits = LOWEST_BITS + 24 * question.modes
+    bits = bits_for(question.modes, 0)
     while True:
         with precision(bits):
             try:
@@ -122,26 +116,18 @@ def survey(
 
 def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, lowest: int) -> list[Crossing]:
     """The crossings of a survey to the digits asked for."""
-    bits = max(lowest, LOWEST_BITS + int(3.33 * digits) + 24 * question.modes)
+    bits = max(lowest, bits_for(question.modes, digits))
     result, unstable = [], 0
     with precision(bits):
         fine = boundary(kernel, question, bits)
         for crossing in found:
-            P, x = crossing.load, crossing.square
-            reached = 40
-            while reached < 2 * bits:
-                P, x = newton(fine, P, x)
-                reached *= 2
-            if x is None:
-                P = enclose_divergence(fine, P, bits)
-                inside = True
-            else:
-                P, x = enclose_flutter(fine, P, x, bits)
-                inside = exact(crossing.bottom) < x < exact(crossing.top)
+            flutter = crossing.square is not None
+            P, *squares = refined(fine, [crossing.load, crossing.square] if flutter else [crossing.load], bits, 40)
+            inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in squares)
             if not (inside and exact(crossing.low) < P < exact(crossing.high)):
                 raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
-            square = None if x is None else _interval(x, digits - 1)
-            kind = "divergence" if x is None else "flutter"
+            square = _interval(squares[0], digits - 1) if flutter else None
+            kind = "flutter" if flutter else "divergence"
             result.append(Crossing(kind, _interval(P, digits), square, crossing.change, unstable))
             unstable += crossing.change
     return result
@@ -161,11 +147,6 @@ class _Survey:
 
     def __init__(self, found: Boundary, load_max: Fraction, say: Callable[[str], None]) -> None:
         self.found, self.load_max, self.say = found, load_max, say
-        self.N = found.N
-        # without damping two eigenvalues meet where h and h_x vanish
-        g = found.g if found.g is not None else [p.derivative() for p in found.h]
-        self.tables = dict(zip("hg", tables(found), strict=True))
-        self.polynomials = {"h": found.h, "g": g}
         self.crossings: list[_Found] = []
 
     def run(self) -> list[_Found]:
@@ -218,58 +199,53 @@ class _Survey:
 
         hole: an interval of x that is left out.
         """
-        loads = _bernstein(a, b, self.N)
-        rows = {name: loads * table for name, table in self.tables.items()}
+        rows = []
+        for table in (self.found.h.table, self.found.g.table):
+            rows.append(bernstein(a, b, table.nrows() - 1) * table)
         for low, high, first in self._strips((a + b) / 2, hole):
-            place = self._strip(rows, low, high, (first, "g" if first == "h" else "h"), HALVINGS)
+            place = self._strip([rows[first], rows[1 - first]], low, high, HALVINGS)
             if place is not None:
                 return place
         return None
 
-    def _strip(
-        self, rows: dict[str, arb_mat], low: Fraction, high: Fraction | None, names: tuple[str, str], halvings: int
-    ) -> Fraction | None:
-        for name in names:
-            if _keeps_sign(rows[name], low, high, self.N if name == "h" else self.N - 1):
-                return None
+    def _strip(self, rows: list[arb_mat], low: Fraction, high: Fraction | None, halvings: int) -> Fraction | None:
+        if any(keeps_sign(which, low, high) for which in rows):
+            return None
         if high is None or halvings == 0:
             return low if high is None else (low + high) / 2
         middle = (low + high) / 2
-        place = self._strip(rows, low, middle, names, halvings - 1)
-        return self._strip(rows, middle, high, names, halvings - 1) if place is None else place
+        place = self._strip(rows, low, middle, halvings - 1)
+        return self._strip(rows, middle, high, halvings - 1) if place is None else place
 
     def _strips(
         self, P: Fraction, hole: tuple[Fraction, Fraction] | None
-    ) -> list[tuple[Fraction, Fraction | None, str]]:
-        """The half line x ≥ 0 in strips, each with what has no zeros there at one load. The last reaches to ∞."""
-        every = {name: _zeros(self.found.at(which, exact(P))) for name, which in self.polynomials.items()}
-        marks: list[tuple[float, str]] = []
+    ) -> list[tuple[Fraction, Fraction | None, int]]:
+        """The half line x ≥ 0 in strips, each with what has no zeros there at one load: h (0) or g (1). The last
+        reaches to ∞."""
+        every = [_zeros(which.at(exact(P))) for which in (self.found.h, self.found.g)]
+        marks: list[tuple[float, int]] = []
         more: set[float] = set()
-        for name, other in (("h", "g"), ("g", "h")):
-            for z in every[name]:
+        for which, other in ((0, 1), (1, 0)):
+            for z in every[which]:
                 near = min((abs(z.real - w.real) for w in every[other]), default=float("inf"))
                 if z.real > 0 and abs(z.imag) < 0.5 * near:
                     # a pair that has just left the real axis, or is about to come to it, counts as if it were there
-                    marks.append((z.real, name))
+                    marks.append((z.real, which))
                 elif abs(z.imag) > 0:
                     # strips about as wide as the pair is far away
                     more |= {x for x in (z.real - abs(z.imag), z.real + abs(z.imag)) if x > 0}
-        largest = max((abs(z) for group in every.values() for z in group), default=1.0)
         marks.sort()
-        cuts: list[tuple[Fraction, str]] = []  # upper end of a strip, and whose zeros it holds
-        for (x, name), (y, other) in pairwise(marks):
-            if name != other:
-                cuts.append((Fraction((x + y) / 2), name))
-        top = Fraction(2 * largest)
-        cuts.append((top, marks[-1][1] if marks else "g"))
-        strips: list[tuple[Fraction, Fraction | None, str]] = []
+        top = Fraction(2 * max((abs(z) for group in every for z in group), default=1.0))
+        # upper end of a strip, and whose zeros it holds
+        cuts = [(Fraction((x + y) / 2), which) for (x, which), (y, other) in pairwise(marks) if which != other]
+        cuts.append((top, marks[-1][1] if marks else 1))
+        strips: list[tuple[Fraction, Fraction | None, int]] = []
         low = Fraction(0)
-        for high, name in cuts:
+        for high, which in cuts:
             between = [low, *sorted(Fraction(x) for x in more if low < x < high), high]
-            for piece in pairwise(between):
-                strips += [(*part, "g" if name == "h" else "h") for part in _without(*piece, hole)]
+            strips += [(*part, 1 - which) for piece in pairwise(between) for part in _without(*piece, hole)]
             low = high
-        return [*strips, (top, None, "h")]
+        return [*strips, (top, None, 0)]
 
     # --- a crossing on a stretch ----------------------------------------------------------------------------
 
@@ -277,16 +253,17 @@ class _Survey:
         """A crossing on a stretch, found from a place where it could not be excluded, in a box of its own."""
         P = exact((a + b) / 2)
         for start in self._starts(P, near):
-            at, x = P, arb(start)
+            z = [P, arb(start)]
             for _ in range(12):
-                before = at
-                at, moved = newton(self.found, at, x)
-                assert moved is not None
-                x = moved
-                if not (at.is_finite() and x.is_finite()) or abs(at - P) > 3 * exact(b - a):
+                before = z[0]
+                try:
+                    z = newton(self.found, z)
+                except Unproven:
                     break
-                if abs(at - before) < abs(at) * arb(2) ** (-LOWEST_BITS // 2):
-                    box = self._box(at, x, a, b)
+                if not abs(z[0] - P) < 3 * exact(b - a):
+                    break
+                if abs(z[0] - before) < abs(z[0]) * arb(2) ** (-LOWEST_BITS // 2):
+                    box = self._box(*z, a, b)
                     if box is not None:
                         return box
                     break
@@ -294,7 +271,7 @@ class _Survey:
 
     def _starts(self, P: arb, x: float) -> list[float]:
         """Zeros of h and g next to a place."""
-        places = [z.real for which in self.polynomials.values() for z in _zeros(self.found.at(which, P)) if z.real > 0]
+        places = [z.real for which in (self.found.h, self.found.g) for z in _zeros(which.at(P)) if z.real > 0]
         return sorted(places, key=lambda z: abs(z - x))[:3]
 
     def _box(self, P: arb, x: arb, a: Fraction, b: Fraction) -> _Found | None:
@@ -306,41 +283,35 @@ class _Survey:
         ):
             return None
         try:
-            P, x = enclose_flutter(self.found, P, x, LOWEST_BITS)
+            P, x = enclose(self.found, [P, x], LOWEST_BITS)
         except Unproven:
             return None
         middle, place = rational(P, 60), rational(x, 60)
-        shifted = [shifted_to(table, exact(middle), exact(place)) for table in self.tables.values()]
+        local = self.found.about(exact(middle), exact(place))
+        # which way the eigenvalues cross
+        det = sign(local.slopes([arb(0), arb(0)]).det())
+        change = -2 * det if self.found.damped else 2 * det
         width = (b - a) / 2
         for halvings in range(0, 60, 2):
             r = width / 2**halvings
-            rho = next((p for k in range(1, 40, 2) if alone(shifted, r, p := place / 2**k)), None)
+            rho = next((p for k in range(1, 40, 2) if alone(local, r, p := place / 2**k)), None)
             if rho is None or not (exact(middle - r) < P < exact(middle + r)):
                 continue
             low, high, bottom, top = middle - r, middle + r, place - rho, place + rho
             if exact(bottom) < x < exact(top) and self._doubtful(max(low, Fraction(0)), high, (bottom, top)) is None:
-                (h_P, h_x), (g_P, g_x) = [(s[1, 0], s[0, 1]) for s in shifted]
-                det = _sign(h_P * g_x - h_x * g_P)
-                change = 2 * det if self.found.g is None else -2 * det
                 return _Found(P, x, low, high, bottom, top, change) if det else None
         return None
 
     def _divergences(self, a: Fraction, b: Fraction, depth: int) -> None:
         """Every root of det K on a stretch."""
-        still = arb_poly([p[0] for p in self.found.h])
-        start, end = exact(a), exact(b)
-        n = still.degree()
-        loads = _bernstein(a, b, n)
-        if _one_sign((loads * arb_mat([[still[k]] for k in range(n + 1)])).entries()):
+        still = arb_poly([p[0] for p in self.found.h.rows])
+        keeps, rising = signs_on([still, still.derivative()], a, b)
+        if keeps:
             return
-        slope = still.derivative()
-        loads = _bernstein(a, b, n - 1) if n > 1 else arb_mat([[1]])
-        rising = _one_sign((loads * arb_mat([[slope[k]] for k in range(n)])).entries())
-        ends = _sign(still(start)), _sign(still(end))
+        ends = sign(still(exact(a))), sign(still(exact(b)))
         if rising and all(ends):
-            if ends[0] == ends[1]:
-                return
-            self.crossings.append(self._divergence(a, b, still, rising))
+            if ends[0] != ends[1]:
+                self.crossings.append(self._divergence(a, b, still, rising))
             return
         if depth == FINEST:
             raise Inseparable(a, b, [])
@@ -350,16 +321,14 @@ class _Survey:
 
     def _divergence(self, a: Fraction, b: Fraction, still: arb_poly, rising: int) -> _Found:
         low, high = a, b
-        below = _sign(still(exact(a)))
         for _ in range(60):
             middle = (low + high) / 2
-            sign = _sign(still(exact(middle)))
-            if sign == 0:
+            there = sign(still(exact(middle)))
+            if there == 0:
                 break
-            low, high = (middle, high) if sign == below else (low, middle)
-        P = enclose_divergence(self.found, exact((low + high) / 2), LOWEST_BITS)
-        damping = self.found.value(self.polynomials["g"], P, arb(0))
-        way = _sign(damping) * rising * (1 if self.found.g is None else -1)
+            low, high = (low, middle) if there == rising else (middle, high)
+        (P,) = enclose(self.found, [exact((low + high) / 2)], LOWEST_BITS)
+        way = sign(self.found.g(P, arb(0))) * rising * (-1 if self.found.damped else 1)
         if way == 0 or not (exact(a) < P < exact(b)):
             raise Unproven(f"how the eigenvalue zero moves at the load {float(P.mid()):.10g} is not known")
         return _Found(P, None, a, b, Fraction(0), Fraction(0), way)
@@ -375,37 +344,3 @@ def _without(low: Fraction, high: Fraction, hole: tuple[Fraction, Fraction] | No
 def _zeros(polynomial: arb_poly) -> list[complex]:
     """All zeros, approximately: they decide where to cut, and the cuts prove themselves."""
     return [complex(z) for z in zeros(polynomial)]
-
-
-def _sign(ball: arb) -> int:
-    return 1 if ball > 0 else -1 if ball < 0 else 0
-
-
-def _one_sign(balls: list[arb]) -> int:
-    """The sign that all have, 0 where they do not, or one is not known."""
-    first = _sign(balls[0])
-    return first if first and all(_sign(v) == first for v in balls) else 0
-
-
-def _bernstein(a: Fraction, b: Fraction, n: int) -> arb_mat:
-    """Matrix from the coefficients of a polynomial of degree n to its Bernstein coefficients on a ≤ t ≤ b.
-
-    The i-th of t^j is the mean of the products of j out of n − i numbers a and i numbers b.
-    """
-    left, right = arb_poly([1, exact(a)]), arb_poly([1, exact(b)])
-    lefts, rights = [arb_poly([1])], [arb_poly([1])]
-    for _ in range(n):
-        lefts.append(lefts[-1] * left)
-        rights.append(rights[-1] * right)
-    rows = [lefts[n - i] * rights[i] for i in range(n + 1)]
-    return arb_mat([[row[j] / comb(n, j) for j in range(n + 1)] for row in rows])
-
-
-def _keeps_sign(rows: arb_mat, low: Fraction, high: Fraction | None, degree: int) -> bool:
-    """Whether a function keeps its sign for low ≤ x ≤ high, or x ≥ low, on the stretch of loads that `rows` is for."""
-    n = rows.ncols() - 1
-    if high is None:
-        # in 1/x, from the highest power on
-        turned = arb_mat([[rows[i, degree - j] for j in range(degree + 1)] for i in range(rows.nrows())])
-        return bool(_one_sign((turned * _bernstein(Fraction(0), 1 / low, degree).transpose()).entries()))
-    return bool(_one_sign((rows * _bernstein(low, high, n).transpose()).entries()))

@@ -14,7 +14,7 @@ from types import ModuleType
 from flint import acb, acb_mat, acb_poly, arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, exact, matrices, precision, roots
-from freebeam_derive.certify.ritz import sign_on
+from freebeam_derive.certify.bivariate import signs_on
 
 BITS = 256
 
@@ -74,7 +74,7 @@ def _signs(
     waiting = [(start, end)]
     while waiting:
         a, b = waiting.pop()
-        sign = sign_on(polynomial(arb_poly([exact(a), 1])), arb(0), exact(b - a))
+        (sign,) = signs_on([polynomial], a, b)
         if not sign and b - a > width:
             middle = (a + b) / 2
             waiting += [(middle, b), (a, middle)]

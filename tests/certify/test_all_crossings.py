@@ -14,10 +14,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_derive.certify import balls, crossings, ritz
+from freebeam_derive.certify import all_crossings, balls, boundary_polynomials, first_crossing
 from freebeam_derive.certify.balls import Unproven
-from freebeam_derive.certify.crossings import Crossing, Inseparable
-from freebeam_derive.certify.ritz import Question
+from freebeam_derive.certify.all_crossings import Crossing, Inseparable
+from freebeam_derive.certify.boundary_polynomials import Question, boundary
 
 F = Fraction
 TOP = F(1000)
@@ -25,7 +25,7 @@ TOP = F(1000)
 
 @cache
 def found(name: str, question: Question, digits: int = 15, basis: str = "modes", top: Fraction = TOP) -> list[Crossing]:
-    return crossings.survey(fb.column(name, basis).kernel, question, top, digits)
+    return all_crossings.survey(fb.column(name, basis).kernel, question, top, digits)
 
 
 class Own(dict[str, Fraction]):
@@ -87,7 +87,7 @@ def test_the_first_crossing_is_the_certified_load(name: str, question: Question)
     first = found(name, question)[0]
     square = first.square or (F(0), F(0))
     near = float(first.load[0]), float(square[0]) ** 0.5
-    proven = ritz.certify(fb.column(name, "modes").kernel, question, near, 20)
+    proven = first_crossing.certify(fb.column(name, "modes").kernel, question, near, 20)
     assert proven.load is not None and first.load[0] < proven.load[0] < proven.load[1] < first.load[1]
     assert first.stability == "lost" and first.kind == proven.kind
     if proven.square is not None:
@@ -126,14 +126,12 @@ def test_a_restabilised_pair_is_seen() -> None:
 
     plain = found("beck", Question(3), top=F(30))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(ritz, "matrices", turned)
-        ritz._characteristic.cache_clear()
+        patch.setattr(boundary_polynomials, "matrices", turned)
         with pytest.raises(Unproven, match="not known to be stable without load"):
-            crossings.survey(kernel, Question(3), F(30), 15)
-        patch.setattr(crossings, "separators_at", lambda *_: ())
-        patch.setattr(crossings, "holds", lambda *_: True)
-        listed = crossings.survey(kernel, Question(3), F(30), 15)
-    ritz._characteristic.cache_clear()
+            all_crossings.survey(kernel, Question(3), F(30), 15)
+        patch.setattr(all_crossings, "separators_at", lambda *_: ())
+        patch.setattr(all_crossings, "holds", lambda *_: True)
+        listed = all_crossings.survey(kernel, Question(3), F(30), 15)
     assert [c.change for c in listed] == [-c.change for c in reversed(plain)]
     for one, other in zip(listed, reversed(plain), strict=True):
         assert one.load[0] < 30 - other.load[0] and 30 - other.load[1] < one.load[1]
@@ -151,8 +149,7 @@ def test_enclosures_nest_as_digits_grow(question: Question) -> None:
 
 
 def replaced(patch: pytest.MonkeyPatch, M: Any, E: Any, H: Any) -> None:
-    patch.setattr(ritz, "matrices", lambda *_: tuple(arb_mat(rows) for rows in (M, E, H)))
-    ritz._characteristic.cache_clear()
+    patch.setattr(boundary_polynomials, "matrices", lambda *_: tuple(arb_mat(rows) for rows in (M, E, H)))
 
 
 ONE = [[1, 0], [0, 1]]
@@ -160,16 +157,12 @@ ONE = [[1, 0], [0, 1]]
 
 def test_frequencies_that_pass_through_each_other_are_not_decided(monkeypatch: pytest.MonkeyPatch) -> None:
     """s = 1 + 3P and s = 4 are equal at P = 1 and do nothing to each other; balls cannot tell that from flutter."""
-    monkeypatch.setattr(crossings, "FINEST", 40)
+    monkeypatch.setattr(all_crossings, "FINEST", 40)
     replaced(monkeypatch, ONE, [[1, 0], [0, 4]], [[3, 0], [0, 0]])
-    try:
-        with pytest.raises(Inseparable, match=r"between the loads (1|0\.99)") as caught:
-            crossings.survey(fb.column("beck", "modes").kernel, Question(2), F(3), 10)
-        assert "Established: up to there stability changes at these loads and no others: none" in str(caught.value)
-        assert crossings.survey(fb.column("beck", "modes").kernel, Question(2, F("0.1")), F(3), 10) == []
-    finally:
-        monkeypatch.undo()
-        ritz._characteristic.cache_clear()
+    with pytest.raises(Inseparable, match=r"between the loads (1|0\.99)") as caught:
+        all_crossings.survey(fb.column("beck", "modes").kernel, Question(2), F(3), 10)
+    assert "Established: up to there stability changes at these loads and no others: none" in str(caught.value)
+    assert all_crossings.survey(fb.column("beck", "modes").kernel, Question(2, F("0.1")), F(3), 10) == []
 
 
 @pytest.mark.parametrize("apart", [F(1, 10**12), F(1, 10**40)])
@@ -178,35 +171,26 @@ def test_two_crossings_close_together(apart: Fraction, monkeypatch: pytest.Monke
     with balls.precision(3000):
         second = 1 + balls.exact(apart)
     replaced(monkeypatch, ONE, [[1, 0], [0, second]], [[-1, 0], [0, -1]])
-    try:
-        question = Question(2, F("0.5"))
-        if apart > F(1, 10**20):
-            one, two = crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
-            assert one.load[1] < two.load[0] and abs(two.load[0] - one.load[0] - apart) < apart / 1000
-        else:
-            with pytest.raises(Inseparable, match=r"two may lie closer together"):
-                crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
-            # an interval so wide that both are in it is not said to hold one
-            with pytest.raises(Unproven, match="a second crossing may lie"):
-                ritz.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 20)
-            monkeypatch.setattr(ritz, "_stable_below", lambda *_: [])
-            assert ritz.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 60).load is not None
-    finally:
-        monkeypatch.undo()
-        ritz._characteristic.cache_clear()
+    question = Question(2, F("0.5"))
+    if apart > F(1, 10**20):
+        one, two = all_crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
+        assert one.load[1] < two.load[0] and abs(two.load[0] - one.load[0] - apart) < apart / 1000
+    else:
+        with pytest.raises(Inseparable, match=r"two may lie closer together"):
+            all_crossings.survey(fb.column("beck", "modes").kernel, question, F(3), 20)
+        # an interval so wide that both are in it is not said to hold one
+        with pytest.raises(Unproven, match="a second crossing may lie"):
+            first_crossing.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 20)
+        monkeypatch.setattr(first_crossing, "holds", lambda *_: True)
+        assert first_crossing.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 60).load is not None
 
 
 def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
     exact = balls.matrices
-    monkeypatch.setattr(ritz, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
-    monkeypatch.setattr(crossings, "FINEST", 12)
-    ritz._characteristic.cache_clear()
-    try:
-        with pytest.raises(Unproven):
-            crossings.survey(fb.column("beck", "modes").kernel, Question(4), F(100), 10)
-    finally:
-        monkeypatch.undo()
-        ritz._characteristic.cache_clear()
+    monkeypatch.setattr(boundary_polynomials, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
+    monkeypatch.setattr(all_crossings, "FINEST", 12)
+    with pytest.raises(Unproven):
+        all_crossings.survey(fb.column("beck", "modes").kernel, Question(4), F(100), 10)
 
 
 def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
@@ -215,11 +199,11 @@ def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
     listed = found("beck", question)
     assert len(listed) > 1
     with balls.precision(400):
-        survey = crossings._Survey(ritz.boundary(fb.column("beck", "modes").kernel, question, 400), TOP, lambda _: None)
+        polynomials = boundary(fb.column("beck", "modes").kernel, question, 400)
         for one, other in pairwise(listed):
             assert one.square is not None and other.square is not None
             P, x = one.load[0], one.square[0]
-            tables = [ritz.shifted_to(t, balls.exact(P), balls.exact(x)) for t in survey.tables.values()]
+            local = polynomials.about(balls.exact(P), balls.exact(x))
             r, rho = other.load[1] - P, abs(other.square[1] - x) + abs(other.square[0] - x)
-            assert not ritz.alone(tables, r, rho)
-            assert ritz.alone(tables, r / 10**6, rho / 10**6)
+            assert not first_crossing.alone(local, r, rho)
+            assert first_crossing.alone(local, r / 10**6, rho / 10**6)

@@ -1,0 +1,135 @@
+"""The polynomials h and g, whose common zeros are the eigenvalues on the imaginary axis. Eqs. (10), (24), (25).
+
+On λ = iω, with x = ω²,
+
+    det(λ² M + λ C + K) / det M = h(P, x) + iω g(P, x).
+
+Determinants are taken at real λ, as polynomials in P, and interpolated. In the limit of vanishing damping g is of the
+first order in C, tr(adj(K − x M) C) / det M. Without damping g stands for ∂h/∂x: h and g vanish together where two
+frequencies meet.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from types import ModuleType
+
+from flint import arb, arb_mat, arb_poly
+
+from freebeam_derive.certify.balls import Exact, Unproven, exact, matrices, parameters, precision
+from freebeam_derive.certify.bivariate import Bivariate
+
+
+@dataclass(frozen=True)
+class Question:
+    """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), else None."""
+
+    modes: int
+    alpha: Exact = Fraction(0)
+    beta: Exact = Fraction(0)
+    kappa: Exact | None = None
+    own: Mapping[str, Fraction] | None = None
+
+    @property
+    def undamped(self) -> bool:
+        return self.kappa is None and self.alpha == 0 == self.beta
+
+
+@dataclass(frozen=True)
+class Boundary:
+    """h and g of N functions, each a polynomial in P and x; `damped` is False where g is ∂h/∂x.
+
+    As a system of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    """
+
+    N: int
+    h: Bivariate
+    g: Bivariate
+    damped: bool
+
+    def value(self, z: Sequence[arb]) -> list[arb]:
+        """The equations at a point or over a box."""
+        return [self.h(*z), self.g(*z)] if len(z) == 2 else [self.h(*z, arb(0))]
+
+    def slopes(self, z: Sequence[arb]) -> arb_mat:
+        """Their derivatives by P, and by x."""
+        if len(z) == 1:
+            return arb_mat([[self.h.by_P(*z, arb(0))]])
+        return arb_mat([[f.by_P(*z), f.by_x(*z)] for f in (self.h, self.g)])
+
+    def about(self, P: arb, x: arb) -> Boundary:
+        """The same, P and x counted from a point."""
+        return Boundary(self.N, self.h.about(P, x), self.g.about(P, x), self.damped)
+
+
+def expansion(M: arb_mat, C: arb_mat | None, E: arb_mat, H: arb_mat, vanishing: bool = False) -> Boundary:
+    """h and g where K = E + P H, of any matrices for which λ² M + λ C + E is regular at real λ ≥ 0.
+
+    C: None without damping; vanishing: only its direction counts.
+    """
+    N = M.nrows()
+    # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
+    # and heavy damping).
+    step = arb(2) ** round(math.log2(float(M.solve(E).det().mid())) / (2 * N) - 3)
+    if C is not None and not vanishing:
+        places = [step * k for k in range(2 * N + 1)]
+        whole = _through(places, [_determinant(p**2 * M + p * C + E, H) for p in places])
+        even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
+    else:
+        places = [(step * k) ** 2 for k in range(N + 1)]
+        even = _through(places, [_determinant(p * M + E, H) for p in places])
+        odd = [] if C is None else _through(places[:N], [_first_order(p * M + E, H, C) for p in places[:N]])
+    scale = 1 / M.det()
+    h = _in_square(even, N, scale)
+    return Boundary(N, h, h.by_x if C is None else _in_square(odd, N - 1, scale), C is not None)
+
+
+def _determinant(A: arb_mat, H: arb_mat) -> list[arb]:
+    """Coefficients of det(A + P H) in P."""
+    powers, scale = A.solve(H).charpoly(), A.det()
+    return [(-1) ** a * scale * powers[A.nrows() - a] for a in range(A.nrows() + 1)]
+
+
+def _first_order(A: arb_mat, H: arb_mat, C: arb_mat) -> list[arb]:
+    """Coefficients in P of tr(adj(A + P H) C), what det(A + P H + ε C) has of the first order in ε.
+
+    With G = A⁻¹ H and D = A⁻¹ C it is det(A + P H) Σ (−P)^j tr(G^j D), of which powers from N on cancel.
+    """
+    N, G, power = A.nrows(), A.solve(H), A.solve(C)
+    traces = [power.trace()]
+    for j in range(1, N):
+        power = G * power
+        traces.append((-1) ** j * power.trace())
+    product = arb_poly(_determinant(A, H)) * arb_poly(traces)
+    return [product[a] for a in range(N)]
+
+
+def _through(places: Sequence[arb], rows: Sequence[Sequence[arb]]) -> list[arb_poly]:
+    """Polynomials through the columns of some values."""
+    return [arb_poly.interpolate(list(places), list(column)) for column in zip(*rows, strict=True)]
+
+
+def _in_square(factors: Sequence[arb_poly], degree: int, scale: arb) -> Bivariate:
+    """From λ² to x = −λ²; powers of P and x that are together above a degree cancel."""
+    return Bivariate([
+        arb_poly([(-1) ** b * scale * p[b] for b in range(degree - a + 1)]) for a, p in enumerate(factors[: degree + 1])
+    ])  # fmt: skip
+
+
+def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
+    """h and g of a question, in balls of so many bits."""
+    own = parameters(kernel, question.own)
+    vanishing = question.kappa is not None
+    alpha, beta = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
+    with precision(bits):
+        M, E, H = matrices(kernel, question.modes, own)
+        if question.undamped:
+            return expansion(M, None, E, H)
+        given = {name: exact(value) for name, value in own.items()}
+        c_M, c_E = map(arb, kernel.damping_factors(exact(alpha), exact(beta), **given))
+        if vanishing and not c_E > 0:
+            raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
+        return expansion(M, c_M * M + c_E * E, E, H, vanishing)

@@ -1,0 +1,286 @@
+"""Certified critical loads of the Ritz series: the crossing enclosed, stability below it proven. Eqs. (10), (24), (25).
+
+Hermite and Biehler: all λ lie in the left half plane if and only if the roots of h(P, ·) and g(P, ·)
+(`boundary_polynomials.py`) are real, positive, simple and interlace. That is shown for a whole interval of P at once by
+points x between neighbouring roots (separators): N + (N − 1) changes of sign use up the degrees, so that nothing but
+the signs of polynomials in P need be proven. Towards the crossing, where a root of h meets a root of g, the separator
+between them moves with P. A crossing is a common root of h and g: Krawczyk's test encloses it and proves that it is
+the only one near; that the test's Jacobian is regular means that the eigenvalue crosses with a speed, so the beam is
+unstable just above.
+
+No damping: stability is that the roots of h alone are real, positive and simple; the crossing is a double root.
+Divergence: h(P, 0) = det K / det M = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from types import ModuleType
+
+from flint import arb
+
+from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
+from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary
+from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
+
+LOWEST_BITS = 160
+MOST_BITS = 60_000
+DEEPEST = 120  # bisections of the load axis before a proof is given up
+Separator = tuple[Fraction, Fraction]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Stability for start ≤ P ≤ end: separators x = point + slope (P − origin), ascending.
+
+    Slopes are zero but towards a crossing.
+    """
+
+    start: Fraction
+    end: Fraction
+    origin: Fraction
+    separators: tuple[Separator, ...]
+
+
+@dataclass(frozen=True)
+class Enclosure:
+    """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
+
+    proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
+    no crossing: proven is that the column is stable up to load_max.
+    """
+
+    question: Question
+    kind: str
+    load: tuple[Fraction, Fraction] | None
+    square: tuple[Fraction, Fraction] | None
+    load_max: Fraction | None
+    stretches: tuple[Stretch, ...]
+    proof: Mapping[str, bool]
+
+
+# --- stability on an interval -------------------------------------------------------------------------------
+
+
+def holds(found: Boundary, stretch: Stretch) -> bool:
+    """Whether the signs at the separators prove stability for all P of a stretch."""
+    start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
+    N, separators = found.N, stretch.separators
+    if len(separators) != (2 * N - 1 if found.damped else N):
+        return False
+    lines = [(Fraction(0), Fraction(0)), *separators]
+    # positive and ascending all along the stretch
+    if any(b + v * t <= a + u * t for t in (start, end) for (a, u), (b, v) in pairwise(lines)):
+        return False
+
+    def signs(which: Bivariate, lines: Sequence[Separator]) -> list[int]:
+        origin = exact(stretch.origin)
+        return signs_on([which.along(origin, exact(point), exact(slope)) for point, slope in lines], start, end)
+
+    if not found.damped:
+        return signs(found.h, lines) == [(-1) ** k for k in range(N + 1)]
+    # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
+    of_g = separators[: max(1, 2 * N - 2)]
+    return signs(found.h, lines) == [(-1) ** ((k + 1) // 2) for k in range(2 * N)] and signs(found.g, of_g) == [
+        (-1) ** ((k + 1) // 2) for k in range(len(of_g))
+    ]
+
+
+def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
+    """Points between neighbouring roots at one load, None where they do not interlace: the beam is not stable there."""
+    h = real_zeros(found.h.at(exact(P)))
+    N = found.N
+    if len(h) != N or not float(h[0]) > 0:
+        return None
+    merged = h
+    if found.damped:
+        g = real_zeros(found.g.at(exact(P)))
+        if len(g) != N - 1:
+            return None
+        merged = [r for pair in zip(h, g, strict=False) for r in pair] + [h[-1]]
+    if any(not a < b for a, b in pairwise(merged)):
+        return None
+    middles = [(a + b) / 2 for a, b in pairwise(merged)]
+    middles.append(2 * merged[-1])
+    return tuple((rational(m, 100), Fraction(0)) for m in middles)
+
+
+def _between(a: Fraction, b: Fraction) -> Fraction:
+    """A rational of few bits near the middle of an interval."""
+    width = (b - a) / 8
+    grid = Fraction(1, 2) ** max(0, (width.denominator // max(1, width.numerator)).bit_length())
+    return round((a + b) / 2 / grid) * grid
+
+
+def cover(
+    found: Boundary, start: Fraction, end: Fraction, deepest: int = DEEPEST, centre: Boundary | None = None
+) -> list[Stretch]:
+    """Stretches that prove stability from start to end. Raises Unproven with the load where it could not be shown.
+
+    centre: where to take the separators from, where `found` stands for more than one system.
+    """
+    done: list[Stretch] = []
+    waiting = [(start, end, 0)]
+    while waiting:
+        a, b, depth = waiting.pop()
+        middle = _between(a, b)
+        separators = separators_at(centre or found, middle)
+        if separators is None:
+            raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
+        stretch = Stretch(a, b, middle, separators)
+        if holds(found, stretch):
+            done.append(stretch)
+            continue
+        if depth == deepest:
+            raise Unproven(f"stability could not be shown between the loads {float(a):.12g} and {float(b):.12g}")
+        waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+    return sorted(done, key=lambda s: s.start)
+
+
+def _towards(
+    found: Boundary, P: Fraction, x: Fraction | None, start: Fraction, end: Fraction, share: float
+) -> Stretch | None:
+    """A stretch that runs up to a crossing at (P, x), or to a divergence (x None).
+
+    share: of the way from the flatter of the two meeting curves to the steeper one, for the separator between them.
+    """
+    separators = separators_at(found, start)
+    if separators is None:
+        return None
+    if x is not None:
+        # the separator that the crossing closes in on passes through it
+        slope = Fraction(0)
+        if found.damped:
+            J = found.slopes([exact(P), exact(x)])
+            flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
+            slope = rational(flat + (steep - flat) * share, 30)
+        there = float(x + slope * (start - P))
+        nearest = min(range(len(separators)), key=lambda k: abs(float(separators[k][0]) - there))
+        separators = (*separators[:nearest], (x, slope), *separators[nearest + 1 :])
+    stretch = Stretch(start, end, P, separators)
+    return stretch if holds(found, stretch) else None
+
+
+# --- the proof ----------------------------------------------------------------------------------------------
+
+
+def bits_for(modes: int, digits: int) -> int:
+    """Bits to begin with; where a proof fails for want of them they are doubled.
+
+    Of 12, 16, 20 a function none was doubled up to N = 28 (free-free and Beck; α = 0, 0.001 and 1; 20 digits).
+    """
+    return LOWEST_BITS + int(3.33 * digits) + 16 * modes
+
+
+def certify(
+    kernel: ModuleType,
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    load_max: Fraction = Fraction(1000),
+    progress: Callable[[str], None] | None = None,
+) -> Enclosure:
+    """Enclose the first loss of stability near a candidate (load, frequency), or prove that none is up to `load_max`.
+
+    near: what to start from, None for none. digits: decimal digits; the relative width is below 10^−digits. The
+    working precision follows from the digits and is doubled where a proof fails for want of it.
+
+    Raises Unproven with what could not be established.
+    """
+    say = progress or (lambda _: None)
+    bits = bits_for(question.modes, digits)
+    reason = ""
+    while bits <= MOST_BITS:
+        with precision(bits):
+            say(f"{bits} bits")
+            try:
+                found = boundary(kernel, question, bits)
+                if near is not None:
+                    return _certify_near(found, question, near, digits, bits)
+                proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
+                stretches = tuple(cover(found, Fraction(0), load_max))
+                return Enclosure(question, "none", None, None, load_max, stretches, proof)
+            except Unproven as error:
+                if reason == str(error):
+                    raise
+                reason = str(error)
+        bits *= 2
+    raise Unproven(reason)
+
+
+def refined(found: Boundary, z: Sequence[arb], bits: int, reached: int) -> list[arb]:
+    """Newton's method from an approximation of so many bits, which each step doubles; then balls about the zero."""
+    while reached < 2 * bits:
+        z = newton(found, z)
+        reached *= 2
+    return enclose(found, z, bits)
+
+
+def _certify_near(
+    found: Boundary, question: Question, near: tuple[float | Fraction, float], digits: int, bits: int
+) -> Enclosure:
+    start, flutter = exact(Fraction(near[0])), near[1] > 0
+    P, *squares = refined(found, [start, arb(near[1]) ** 2] if flutter else [start], bits, 20)
+    if not abs(P - start) < abs(start) * arb("1e-3"):
+        raise Unproven(f"no crossing was found near the load {float(near[0]):.10g}")
+    if any(not x > 0 for x in squares):
+        raise Unproven("the crossing's frequency is not known to be positive")
+    tolerance = Fraction(1, 10 ** (max(digits, 8) + 2))
+    middle = rational(P, bits)
+    low, high = middle - abs(middle) * tolerance / 2, middle + abs(middle) * tolerance / 2
+    if not exact(low) < P < exact(high):
+        raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")
+    point = rational(squares[0], bits) if flutter else None
+    kind, there = "flutter" if flutter else "divergence", f"{float(middle):.10g}"
+    try:
+        last = _last_stretch(found, middle, point, tolerance)
+        # of stability away from the crossing the digits do not matter
+        with precision(bits * bits_for(found.N, 0) // bits_for(found.N, digits)):
+            stretches = (*cover(found, Fraction(0), last.start), last)
+    except Unproven as error:
+        raise Unproven(
+            f"{error}; established is that there is a crossing, of {kind}, at {there}, not that it is the first"
+        ) from error
+    square = None
+    if point is None:
+        single = not found.slopes([exact(low).union(exact(high))])[0, 0].contains(0)
+    else:
+        # the root of g that passes through the crossing stays within for all loads of the interval
+        local = found.about(exact(middle), exact(point))
+        J = local.slopes([arb(0), arb(0)])
+        spread = tolerance * (point + middle * rational(abs(J[1, 0] / J[1, 1]).upper(), 60))
+        square = point - spread, point + spread
+        if not exact(square[0]) < squares[0] < exact(square[1]):
+            raise Unproven("the frequency could not be enclosed to the digits asked for")
+        single = alone(local, middle * tolerance / 2, spread)
+    if not single:
+        raise Unproven(
+            f"a second crossing may lie with the one at {there} in the interval of {digits} digits; established "
+            "is that the column is stable below; ask for more digits to tell them apart"
+        )
+    proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof)
+
+
+def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:
+    """Whether (h, g) is one to one on the box |P| ≤ r, |x| ≤ ρ about the point from which P and x are counted."""
+    radii = [exact(r), exact(rho)]
+    return one_to_one(local.slopes([arb(0), arb(0)]), local.slopes([ball(0, radius) for radius in radii]), radii)
+
+
+def _last_stretch(found: Boundary, load: Fraction, point: Fraction | None, tolerance: Fraction) -> Stretch:
+    """A stretch to just below a crossing at (load, x = point), or a divergence (None). Raises Unproven."""
+    end, reach = load * (1 - tolerance / 2), Fraction(1, 8)
+    while reach > tolerance:
+        begin = _between(load * (1 - reach), load * (1 - reach / 2))
+        # the curves bend, the more so near a coalescence: a line close to the flatter one stays between them longest
+        for share in (0.5, 2.0**-6, 2.0**-16):
+            last = _towards(found, load, point, begin, end, share)
+            if last is not None:
+                return last
+        reach /= 4
+    raise Unproven(f"stability just below the load {float(load):.10g} could not be shown")
