@@ -9,23 +9,22 @@ import mpmath as mp
 import pytest
 
 import freebeam as fb
-from freebeam_derive.certify import balls, beam, exact, ritz
+from freebeam_derive.certify import balls, beam, beam_itself, first_crossing
+from freebeam_derive.certify.boundary_polynomials import Question
 
 RITZ = "A critical load at N = 8, free-free, to so many digits"
 BEAM = "The flutter load of the beam itself, free-free, to so many digits"
 DAMPED = (Fraction(1, 1000), Fraction(1, 10))
 CASES = {
-    "undamped": (ritz.Question(8), (109.7217602, 23.0812644)),
-    "α = 0.001, β = 0.1": (ritz.Question(8, *DAMPED), (90.8526572, 11.9553367)),
-    "α → 0⁺": (ritz.Question(8, kappa=Fraction(0)), (88.1642206, 11.7280670)),
+    "undamped": (Question(8), (109.7217602, 23.0812644)),
+    "α = 0.001, β = 0.1": (Question(8, *DAMPED), (90.8526572, 11.9553367)),
+    "α → 0⁺": (Question(8, kappa=Fraction(0)), (88.1642206, 11.7280670)),
 }
 NEAR = (109.6891920, 23.0733299)
 
 
 def forget() -> None:
-    for remembered in (
-        ritz._characteristic, balls._isolated, balls._rational_matrices, beam._majorant, beam._weights, beam._shared
-    ):  # fmt: skip
+    for remembered in (balls._isolated, balls._rational_matrices, beam._majorant, beam._weights, beam._shared):
         remembered.cache_clear()
 
 
@@ -42,7 +41,7 @@ def bench_series(contender: Any, case: str, digits: int, bound: float) -> None:
 
     def ours() -> Any:
         forget()
-        return ritz.certify(kernel, question, near, digits).load
+        return first_crossing.certify(kernel, question, near, digits).load
 
     contender(
         RITZ,
@@ -94,8 +93,8 @@ def bench_beam(contender: Any, case: str, digits: int, bound: float, called: str
         if called == "first":
             forget()
         if case == "undamped":
-            return exact.flutter_undamped(beam.Beam(kernel), NEAR, digits)
-        return exact.flutter_damped(beam.Beam(kernel), *DAMPED, (90.8385772, 11.9509445), digits)
+            return beam_itself.flutter_undamped(beam.Beam(kernel), NEAR, digits)
+        return beam_itself.flutter_damped(beam.Beam(kernel), *DAMPED, (90.8385772, 11.9509445), digits)
 
     contender(
         BEAM,
@@ -150,7 +149,7 @@ def bench_plain_series(contender: Any) -> None:
         return P
 
     def error(P: Any) -> str:
-        load = exact.flutter_undamped(beam.Beam(fb.column("free-free").kernel), NEAR, 60).load
+        load = beam_itself.flutter_undamped(beam.Beam(fb.column("free-free").kernel), NEAR, 60).load
         with balls.precision(300), mp.workdps(70):
             return f"off by {mp.nstr(abs(P / mp.mpf(load.mid().str(65, radius=False)) - 1), 1)}, nothing proven"
 

@@ -169,10 +169,12 @@ class _Asked:
     @property
     def certified(self) -> Any:
         """The question as the provers take it."""
-        from freebeam_derive.certify import ritz
+        from freebeam_derive.certify import boundary_polynomials
 
         exact = self.exact
-        return ritz.Question(self.question.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own))
+        return boundary_polynomials.Question(
+            self.question.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own)
+        )
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
@@ -277,23 +279,24 @@ def certified_load(
 
 def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -> Any:
     """The first loss of stability of the series, proven. Raises InputError."""
-    from freebeam_derive.certify import crossings, ritz
+    from freebeam_derive.certify import all_crossings, first_crossing
     from freebeam_derive.certify.balls import Unproven
 
     kernel, question, load_max = asked.column.kernel, asked.certified, asked.exact["load_max"]
     near = _near(answer(asked.question))
     try:
         try:
-            return ritz.certify(kernel, question, near, digits, load_max, progress)
+            return first_crossing.certify(kernel, question, near, digits, load_max, progress)
         except Unproven as error:
             # floats may take another for the first, where two that all but touch look like none; all are sought
             top = load_max if near is None else min(load_max, Fraction(near[0]) * Fraction(1001, 1000))
-            lost = [c for c in crossings.survey(kernel, question, top, max(digits, 30), progress) if c.unstable == 0]
+            found = all_crossings.survey(kernel, question, top, max(digits, 30), progress)
+            lost = [c for c in found if c.unstable == 0]
             if not lost:
                 raise error
             square = lost[0].square
             first = lost[0].load[0], 0.0 if square is None else math.sqrt(square[0])
-            return ritz.certify(kernel, question, first, digits, load_max, progress)
+            return first_crossing.certify(kernel, question, first, digits, load_max, progress)
     except Unproven as error:
         raise InputError(f"not proven for {asked.column.name}, N = {asked.question.modes}: {error}") from error
 
@@ -330,14 +333,14 @@ def certified_crossings(
     Raises InputError for bad values, and where crossings cannot be told apart or one cannot be proven: the message
     says up to which load what is known.
     """
-    from freebeam_derive.certify import crossings
+    from freebeam_derive.certify import all_crossings
     from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     try:
-        found = crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
+        found = all_crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
     return tuple(
@@ -387,7 +390,7 @@ def exact_load(
 
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
     """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
-    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import Beam, NoSeries
     from freebeam_derive.certify.decimals import outward
@@ -488,7 +491,7 @@ def exact_spectrum(
 
     Raises InputError for bad values and for a column whose equation the power series does not serve.
     """
-    from freebeam_derive.certify import exact as beams
+    from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import Beam, NoSeries
 

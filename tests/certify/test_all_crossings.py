@@ -15,8 +15,8 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam_derive.certify import all_crossings, balls, boundary_polynomials, first_crossing
-from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.all_crossings import Crossing, Inseparable
+from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.boundary_polynomials import Question, boundary
 
 F = Fraction

@@ -15,7 +15,7 @@ from flint import acb, arb
 import freebeam_kernels.beck as beck
 import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
-from freebeam_derive.certify import balls, beam, exact
+from freebeam_derive.certify import balls, beam, beam_itself
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.beam import Beam, NoSeries
 
@@ -94,7 +94,7 @@ def double(kernel: str) -> Callable[..., Any]:
 def test_undamped_flutter_holds_what_mpmath_finds_from_the_other_end(
     kernel: Any, name: str, near: tuple[float, float]
 ) -> None:
-    found = exact.flutter_undamped(Beam(kernel), near, 20)
+    found = beam_itself.flutter_undamped(Beam(kernel), near, 20)
     p, s = independent(double(name), (float(found.load), float(found.frequency**2)))
     with mp.workdps(40):
         assert contains(found.load, p)
@@ -104,7 +104,7 @@ def test_undamped_flutter_holds_what_mpmath_finds_from_the_other_end(
 
 def test_damped_flutter_holds_what_mpmath_finds_from_the_other_end() -> None:
     alpha, beta = Fraction(1, 1000), Fraction(1, 10)
-    found = exact.flutter_damped(Beam(free_free), alpha, beta, (90.84, 11.95), 20)
+    found = beam_itself.flutter_damped(Beam(free_free), alpha, beta, (90.84, 11.95), 20)
 
     def system(P: Any, w: Any) -> list[Any]:
         turned = 1 + mp.mpc(0, 1) * w / 1000
@@ -119,7 +119,7 @@ def test_damped_flutter_holds_what_mpmath_finds_from_the_other_end() -> None:
 
 def test_vanishing_damping_holds_what_mpmath_finds_from_the_other_end() -> None:
     kappa = Fraction(50)
-    found = exact.flutter_limit(Beam(free_free), kappa, (90.0, 11.8), 15)
+    found = beam_itself.flutter_limit(Beam(free_free), kappa, (90.0, 11.8), 15)
 
     def system(p: Any, s: Any) -> list[Any]:
         F = lambda p, s: backwards("free-free", p, s)  # noqa: E731
@@ -151,7 +151,7 @@ def test_the_characteristic_function_is_becks(p: int, s: int, bits: int) -> None
 
 
 def test_becks_load_holds_the_double_root_of_becks_determinant() -> None:
-    found = exact.flutter_undamped(Beam(beck), (20.05, 11.02), 45)
+    found = beam_itself.flutter_undamped(Beam(beck), (20.05, 11.02), 45)
     p, s = independent(
         lambda p, s: [becks_determinant(p, s), mp.diff(lambda v: becks_determinant(p, v), s)], (20.05, 121.35), 70
     )
@@ -188,21 +188,21 @@ def test_damping_is_read_off_the_equation() -> None:
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_euler_s_loads_are_multiples_of_pi_squared(order: int) -> None:
-    found = exact.divergence(Beam(euler), 9.87 * order**2, 60)
+    found = beam_itself.divergence(Beam(euler), 9.87 * order**2, 60)
     with precision(300):
         assert found.load.contains((arb.pi() * order) ** 2)
     assert found.kind == "divergence" and found.frequency == 0
 
 
 def test_a_dead_load_on_becks_column_buckles_it_at_a_quarter_of_eulers() -> None:
-    found = exact.divergence(Beam(beck, {"eta": NONE}), 2.467, 60)
+    found = beam_itself.divergence(Beam(beck, {"eta": NONE}), 2.467, 60)
     with precision(300):
         assert found.load.contains((arb.pi() / 2) ** 2)
 
 
 def test_a_follower_load_has_no_divergence() -> None:
     with pytest.raises(Unproven, match="divergence at the load 10"):
-        exact.divergence(Beam(beck), 10.0, 10)
+        beam_itself.divergence(Beam(beck), 10.0, 10)
 
 
 # ------------------------------------------------------------ the series and its tail
@@ -328,13 +328,15 @@ def test_rigid_motions_put_their_power_of_s_into_the_function() -> None:
 
 # ------------------------------------------------------------ what is proven, and what is not
 
-CROSSINGS: dict[str, Callable[[int], exact.ExactCrossing]] = {
-    "undamped": lambda digits: exact.flutter_undamped(Beam(free_free), (109.69, 23.07), digits),
-    "damped": lambda digits: exact.flutter_damped(Beam(beck), Fraction(1, 100), HALF, (16.0, 7.0), digits),
-    "external": lambda digits: exact.flutter_damped(Beam(beck), NONE, HALF, (20.05, 11.0), digits),
-    "limit": lambda digits: exact.flutter_limit(Beam(free_free), NONE, (88.2, 11.7), digits),
-    "sub-tangential": lambda digits: exact.flutter_undamped(Beam(beck, {"eta": Fraction(4, 5)}), (17.6, 9.9), digits),
-    "divergence": lambda digits: exact.divergence(Beam(beck, {"eta": Fraction(1, 3)}), 3.5, digits),
+CROSSINGS: dict[str, Callable[[int], beam_itself.ExactCrossing]] = {
+    "undamped": lambda digits: beam_itself.flutter_undamped(Beam(free_free), (109.69, 23.07), digits),
+    "damped": lambda digits: beam_itself.flutter_damped(Beam(beck), Fraction(1, 100), HALF, (16.0, 7.0), digits),
+    "external": lambda digits: beam_itself.flutter_damped(Beam(beck), NONE, HALF, (20.05, 11.0), digits),
+    "limit": lambda digits: beam_itself.flutter_limit(Beam(free_free), NONE, (88.2, 11.7), digits),
+    "sub-tangential": lambda digits: beam_itself.flutter_undamped(
+        Beam(beck, {"eta": Fraction(4, 5)}), (17.6, 9.9), digits
+    ),
+    "divergence": lambda digits: beam_itself.divergence(Beam(beck, {"eta": Fraction(1, 3)}), 3.5, digits),
 }
 
 
@@ -355,29 +357,30 @@ def test_enclosures_nest_and_are_as_narrow_as_asked(name: str) -> None:
 
 def problems() -> list[tuple[str, Any, tuple[float, ...]]]:
     return [
-        ("undamped", exact.Coalescence(Beam(beck)), (20.05, 121.3)),
-        ("damped", exact.Damped(Beam(free_free), Fraction(1, 1000), Fraction(1, 10)), (90.84, 11.95)),
-        ("limit", exact.VanishingDamping(Beam(free_free), NONE), (88.15, 137.4)),
-        ("divergence", exact.Static(Beam(euler)), (9.87,)),
-        ("eigenvalue", exact.Eigenvalue(Beam(beck), Fraction(10), NONE, HALF, "plane"), (-0.25, 5.2)),
+        ("undamped", beam_itself.Coalescence(Beam(beck)), (20.05, 121.3)),
+        ("damped", beam_itself.Damped(Beam(free_free), Fraction(1, 1000), Fraction(1, 10)), (90.84, 11.95)),
+        ("limit", beam_itself.VanishingDamping(Beam(free_free), NONE), (88.15, 137.4)),
+        ("divergence", beam_itself.Static(Beam(euler)), (9.87,)),
+        ("eigenvalue", beam_itself.Eigenvalue(Beam(beck), Fraction(10), NONE, HALF, "plane"), (-0.25, 5.2)),
     ]
 
 
 @pytest.mark.parametrize(("name", "problem", "near"), problems(), ids=[name for name, *_ in problems()])
 def test_a_box_without_the_zero_is_refused(name: str, problem: Any, near: tuple[float, ...]) -> None:
-    found, _, bits = exact.enclose(problem, near, 40)
+    found, _, bits = beam_itself.enclose(problem, near, 40)
     with precision(bits + 64):
         middle = [side.mid() for side in found]
         around = arb(0, 1e-24)
         assert all(
-            a.overlaps(b) for a, b in zip(exact.krawczyk(problem, [m + around for m in middle]), found, strict=True)
+            a.overlaps(b)
+            for a, b in zip(beam_itself.krawczyk(problem, [m + around for m in middle]), found, strict=True)
         )
         with pytest.raises(Unproven):  # so wide that there may be two
-            exact.krawczyk(problem, [m + arb(0, 0.5) * abs(m) for m in middle])
+            beam_itself.krawczyk(problem, [m + arb(0, 0.5) * abs(m) for m in middle])
         for shifted in range(len(middle)):
             box = [m + around + (arb("1e-20") if k == shifted else 0) for k, m in enumerate(middle)]
             with pytest.raises(Unproven, match="not proven"):
-                exact.krawczyk(problem, box)
+                beam_itself.krawczyk(problem, box)
 
 
 def blown(kernel: Any, radius: float) -> Any:
@@ -392,12 +395,12 @@ def blown(kernel: Any, radius: float) -> Any:
 @pytest.mark.parametrize(("radius", "digits"), [(1e-3, 3), (1e-9, 12), (1e-30, 40)])
 def test_a_coefficient_blown_up_proves_nothing_narrower(radius: float, digits: int) -> None:
     with pytest.raises(Unproven, match="undamped flutter"):
-        exact.flutter_undamped(Beam(blown(beck, radius)), (20.05, 11.02), digits)
+        beam_itself.flutter_undamped(Beam(blown(beck, radius)), (20.05, 11.02), digits)
 
 
 def test_what_is_known_of_a_blown_up_column_is_still_proven() -> None:
-    found = exact.flutter_undamped(Beam(blown(beck, 1e-30)), (20.05, 11.02), 20)
-    assert found.load.overlaps(exact.flutter_undamped(Beam(beck), (20.05, 11.02), 40).load)
+    found = beam_itself.flutter_undamped(Beam(blown(beck, 1e-30)), (20.05, 11.02), 20)
+    assert found.load.overlaps(beam_itself.flutter_undamped(Beam(beck), (20.05, 11.02), 40).load)
 
 
 def reversed_load(kernel: ModuleType, top: int) -> Any:
@@ -410,41 +413,41 @@ def reversed_load(kernel: ModuleType, top: int) -> Any:
 
 
 def test_a_restabilisation_is_refused() -> None:
-    with pytest.raises(exact.NoOnset, match="restabilisation"):
-        exact.flutter_undamped(Beam(reversed_load(beck, 50)), (50 - 20.05, 11.02), 20)
-    with pytest.raises(exact.NoOnset, match="restabilisation"):
-        exact.divergence(Beam(reversed_load(euler, 30)), 30 - 9.87, 20)
-    with pytest.raises(exact.NoOnset, match="restabilisation"):
-        exact.flutter_damped(Beam(reversed_load(beck, 50)), NONE, HALF, (50 - 20.1, 11.0), 20)
+    with pytest.raises(beam_itself.NoOnset, match="restabilisation"):
+        beam_itself.flutter_undamped(Beam(reversed_load(beck, 50)), (50 - 20.05, 11.02), 20)
+    with pytest.raises(beam_itself.NoOnset, match="restabilisation"):
+        beam_itself.divergence(Beam(reversed_load(euler, 30)), 30 - 9.87, 20)
+    with pytest.raises(beam_itself.NoOnset, match="restabilisation"):
+        beam_itself.flutter_damped(Beam(reversed_load(beck, 50)), NONE, HALF, (50 - 20.1, 11.0), 20)
 
 
 def test_a_start_that_leads_nowhere_is_reported() -> None:
     with pytest.raises(
-        exact.NoZero, match=r"undamped flutter at the load \(and ω²\) 5, 9 is not proven: Newton's method"
+        beam_itself.NoZero, match=r"undamped flutter at the load \(and ω²\) 5, 9 is not proven: Newton's method"
     ):
-        exact.flutter_undamped(Beam(beck), (5.0, 3.0), 10)
+        beam_itself.flutter_undamped(Beam(beck), (5.0, 3.0), 10)
 
 
 @pytest.mark.parametrize("damping", [(Fraction(1, 1000), Fraction(1, 10)), (NONE, HALF)], ids=["both", "external"])
 def test_growth_changes_sign_at_the_damped_load(damping: tuple[Fraction, Fraction]) -> None:
     alpha, beta = damping
-    found = exact.flutter_damped(Beam(free_free), alpha, beta, (90.84, 11.95) if alpha else (109.7, 23.0), 20)
+    found = beam_itself.flutter_damped(Beam(free_free), alpha, beta, (90.84, 11.95) if alpha else (109.7, 23.0), 20)
     load, start = Fraction(float(found.load)), complex(0, float(found.frequency))
     step = Fraction(1, 10**6)
-    (below,) = exact.frequencies(Beam(free_free), load - step, alpha, beta, [start], 15)
-    (above,) = exact.frequencies(Beam(free_free), load + step, alpha, beta, [start], 15)
+    (below,) = beam_itself.frequencies(Beam(free_free), load - step, alpha, beta, [start], 15)
+    (above,) = beam_itself.frequencies(Beam(free_free), load + step, alpha, beta, [start], 15)
     assert below.real < 0 < above.real
 
 
 def test_two_frequencies_become_a_complex_pair_at_the_undamped_load() -> None:
-    found = exact.flutter_undamped(Beam(beck), (20.05, 11.02), 20)
+    found = beam_itself.flutter_undamped(Beam(beck), (20.05, 11.02), 20)
     load, w = Fraction(float(found.load)), float(found.frequency)
     bend = 0.04  # about how far the two are apart at a load lower by 1/1000
-    low, high = exact.frequencies(
+    low, high = beam_itself.frequencies(
         Beam(beck), load - Fraction(1, 1000), NONE, NONE, [1j * (w - bend), 1j * (w + bend)], 15
     )
     assert low.real == 0 == high.real and low.imag < found.frequency < high.imag
-    (grown,) = exact.frequencies(Beam(beck), load + Fraction(1, 1000), NONE, NONE, [complex(bend, w)], 15)
+    (grown,) = beam_itself.frequencies(Beam(beck), load + Fraction(1, 1000), NONE, NONE, [complex(bend, w)], 15)
     assert grown.real > 0
 
 
@@ -452,12 +455,12 @@ def test_two_frequencies_become_a_complex_pair_at_the_undamped_load() -> None:
 def test_small_damping_tends_to_its_limit(kappa: Fraction) -> None:
     """To first order: the distance goes with α², for the growth rate is odd in the damping."""
     column = Beam(free_free)
-    limit = exact.flutter_limit(column, kappa, (89.0, 11.8), 30)
+    limit = beam_itself.flutter_limit(column, kappa, (89.0, 11.8), 30)
     near = (float(limit.load), float(limit.frequency))
     away = []
     for power in (4, 5, 12):
         alpha = Fraction(1, 10**power)
-        found = exact.flutter_damped(column, alpha, kappa * alpha, near, 30)
+        found = beam_itself.flutter_damped(column, alpha, kappa * alpha, near, 30)
         away.append(float(found.load - limit.load))
     assert away[0] / away[1] == pytest.approx(100, rel=0.05)
     assert abs(away[2]) < 1e-16
@@ -473,10 +476,10 @@ def test_frequencies_without_load_are_those_of_the_comparison_beam(kernel: Modul
         quarter, _, delta = balls.roots(kernel, 6)
         gamma = [q * arb.pi() / 4 + d for q, d in zip(quarter, delta, strict=True)]
         starts = [1j * float(g) ** 2 for g in gamma]
-        for value, g in zip(exact.frequencies(Beam(kernel), NONE, NONE, NONE, starts, 30), gamma, strict=True):
+        for value, g in zip(beam_itself.frequencies(Beam(kernel), NONE, NONE, NONE, starts, 30), gamma, strict=True):
             assert value.real == 0 and value.imag.overlaps(g * g)
         starts = [complex(v) for v in kernel.frequencies(np.array([float(g) for g in gamma]), 1e-3, 0.1)[1]]
-        for value, g in zip(exact.frequencies(Beam(kernel), NONE, alpha, beta, starts, 30), gamma, strict=True):
+        for value, g in zip(beam_itself.frequencies(Beam(kernel), NONE, alpha, beta, starts, 30), gamma, strict=True):
             # Eq. (23)
             damped = value * value + (balls.exact(alpha) * g**4 + balls.exact(beta)) * value + g**4
             assert damped.contains(0) and abs(damped) < 1e-20 * abs(g**4)
@@ -486,7 +489,7 @@ def test_high_modes_get_the_bits_that_they_need() -> None:
     with precision(300):
         quarter, _, delta = balls.roots(beck, 30)
         g = quarter[-1] * arb.pi() / 4 + delta[-1]
-        (value,) = exact.frequencies(Beam(beck), NONE, NONE, NONE, [1j * float(g * g)], 30)
+        (value,) = beam_itself.frequencies(Beam(beck), NONE, NONE, NONE, [1j * float(g * g)], 30)
         assert value.imag.overlaps(g * g) and value.imag.rad() < 1e-29 * g * g
 
 
@@ -496,7 +499,7 @@ def test_overdamped_eigenvalues_are_known_to_be_real() -> None:
         quarter, _, delta = balls.roots(beck, 1)
         g = quarter[0] * arb.pi() / 4 + delta[0]
         for start in beck.frequencies(np.array([float(g)]), 1.0, 0.0):
-            (value,) = exact.frequencies(Beam(beck), NONE, Fraction(1), NONE, [complex(start[0])], 20)
+            (value,) = beam_itself.frequencies(Beam(beck), NONE, Fraction(1), NONE, [complex(start[0])], 20)
             assert value.imag == 0 and value.real < 0
             assert (value * value + g**4 * (value + 1)).contains(0)
 
@@ -509,7 +512,7 @@ def test_ritz_values_are_near_zeros_of_the_function(kernel: ModuleType) -> None:
     stiffness = kernel.stiffness_elastic(basis) + load * kernel.stiffness_load(basis)
     ritz = np.sort(np.linalg.eigvals(np.linalg.solve(kernel.mass(basis), stiffness)).real)[:4]
     starts = [1j * float(v) ** 0.5 for v in ritz]
-    found = exact.frequencies(Beam(kernel), Fraction(load), NONE, NONE, starts, 12)
+    found = beam_itself.frequencies(Beam(kernel), Fraction(load), NONE, NONE, starts, 12)
     with precision(128):
         for s, value in zip(ritz, found, strict=True):
             t = Beam(kernel).taylor(arb(load), arb(float(s)), ((0, 0), (0, 1)))
@@ -520,7 +523,7 @@ def test_ritz_values_are_near_zeros_of_the_function(kernel: ModuleType) -> None:
 
 def test_two_starts_for_one_eigenvalue_are_refused() -> None:
     with pytest.raises(Unproven, match="lead to one eigenvalue"):
-        exact.frequencies(Beam(beck), NONE, NONE, NONE, [3.51j, 3.52j], 10)
+        beam_itself.frequencies(Beam(beck), NONE, NONE, NONE, [3.51j, 3.52j], 10)
 
 
 # ------------------------------------------------------------ columns that the series does not serve
@@ -547,16 +550,16 @@ def test_damping_of_another_kind_is_refused() -> None:
         lambda P, a, b: (CLAMPED, free(a)),
     )
     with pytest.raises(NoSeries, match="damping is not of the form"):
-        exact.flutter_damped(Beam(other), HALF, HALF, (20.0, 11.0), 10)
+        beam_itself.flutter_damped(Beam(other), HALF, HALF, (20.0, 11.0), 10)
 
 
 def test_bad_input_is_named() -> None:
     with pytest.raises(ValueError, match="zeta: beck has no such parameter"):
         Beam(beck, {"zeta": HALF})
     with pytest.raises(ValueError, match="digits = 0: must be 1 or greater"):
-        exact.flutter_undamped(Beam(beck), (20.05, 11.02), 0)
+        beam_itself.flutter_undamped(Beam(beck), (20.05, 11.02), 0)
     undamped = column(
         lambda P, a, b: {(0, 1): (b,), (0, 2): (1,), (2, 0): (P,), (4, 0): (1,)}, lambda P, a, b: (CLAMPED, free(0))
     )
     with pytest.raises(ValueError, match="no internal damping"):
-        exact.flutter_limit(Beam(undamped), NONE, (20.0, 11.0), 10)
+        beam_itself.flutter_limit(Beam(undamped), NONE, (20.0, 11.0), 10)

@@ -18,7 +18,7 @@ import pytest
 import freebeam as fb
 from freebeam.cli import main
 from freebeam.proofs import rational
-from freebeam_derive.certify import exact as beams
+from freebeam_derive.certify import beam_itself as beams
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.decimals import outward

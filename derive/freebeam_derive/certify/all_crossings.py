@@ -1,12 +1,12 @@
 """All crossings of a Ritz series up to a load, with the proof that none is left out. Eqs. (24), (25).
 
-With h and g of `boundary_polynomials.py`, an eigenvalue is on the imaginary axis at a load P if and only if h(P, x) = g(P, x) = 0 for
-some x = ω² > 0, or h(P, 0) = det K = 0. (Without damping g is h_x: two eigenvalues meet. Where that happens at x < 0,
-or off the real axis, nothing becomes stable or unstable, and none of it appears here.) So it is to be shown that h and
-g have no common zero on a stretch of loads for any x from 0 to ∞: the half line is cut between neighbouring zeros of h
-and of g at the stretch's middle, and in each strip one of the two keeps its sign, which its Bernstein coefficients in P
-and x prove. A stretch that fails is searched for a crossing by Newton's method. Krawczyk's test proves one, on a box as
-large as can be had it is shown to be alone, and the strips leave that box out. What remains is cut in half.
+With h and g of `boundary_polynomials.py`, an eigenvalue is on the imaginary axis at a load P if and only if h(P, x) =
+g(P, x) = 0 for some x = ω² > 0, or h(P, 0) = 0. (Without damping g is h_x: two eigenvalues meet. Where that happens at
+x < 0, or off the real axis, nothing becomes stable or unstable, and none of it appears here.) So it is to be shown that
+h and g have no common zero on a stretch of loads for any x from 0 to ∞: the half line is cut between neighbouring zeros
+of h and of g at the stretch's middle, and in each strip one of the two keeps its sign, which its Bernstein coefficients
+in P and x prove. A stretch that fails is searched for a crossing by Newton's method. Krawczyk's test proves one, on a
+box as large as can be had it is shown to be alone, and the strips leave that box out. What remains is cut in half.
 
 How many eigenvalues are unstable is counted from none at P = 0: the sign of the Jacobian of (h, g) says which way an
 eigenvalue crosses.
@@ -121,13 +121,13 @@ def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits
     with precision(bits):
         fine = boundary(kernel, question, bits)
         for crossing in found:
-            flutter = crossing.square is not None
-            P, *squares = refined(fine, [crossing.load, crossing.square] if flutter else [crossing.load], bits, 40)
+            z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
+            P, *squares = refined(fine, z, bits, 40)
             inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in squares)
             if not (inside and exact(crossing.low) < P < exact(crossing.high)):
                 raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
-            square = _interval(squares[0], digits - 1) if flutter else None
-            kind = "flutter" if flutter else "divergence"
+            square = _interval(squares[0], digits - 1) if squares else None
+            kind = "flutter" if squares else "divergence"
             result.append(Crossing(kind, _interval(P, digits), square, crossing.change, unstable))
             unstable += crossing.change
     return result
@@ -263,7 +263,7 @@ class _Survey:
                 if not abs(z[0] - P) < 3 * exact(b - a):
                     break
                 if abs(z[0] - before) < abs(z[0]) * arb(2) ** (-LOWEST_BITS // 2):
-                    box = self._box(*z, a, b)
+                    box = self._box(z[0], z[1], a, b)
                     if box is not None:
                         return box
                     break

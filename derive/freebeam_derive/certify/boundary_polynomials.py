@@ -52,13 +52,17 @@ class Boundary:
 
     def value(self, z: Sequence[arb]) -> list[arb]:
         """The equations at a point or over a box."""
-        return [self.h(*z), self.g(*z)] if len(z) == 2 else [self.h(*z, arb(0))]
+        if len(z) == 1:
+            return [self.h(z[0], arb(0))]
+        P, x = z
+        return [self.h(P, x), self.g(P, x)]
 
     def slopes(self, z: Sequence[arb]) -> arb_mat:
         """Their derivatives by P, and by x."""
         if len(z) == 1:
-            return arb_mat([[self.h.by_P(*z, arb(0))]])
-        return arb_mat([[f.by_P(*z), f.by_x(*z)] for f in (self.h, self.g)])
+            return arb_mat([[self.h.by_P(z[0], arb(0))]])
+        P, x = z
+        return arb_mat([[f.by_P(P, x), f.by_x(P, x)] for f in (self.h, self.g)])
 
     def about(self, P: arb, x: arb) -> Boundary:
         """The same, P and x counted from a point."""

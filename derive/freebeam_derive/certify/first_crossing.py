@@ -159,7 +159,8 @@ def _towards(
             flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
             slope = rational(flat + (steep - flat) * share, 30)
         there = float(x + slope * (start - P))
-        nearest = min(range(len(separators)), key=lambda k: abs(float(separators[k][0]) - there))
+        places = [float(point) for point, _ in separators]
+        nearest = min(range(len(places)), key=lambda k: abs(places[k] - there))
         separators = (*separators[:nearest], (x, slope), *separators[nearest + 1 :])
     stretch = Stretch(start, end, P, separators)
     return stretch if holds(found, stretch) else None

@@ -76,7 +76,7 @@ def enclose(system: System, x: Sequence[arb], bits: int) -> list[arb]:
 
 
 def one_to_one(at_centre: arb_mat, over_box: arb_mat, radii: Sequence[arb]) -> bool:
-    """Whether no two points of a box have equal values: 1 − J(centre)⁻¹ J is a contraction there, in units of its radii."""
+    """Whether no two points of a box have equal values: 1 − J(centre)⁻¹ J is a contraction, in units of its radii."""
     try:
         rest = inverse(at_centre) * over_box
     except Unproven:

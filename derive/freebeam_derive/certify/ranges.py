@@ -1,17 +1,18 @@
 """Critical loads over a range of damping, proven for every value in it. Eqs. (10), (12), (24), (25).
 
 h and g of `boundary_polynomials.py` are polynomials in one damping more, τ: α², β², or one of α and β with the other
-held; they are interpolated. A range of τ is cut into cells. On a cell [τ₀ − r, τ₀ + r] a value is taken as that at τ₀ plus r [−1, 1] times the slope over the
-cell (the mean value form), so that what cancels at τ₀ stays cancelled. On each cell is shown:
+held; they are interpolated. A range of τ is cut into cells. On a cell [τ₀ − r, τ₀ + r] a value is taken as that at τ₀
+plus r [−1, 1] times the slope over the cell (the mean value form), so that what cancels at τ₀ stays cancelled. On each
+cell is shown:
 
 - the crossing: Krawczyk's test on a box of P and x = ω² holds for every τ of the cell at once, so that there is one
   crossing P*(τ), alone in the box, with x > 0: flutter;
 - the sign of dP*/dτ there, from the implicit function theorem.
 
-Stability up to a load is shown by the separators of `first_crossing.py`, for every τ of a cell. That a load is unstable needs no
-more than a point u: h > 0 on [0, u] while g changes its sign there. Roots of h and g then do not interlace; and what h
-and g may have in common, eigenvalues on the axis, can be divided out, for h has no root where g has its first: an
-eigenvalue with a positive real part is left.
+Stability up to a load is shown by the separators of `first_crossing.py`, for every τ of a cell. That a load is
+unstable needs no more than a point u: h > 0 on [0, u] while g changes its sign there. Roots of h and g then do not
+interlace; and what h and g may have in common, eigenvalues on the axis, can be divided out, for h has no root where g
+has its first: an eigenvalue with a positive real part is left.
 """
 
 from __future__ import annotations
@@ -168,7 +169,8 @@ def _through(taus: Sequence[arb], tables: Sequence[arb_mat]) -> Curve:
     """Polynomials in τ through the coefficients of h or g at some dampings."""
     rows, columns = tables[0].nrows(), tables[0].ncols()
     return [
-        [arb_poly.interpolate(list(taus), [table[a, b] for table in tables]) for b in range(columns)] for a in range(rows)
+        [arb_poly.interpolate(list(taus), [table[a, b] for table in tables]) for b in range(columns)]
+        for a in range(rows)
     ]
 
 
@@ -203,10 +205,12 @@ class Over(Bivariate):
         return found
 
     def at(self, P: arb) -> arb_poly:
-        return self._whole([part.at(P) for part in self.parts])
+        found: arb_poly = self._whole([part.at(P) for part in self.parts])
+        return found
 
     def along(self, origin: arb, point: arb, slope: arb) -> arb_poly:
-        return self._whole([part.along(origin, point, slope) for part in self.parts])
+        found: arb_poly = self._whole([part.along(origin, point, slope) for part in self.parts])
+        return found
 
     @cached_property
     def by_P(self) -> Over:
@@ -219,8 +223,8 @@ class Over(Bivariate):
     @property
     def by_tau(self) -> Over:
         """∂/∂τ over all of the cell."""
-        value, first, second = self.parts
-        return Over([first, second.combined(2, second, 0), Bivariate([])], self.spread)
+        _, first, second = self.parts
+        return Over([first, second.combined(arb(1), second, arb(1)), Bivariate([])], self.spread)
 
     def about(self, P: arb, x: arb) -> Over:
         return self._of_each(lambda part: part.about(P, x))
@@ -265,7 +269,8 @@ class _Family:
         they move with the same τ, and what cancels between them does so before the cell's width comes in."""
         Y = inverse(self.centre.slopes(z)).mid()
         h, g = self.over.h.about(*z), self.over.g.about(*z)
-        return Boundary(self.over.N, *(h.combined(Y[i, 0], g, Y[i, 1]) for i in range(2)), True)
+        one, other = (h.combined(Y[i, 0], g, Y[i, 1]) for i in range(2))
+        return Boundary(self.over.N, one, other, True)
 
     # --- signs ---
 
@@ -297,4 +302,8 @@ def _positive(polynomial: arb_poly, start: Fraction, end: Fraction, depth: int) 
     if signs_on([polynomial], start, end) == [1]:
         return True
     middle = (start + end) / 2
-    return bool(depth) and _positive(polynomial, start, middle, depth - 1) and _positive(polynomial, middle, end, depth - 1)
+    return (
+        bool(depth)
+        and _positive(polynomial, start, middle, depth - 1)
+        and _positive(polynomial, middle, end, depth - 1)
+    )

@@ -82,7 +82,7 @@ def none_before(name: str, which: str, held: str, low: str, high: str, pieces: i
 def eigenvalues(load: str, alpha: str = "0", beta: str = "0") -> tuple[tuple[Interval, Interval], ...]:
     """Real and imaginary part of each of the 16 eigenvalues of A, Eq. (25), enclosed; ascending in |Im λ|."""
     from freebeam_derive.certify.balls import ends
-    from freebeam_derive.certify.motion import eigenvalues as found
+    from freebeam_derive.certify.forced_motion import eigenvalues as found
 
     values = found(beam().kernel, MODES, Fraction(load), Fraction(alpha), Fraction(beta))
     pairs = [(ends(value.real), ends(value.imag)) for value in values]
@@ -93,7 +93,7 @@ class Amplitude:
     """The elastic amplitude at x_s under sin ωt at x_F = 1 for α = 0.001, β = 0.1, as a function of the load."""
 
     def __init__(self, x_s: str, frequency: str, transposed: bool) -> None:
-        from freebeam_derive.certify.motion import amplitude as found
+        from freebeam_derive.certify.forced_motion import amplitude as found
 
         self._found = found(
             beam().kernel,

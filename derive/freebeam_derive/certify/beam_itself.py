@@ -9,22 +9,23 @@ proven here, and `first` and `stable_below` say so.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import flint
 from flint import acb, arb, arb_mat
 
-from freebeam_derive.certify.balls import Exact, Unproven, exact, precision
-from freebeam_derive.certify.beam import Beam, Taylor
+from freebeam_derive.certify.balls import Exact, Unproven, ball, exact, precision
+from freebeam_derive.certify.beam import Beam, Order, Taylor
+from freebeam_derive.certify.krawczyk import image, inside, inverse
 
 Kind = Literal["flutter", "divergence"]
 Facts = tuple[list[arb], Taylor]  # a box, and what the beam's function is on all of it
 
-_VALUE = ((0, 0), (0, 1))
-_FIRST = ((0, 0), (1, 0), (0, 1))
+_FIRST: tuple[Order, ...] = ((0, 0), (1, 0), (0, 1))
 
 
 class NoZero(Unproven):
@@ -63,123 +64,133 @@ class ExactCrossing:
     proof: Proof = field(default_factory=Proof)
 
 
-class Problem(Protocol):
-    """n real equations for n real unknowns, in balls. sought: what their zero is."""
+class Problem(ABC):
+    """n real equations for n real unknowns, in balls: what they say of F(p, s), its Taylor coefficients t.
+
+    sought: what their zero is. of_value, of_slopes: the orders of t that equations and matrix need.
+    """
 
     sought: str
+    of_value: tuple[Order, ...]
+    of_slopes: tuple[Order, ...]
 
-    def value(self, x: list[arb]) -> list[arb]:
-        """The equations at a point or on a box."""
-
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        """The equations, their matrix of derivatives, and the derivatives of F that they were made of."""
-
-    def scale(self, x: list[arb]) -> list[arb]:
-        """What the widths of the unknowns are relative to."""
-
-
-# -------------------------------------------------------------------- the problems
-
-
-class _Problem:
     def __init__(self, beam: Beam) -> None:
         self.beam = beam
 
+    def place(self, x: list[arb]) -> tuple[Any, Any]:
+        """p and s of the unknowns."""
+        return x[0], x[1]
+
+    @abstractmethod
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
+        """What must vanish."""
+
+    @abstractmethod
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
+        """Its derivatives by the unknowns."""
+
+    def value(self, x: list[arb]) -> list[arb]:
+        """The equations at a point or on a box."""
+        return self.equations(x, self.beam.taylor(*self.place(x), self.of_value))
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], arb_mat, Taylor]:
+        """The equations, their matrix of derivatives, and the derivatives of F that they were made of."""
+        t = self.beam.taylor(*self.place(x), self.of_slopes)
+        return self.equations(x, t), arb_mat(self.matrix(x, t)), t
+
     def scale(self, x: list[arb]) -> list[arb]:
+        """What the widths of the unknowns are relative to."""
         return [abs(value).mid() for value in x]
 
 
-class Coalescence(_Problem):
+class Onset(Problem):
+    """A crossing, of which more is to be proven."""
+
+    @abstractmethod
+    def onset(self, x: list[arb], t: Taylor) -> None:
+        """With growing load it leads from stable to unstable. Raises NoOnset, or Unproven."""
+
+
+class Coalescence(Onset):
     """(p, s) with F = ∂F/∂s = 0: two eigenvalues meet. No damping."""
 
     sought = "undamped flutter at the load (and ω²)"
+    of_value = ((0, 0), (0, 1))
+    of_slopes = ((0, 0), (0, 1), (1, 0), (1, 1), (0, 2))
 
-    def value(self, x: list[arb]) -> list[arb]:
-        t = self.beam.taylor(x[0], x[1], _VALUE)
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
         return [t[0, 0], t[0, 1]]
 
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        t = self.beam.taylor(x[0], x[1], (*_VALUE, (1, 0), (1, 1), (0, 2)))
-        return [t[0, 0], t[0, 1]], [[t[1, 0], t[0, 1]], [t[1, 1], 2 * t[0, 2]]], t
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
+        return [[t[1, 0], t[0, 1]], [t[1, 1], 2 * t[0, 2]]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
         """Near the double root (s − s*)² ~ −2 F_p / F_ss (p − p*): two real s below p*, complex ones above."""
-        _positive(x[0], "the load is not known to be positive")
-        _positive(x[1], "the pair is not known to meet at s > 0")
         _sign(t[0, 2] * t[1, 0], "the pair is complex below the load and real above it, a restabilisation")
 
 
-class Damped(_Problem):
+class Damped(Onset):
     """(P, ω) with F = 0 at λ = iω."""
 
     sought = "damped flutter at the load (and ω)"
+    of_value = ((0, 0),)
+    of_slopes = _FIRST
 
     def __init__(self, beam: Beam, alpha: Exact, beta: Exact) -> None:
         super().__init__(beam)
         self.alpha, self.beta = alpha, beta
 
-    def _place(self, x: list[arb]) -> tuple[acb, acb, acb, arb, arb]:
-        c_E, c_M = self.beam.damping(self.alpha, self.beta)
-        inverse = 1 / acb(1, c_E * x[1])
-        return x[0] * inverse, acb(x[1] * x[1], -c_M * x[1]) * inverse, inverse, c_E, c_M
+    def place(self, x: list[arb]) -> tuple[acb, acb]:
+        p, s, *_ = _pencil(self.beam, x[0], acb(0, x[1]), self.alpha, self.beta)
+        return p, s
 
-    def value(self, x: list[arb]) -> list[arb]:
-        p, s, *_ = self._place(x)
-        G = self.beam.taylor(p, s, ((0, 0),))[0, 0]
-        return [G.real, G.imag]
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
+        return [t[0, 0].real, t[0, 0].imag]
 
     def _chain(self, x: list[arb], t: Taylor) -> tuple[acb, acb]:
         """F by the load and by the frequency."""
-        p, s, inverse, c_E, c_M = self._place(x)
-        turning = acb(0, c_E) * inverse
-        by_frequency = t[0, 1] * (acb(2 * x[1], -c_M) * inverse - s * turning) - t[1, 0] * p * turning
-        return t[1, 0] * inverse, by_frequency
+        _, _, p_slope, s_slope, inverse = _pencil(self.beam, x[0], acb(0, x[1]), self.alpha, self.beta)
+        return t[1, 0] * inverse, acb(0, 1) * (t[1, 0] * p_slope + t[0, 1] * s_slope)
 
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        p, s, *_ = self._place(x)
-        t = self.beam.taylor(p, s, _FIRST)
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
         by_load, by_frequency = self._chain(x, t)
-        matrix = [[by_load.real, by_frequency.real], [by_load.imag, by_frequency.imag]]
-        return [t[0, 0].real, t[0, 0].imag], matrix, t
+        return [[by_load.real, by_frequency.real], [by_load.imag, by_frequency.imag]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
         """d Re λ / dP > 0, where dλ/dP = −i G_P / G_ω."""
-        _positive(x[0], "the load is not known to be positive")
-        _positive(x[1], "the frequency is not known to be positive")
         by_load, by_frequency = self._chain(x, t)
         _sign((by_load * by_frequency.conjugate()).imag, "the growth rate falls with the load there, a restabilisation")
 
 
-class VanishingDamping(_Problem):
+class VanishingDamping(Onset):
     """(p, s) with F = 0 and p s'(p) − s = κ on it: the limit α → 0⁺ at β = κα (the tangent rule)."""
 
     sought = "flutter at vanishing damping at the load (and ω²)"
+    of_value = _FIRST
+    of_slopes = (*_FIRST, (2, 0), (1, 1), (0, 2))
 
     def __init__(self, beam: Beam, kappa: Exact) -> None:
         super().__init__(beam)
         self.kappa = kappa
 
-    def _ratio(self) -> arb:
+    def _moved(self, x: list[arb]) -> arb:
+        """s + κ."""
         c_E, c_M = self.beam.damping(Fraction(1), self.kappa)
         if not c_E > 0:
             raise ValueError(f"{self.beam.name}: has no internal damping that could vanish; give a damping instead")
-        return c_M / c_E
+        return x[1] + c_M / c_E
 
-    def value(self, x: list[arb]) -> list[arb]:
-        t = self.beam.taylor(x[0], x[1], _FIRST)
-        return [t[0, 0], x[0] * t[1, 0] + (x[1] + self._ratio()) * t[0, 1]]
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
+        return [t[0, 0], x[0] * t[1, 0] + self._moved(x) * t[0, 1]]
 
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        t = self.beam.taylor(x[0], x[1], (*_FIRST, (2, 0), (1, 1), (0, 2)))
-        p, moved = x[0], x[1] + self._ratio()
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
+        p, moved = x[0], self._moved(x)
         by_p = t[1, 0] + 2 * p * t[2, 0] + moved * t[1, 1]
         by_s = p * t[1, 1] + t[0, 1] + 2 * moved * t[0, 2]
-        return [t[0, 0], p * t[1, 0] + moved * t[0, 1]], [[t[1, 0], t[0, 1]], [by_p, by_s]], t
+        return [[t[1, 0], t[0, 1]], [by_p, by_s]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
         """The growth rate, α (p s' − s − κ)/2 to first order, rises through zero: p s'' > 0."""
-        _positive(x[0], "the load is not known to be positive")
-        _positive(x[1], "s is not known to be positive")
         if t[0, 1].contains(0):
             raise Unproven("the eigenvalue is not known to be simple")
         slope = -t[1, 0] / t[0, 1]
@@ -187,35 +198,37 @@ class VanishingDamping(_Problem):
         _sign(bend, "the growth rate falls with the load there, a restabilisation")
 
 
-class Static(_Problem):
+class Static(Onset):
     """p with F(p, 0) = 0, after the factor s^R of the rigid motions is struck out."""
 
     sought = "divergence at the load"
 
     def __init__(self, beam: Beam) -> None:
         super().__init__(beam)
-        self.order = beam.trivial()
+        R = self.order = beam.trivial()
+        self.of_value = tuple((0, j) for j in range(R + 1))
+        self.of_slopes = (*((0, j) for j in range(R + 2)), *((1, j) for j in range(R + 1)))
 
-    def value(self, x: list[arb]) -> list[arb]:
-        t = self.beam.taylor(x[0], arb(0), tuple((0, j) for j in range(self.order + 1)))
+    def place(self, x: list[arb]) -> tuple[arb, arb]:
+        return x[0], arb(0)
+
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
         return [t[0, self.order]]
 
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        R = self.order
-        orders = (*((0, j) for j in range(R + 2)), *((1, j) for j in range(R + 1)))
-        t = self.beam.taylor(x[0], arb(0), orders)
-        return [t[0, R]], [[t[1, R]]], t
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
+        return [[t[1, self.order]]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
         """s passes from positive to negative: −F_p / F_s < 0."""
-        _positive(x[0], "the load is not known to be positive")
         _sign(t[1, self.order] * t[0, self.order + 1], "s rises through zero with the load there, a restabilisation")
 
 
-class Eigenvalue(_Problem):
+class Eigenvalue(Problem):
     """λ with F = 0 at a load: real (x), imaginary without damping (i x), or complex (x + i y)."""
 
     sought = "the eigenvalue"
+    of_value = ((0, 0),)
+    of_slopes = _FIRST
 
     def __init__(
         self, beam: Beam, load: Fraction, alpha: Exact, beta: Exact, line: Literal["real", "imaginary", "plane"]
@@ -230,41 +243,42 @@ class Eigenvalue(_Problem):
     def scale(self, x: list[arb]) -> list[arb]:
         return [abs(self.eigenvalue(x)).mid()] * len(x)
 
-    def _place(self, x: list[arb]) -> tuple[Any, Any, Any, Any]:
+    def _chain(self, x: list[arb]) -> tuple[Any, Any, Any, Any]:
         """p, s and how they change with x (with λ in the plane)."""
-        c_E, c_M = self.beam.damping(self.alpha, self.beta)
         P = exact(self.load)
         if self.line == "imaginary":
             return P, x[0] * x[0], arb(0), 2 * x[0]
-        value: Any = acb(*x) if self.line == "plane" else x[0]
-        inverse = 1 / (1 + c_E * value)
-        p, s = P * inverse, -value * (value + c_M) * inverse
-        return p, s, -p * c_E * inverse, -(2 * value + c_M + s * c_E) * inverse
+        return _pencil(self.beam, P, acb(*x) if self.line == "plane" else x[0], self.alpha, self.beta)[:4]
 
-    def value(self, x: list[arb]) -> list[arb]:
-        p, s, *_ = self._place(x)
-        F = self.beam.taylor(p, s, ((0, 0),))[0, 0]
+    def place(self, x: list[arb]) -> tuple[Any, Any]:
+        return self._chain(x)[:2]
+
+    def equations(self, x: list[arb], t: Taylor) -> list[arb]:
+        F = t[0, 0]
         return [F.real, F.imag] if self.line == "plane" else [F]
 
-    def slopes(self, x: list[arb]) -> tuple[list[arb], list[list[arb]], Taylor]:
-        p, s, p_slope, s_slope = self._place(x)
-        t = self.beam.taylor(p, s, _FIRST)
-        F, slope = t[0, 0], t[1, 0] * p_slope + t[0, 1] * s_slope
+    def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
+        _, _, p_slope, s_slope = self._chain(x)
+        slope = t[1, 0] * p_slope + t[0, 1] * s_slope
         if self.line != "plane":
-            return [F], [[slope]], t
-        return [F.real, F.imag], [[slope.real, -slope.imag], [slope.imag, slope.real]], t
+            return [[slope]]
+        return [[slope.real, -slope.imag], [slope.imag, slope.real]]
 
 
-def _positive(ball: arb, otherwise: str) -> None:
-    if not ball > 0:
-        raise Unproven(otherwise)
+def _pencil(beam: Beam, P: arb, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
+    """p and s of an eigenvalue λ, their slopes in λ, and 1 / (1 + αλ), the slope of p in P."""
+    c_E, c_M = beam.damping(alpha, beta)
+    inverse = 1 / (1 + c_E * value)
+    p, s = P * inverse, -value * (value + c_M) * inverse
+    return p, s, -p * c_E * inverse, -(2 * value + c_M + s * c_E) * inverse, inverse
 
 
 def _sign(ball: arb, otherwise: str) -> None:
     """ball > 0, or NoOnset where it is negative, or Unproven."""
     if ball < 0:
         raise NoOnset(otherwise)
-    _positive(ball, "the direction of the crossing is not known")
+    if not ball > 0:
+        raise Unproven("the direction of the crossing is not known")
 
 
 # -------------------------------------------------------------------- the method
@@ -276,32 +290,7 @@ def krawczyk(problem: Problem, box: Sequence[arb]) -> list[arb]:
     Raises Unproven where the proof fails: there may be none, or more than one.
     """
     x = [side.mid() for side in box]
-    _, slopes, _ = problem.slopes(list(box))
-    return _inside(box, _image(x, problem.value(x), slopes, box))
-
-
-def _inside(box: Sequence[arb], image: list[arb]) -> list[arb]:
-    if not all(side.contains_interior(part) for side, part in zip(box, image, strict=True)):
-        raise Unproven("a small box about it is not proven to hold one zero and only one")
-    return image
-
-
-def _image(x: list[arb], value: list[arb], slopes: list[list[arb]], box: Sequence[arb]) -> list[arb]:
-    """x − Y f(x) + (1 − Y J)(box − x) with Y near the inverse of J."""
-    n = len(x)
-    J = arb_mat(slopes)
-    inverse = _inverse(J.mid()).mid()
-    rest = arb_mat([[int(i == j) for j in range(n)] for i in range(n)]) - inverse * J
-    away = arb_mat([[side - middle] for side, middle in zip(box, x, strict=True)])
-    step = rest * away - inverse * arb_mat([[v] for v in value])
-    return [middle + step[i, 0] for i, middle in enumerate(x)]
-
-
-def _inverse(J: arb_mat) -> arb_mat:
-    try:
-        return J.inv()
-    except ZeroDivisionError:
-        raise Unproven("the crossing is not known to be simple") from None
+    return inside(box, image(x, problem.value(x), problem.slopes(list(box))[1], box))
 
 
 def _log2(ball: arb) -> int:
@@ -340,40 +329,38 @@ def enclose(problem: Problem, start: Sequence[float], digits: int) -> tuple[list
 def _enclose(problem: Problem, start: Sequence[float], target: int, bits: int) -> tuple[list[arb], Facts, int]:
     with precision(bits):
         x, radius, guard = _approach(problem, start, bits)
-        box = [middle + arb(0, 1) * size * arb(2) ** -radius for middle, size in zip(x, problem.scale(x), strict=True)]
+        box = [ball(middle, size * arb(2) ** -radius) for middle, size in zip(x, problem.scale(x), strict=True)]
         _, slopes, taylor = problem.slopes(box)
         facts: Facts = (box, taylor)
     used = max(bits, min(target + 4, 2 * radius) + guard)
     with precision(used):
-        image = _inside(box, _image(x, problem.value(x), slopes, box))
+        found = inside(box, image(x, problem.value(x), slopes, box))
     # the zero is in the box and alone there; from here on it is only refined
-    domain, held, reached = box, radius, _accuracy(image, problem.scale(image))
+    domain, held, reached = box, radius, _accuracy(found, problem.scale(found))
     gain = reached - radius
     while reached < target:
         if target - reached > 2 * gain:
             with precision(reached + guard):
-                _, slopes, taylor = problem.slopes(image)
-                domain, held, facts = image, reached, (image, taylor)
+                _, slopes, taylor = problem.slopes(found)
+                domain, held, facts = found, reached, (found, taylor)
         wanted = min(target + 4, reached + held)
         x = []
-        for side, whole in zip(image, domain, strict=True):
+        for side, whole in zip(found, domain, strict=True):
             with precision(reached + 16):  # short numbers are faster
                 short = (+side).mid()
             x.append(short if side.contains(short) else side.mid())
             if not whole.contains(x[-1]):  # J must be known from there to the zero
                 raise Unproven("rounding led out of the box")
         with precision(wanted + guard):
-            finer = [
-                old.intersection(new)
-                for old, new in zip(image, _image(x, problem.value(x), slopes, image), strict=True)
-            ]
+            new = image(x, problem.value(x), slopes, found)
+            finer = [old.intersection(part) for old, part in zip(found, new, strict=True)]
             used = max(used, flint.ctx.prec)
         better = _accuracy(finer, problem.scale(finer))
         gain = better - reached
         if gain <= 0:
             raise Unproven("the enclosure does not shrink")
-        image, reached = finer, better
-    return image, facts, used
+        found, reached = finer, better
+    return found, facts, used
 
 
 def _approach(problem: Problem, start: Sequence[float], bits: int) -> tuple[list[arb], int, int]:
@@ -383,7 +370,7 @@ def _approach(problem: Problem, start: Sequence[float], bits: int) -> tuple[list
     before, settled = 0, max(20, bits // 4 - 4)
     for _ in range(30):
         value, slopes, _ = problem.slopes(x)
-        step = _inverse(arb_mat(slopes)) * arb_mat([[v] for v in value])
+        step = inverse(slopes) * arb_mat([[v] for v in value])
         sides = [step[i, 0] for i in range(len(x))]
         scale = problem.scale(x)
         noise = _accuracy(sides, scale)
@@ -409,47 +396,42 @@ def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> Exac
 
     Raises Unproven where the load could not be enclosed, NoOnset where it is a restabilisation.
     """
-    return _flutter(Coalescence(beam), (near[0], near[1] ** 2), digits)
+    return _onset(Coalescence(beam), (near[0], near[1] ** 2), digits)
 
 
 def flutter_damped(beam: Beam, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
-    return _flutter(Damped(beam, alpha, beta), near, digits)
+    return _onset(Damped(beam, alpha, beta), near, digits)
 
 
 def flutter_limit(beam: Beam, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """The limit of the onset of flutter as α → 0⁺ at β = κα. near: load and frequency. Raises Unproven, NoOnset."""
-    return _flutter(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
-
-
-def _flutter(problem: Coalescence | Damped | VanishingDamping, near: tuple[float, float], digits: int) -> ExactCrossing:
-    found, bits = _onset(problem, near, digits)
-    with precision(bits):
-        frequency = found[1] if isinstance(problem, Damped) else found[1].sqrt()
-    return ExactCrossing(found[0], frequency, "flutter", digits, bits)
+    return _onset(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
 
 
 def divergence(beam: Beam, near: float, digits: int) -> ExactCrossing:
     """Onset of divergence: a frequency falls to zero; any damping. near: the load. Raises Unproven, NoOnset."""
     with precision(96):
         problem = Static(beam)
-    found, bits = _onset(problem, (near,), digits)
-    return ExactCrossing(found[0], arb(0), "divergence", digits, bits)
+    return _onset(problem, (near,), digits)
 
 
-def _onset(
-    problem: Coalescence | Damped | VanishingDamping | Static, near: tuple[float, ...], digits: int
-) -> tuple[list[arb], int]:
+def _onset(problem: Onset, near: tuple[float, ...], digits: int) -> ExactCrossing:
     """The crossing, proven to be an onset on the box that it was found in, or else on the narrow one."""
     found, facts, bits = enclose(problem, near, digits)
     with precision(bits):
+        if not all(value > 0 for value in found):
+            raise Unproven(f"{problem.sought} {float(found[0]):.10g} is not known to be positive")
         try:
             problem.onset(*facts)
         except NoOnset as refusal:
             raise NoOnset(f"{problem.sought} {float(found[0]):.10g} is a crossing, but {refusal}") from None
         except Unproven:
             problem.onset(found, problem.slopes(found)[2])
-    return found, bits
+        if isinstance(problem, Static):
+            return ExactCrossing(found[0], arb(0), "divergence", digits, bits)
+        frequency = found[1] if isinstance(problem, Damped) else found[1].sqrt()
+        return ExactCrossing(found[0], frequency, "flutter", digits, bits)
 
 
 def frequencies(
