@@ -11,11 +11,11 @@ frequencies meet.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from types import ModuleType
+from typing import Any
 
 from flint import arb, arb_mat, arb_poly
 
@@ -70,30 +70,36 @@ class Boundary:
 
 
 def expansion(M: arb_mat, C: arb_mat | None, E: arb_mat, H: arb_mat, vanishing: bool = False) -> Boundary:
-    """h and g where K = E + P H, of any matrices for which λ² M + λ C + E is regular at real λ ≥ 0.
+    """h and g where K = E + P H, of any matrices for which λ² M + λ C + E is regular at real λ > 0.
 
     C: None without damping; vanishing: only its direction counts.
     """
     N = M.nrows()
     # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
     # and heavy damping).
-    step = arb(2) ** round(math.log2(float(M.solve(E).det().mid())) / (2 * N) - 3)
+    size = ((E + M).det() / M.det()).log() / (2 * N * arb(2).log())
+    if not size.is_finite():
+        raise Unproven("mass and elastic stiffness are not known to be positive definite")
+    step = arb(2) ** (round(float(size)) - 3)
     if C is not None and not vanishing:
-        places = [step * k for k in range(2 * N + 1)]
-        whole = _through(places, [_determinant(p**2 * M + p * C + E, H) for p in places])
+        places = [step * k for k in range(1, 2 * N + 2)]
+        whole = _through(places, [determinant(p**2 * M + p * C + E, H) for p in places])
         even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
     else:
-        places = [(step * k) ** 2 for k in range(N + 1)]
-        even = _through(places, [_determinant(p * M + E, H) for p in places])
+        places = [(step * k) ** 2 for k in range(1, N + 2)]
+        even = _through(places, [determinant(p * M + E, H) for p in places])
         odd = [] if C is None else _through(places[:N], [_first_order(p * M + E, H, C) for p in places[:N]])
     scale = 1 / M.det()
     h = _in_square(even, N, scale)
     return Boundary(N, h, h.by_x if C is None else _in_square(odd, N - 1, scale), C is not None)
 
 
-def _determinant(A: arb_mat, H: arb_mat) -> list[arb]:
-    """Coefficients of det(A + P H) in P."""
-    powers, scale = A.solve(H).charpoly(), A.det()
+def determinant(A: Any, H: Any) -> list[Any]:
+    """Coefficients of det(A + P H) in P, for matrices of balls, real or complex, A regular. Raises Unproven."""
+    try:
+        powers, scale = A.solve(H).charpoly(), A.det()
+    except ZeroDivisionError:
+        raise Unproven("a matrix is not known to be regular") from None
     return [(-1) ** a * scale * powers[A.nrows() - a] for a in range(A.nrows() + 1)]
 
 
@@ -107,7 +113,7 @@ def _first_order(A: arb_mat, H: arb_mat, C: arb_mat) -> list[arb]:
     for j in range(1, N):
         power = G * power
         traces.append((-1) ** j * power.trace())
-    product = arb_poly(_determinant(A, H)) * arb_poly(traces)
+    product = arb_poly(determinant(A, H)) * arb_poly(traces)
     return [product[a] for a in range(N)]
 
 

@@ -11,10 +11,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from types import ModuleType
 
-from flint import acb, acb_mat, acb_poly, arb, arb_poly
+from flint import acb, acb_mat, arb, arb_mat, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, exact, matrices, precision, roots
 from freebeam_derive.certify.bivariate import signs_on
+from freebeam_derive.certify.boundary_polynomials import determinant
 
 BITS = 256
 
@@ -103,26 +104,15 @@ def amplitude(
         C = M * exact(beta) + E * exact(alpha)
         force, sensor = mode_values(kernel, modes, x_F), mode_values(kernel, modes, x_s)
         w = exact(frequency)
-        nodes, below, above = [], [], []
-        for k in range(modes + 1):
-            P = arb(16 * k)
-            Z = [
-                [acb(E[i, j] + P * H[i, j] - w * w * M[i, j], w * C[i, j]) for j in range(modes)] for i in range(modes)
-            ]
-            nodes.append(acb(P))
-            below.append(acb_mat(Z).det())
-            bordered = [[*row, acb(f)] for row, f in zip(Z, force, strict=True)] + [[*map(acb, sensor), acb(0)]]
-            above.append(acb_mat(bordered).det())
-        return Amplitude(_square(_through(nodes, above)), _square(_through(nodes, below)))
+        still = [[acb(E[i, j] - w * w * M[i, j], w * C[i, j]) for j in range(modes)] for i in range(modes)]
+        # by Cramer's rule: the system's determinant, bordered by force and sensor, over the determinant itself
+        bordered = [[*row, acb(f)] for row, f in zip(still, force, strict=True)] + [[*map(acb, sensor), acb(0)]]
+        loaded = [[*row, arb(0)] for row in H.tolist()] + [[arb(0)] * (modes + 1)]
+        above = determinant(acb_mat(bordered), acb_mat(arb_mat(loaded)))
+        return Amplitude(_squared(above), _squared(determinant(acb_mat(still), acb_mat(H))))
 
 
-def _through(nodes: list[acb], values: list[acb]) -> tuple[arb_poly, arb_poly]:
-    """Real and imaginary part of the polynomial through some points."""
-    found = acb_poly.interpolate(nodes, values)
-    coefficients = [found[k] for k in range(len(nodes))]
-    return arb_poly([c.real for c in coefficients]), arb_poly([c.imag for c in coefficients])
-
-
-def _square(parts: tuple[arb_poly, arb_poly]) -> arb_poly:
-    real, imaginary = parts
+def _squared(coefficients: list[acb]) -> arb_poly:
+    """The square of the modulus of a polynomial in the load."""
+    real, imaginary = arb_poly([c.real for c in coefficients]), arb_poly([c.imag for c in coefficients])
     return real * real + imaginary * imaginary

@@ -285,7 +285,7 @@ class _Family:
         if g and (not h or g[0] < h[0]):
             u = rational((g[0] + min([*h[:1], *g[1:2], 2 * g[0]], key=float)) / 2, 60)
             turns = self.over.g(P, arb(0)) > 0 and self.over.g(P, exact(u)) < 0
-            if turns and _positive(self.over.h.at(P), Fraction(0), u, 12):
+            if turns and _positive(self.over.h, P, Fraction(0), u, 12):
                 return
         raise Unproven(f"the load {float(load):.8g} is not known to be unstable")
 
@@ -297,13 +297,10 @@ def _over(curve: Curve, middle: arb, spread: arb) -> Over:
     return Over([_at(curve, middle), _at(first, middle), _at(second, middle + spread)], spread)
 
 
-def _positive(polynomial: arb_poly, start: Fraction, end: Fraction, depth: int) -> bool:
-    """Whether a polynomial is positive for start ≤ x ≤ end."""
-    if signs_on([polynomial], start, end) == [1]:
+def _positive(which: Bivariate, P: arb, start: Fraction, end: Fraction, depth: int) -> bool:
+    """Whether h or g is positive at a load for start ≤ x ≤ end."""
+    if signs_on([which.about(P, exact(start)).at(arb(0))], Fraction(0), end - start) == [1]:
         return True
     middle = (start + end) / 2
-    return (
-        bool(depth)
-        and _positive(polynomial, start, middle, depth - 1)
-        and _positive(polynomial, middle, end, depth - 1)
-    )
+    halves = ((start, middle), (middle, end))
+    return bool(depth) and all(_positive(which, P, low, high, depth - 1) for low, high in halves)

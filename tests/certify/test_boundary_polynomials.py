@@ -1,0 +1,94 @@
+"""h and g of any matrices, against determinants on the imaginary axis; signs and lines against values. Eq. (24)."""
+
+from __future__ import annotations
+
+import random
+from fractions import Fraction
+
+import pytest
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
+
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.bivariate import Bivariate, signs_on
+from freebeam_derive.certify.boundary_polynomials import Boundary, expansion
+
+
+def drawn(N: int, seed: int) -> tuple[arb_mat, arb_mat, arb_mat, arb_mat]:
+    """M and E positive definite; C positive, with a gyroscopic part, no sum of the two; H without symmetry."""
+    source = random.Random(seed)
+
+    def any_of_size() -> arb_mat:
+        return arb_mat([[arb(fmpq(source.randint(-9, 9), 7)) for _ in range(N)] for _ in range(N)])
+
+    def positive() -> arb_mat:
+        half = any_of_size()
+        return half * half.transpose() + arb_mat([[int(i == j) for j in range(N)] for i in range(N)])
+
+    turning = any_of_size()
+    damping = positive() + turning - turning.transpose()
+    return positive(), damping, 50 * positive(), any_of_size()
+
+
+@pytest.mark.parametrize("N", [1, 2, 3, 6])
+@pytest.mark.parametrize("kind", ["damped", "limit", "undamped"])
+def test_they_are_the_determinant_on_the_imaginary_axis(N: int, kind: str) -> None:
+    """det(−ω² M + iω C + E + P H) / det M = h + iω g; in the limit the first order in C; without damping g = ∂h/∂x."""
+    with precision(300):
+        M, C, E, H = drawn(N, N)
+        found = expansion(M, None if kind == "undamped" else C, E, H, kind == "limit")
+        assert found.damped == (kind != "undamped")
+        for P, omega in ((arb(3), arb(2)), (arb(-5) / 3, arb(9)), (arb(40), arb(1) / 10)):
+            x = omega**2
+            A = E + P * H - x * M
+            h, g = A.det(), arb(0)
+            if kind == "damped":
+                whole = (acb_mat(A) + acb(0, 1) * omega * acb_mat(C)).det()
+                h, g = whole.real, whole.imag / omega
+            elif kind == "limit":
+                g = h * A.solve(C).trace()
+            assert found.h(P, x).overlaps(h / M.det()) and found.h(P, x).rel_accuracy_bits() > 200
+            if kind == "undamped":
+                assert found.g(P, x).overlaps(found.h.at(P).derivative()(x))
+            else:
+                assert found.g(P, x).overlaps(g / M.det()) and found.g(P, x).rel_accuracy_bits() > 200
+
+
+def test_matrices_that_may_be_singular_are_refused() -> None:
+    with precision(100):
+        M, C, E, H = drawn(3, 1)
+        with pytest.raises(Unproven):
+            expansion(M * arb(0, 1), C, E, H)
+        with pytest.raises(Unproven):
+            expansion(M, C, E * arb(0, 10), H)
+
+
+def test_values_slopes_lines_and_taylors_form_agree() -> None:
+    with precision(200):
+        found = expansion(*drawn(4, 5))
+        P, x, t = arb(7) / 3, arb(11), arb(2) / 9
+        for f in (found.h, found.g):
+            assert f.at(P)(x).overlaps(f(P, x))
+            assert f.at(P).derivative()(x).overlaps(f.by_x(P, x))
+            line = f.along(P, x, arb(5))
+            assert line(t).overlaps(f(P + t, x + 5 * t))
+            assert line.derivative()(arb(0)).overlaps(f.by_P(P, x) + 5 * f.by_x(P, x))
+            assert f.along(P, x, arb(0))(t).overlaps(f(P + t, x))
+            assert f.about(P, x)(t, -t).overlaps(f(P + t, x - t))
+            assert f.combined(arb(2), found.h, arb(3))(P, x).overlaps(2 * f(P, x) + 3 * found.h(P, x))
+        local = found.about(P, x)
+        assert isinstance(local, Boundary)
+        for one, other in zip(local.slopes([arb(0), arb(0)]).entries(), found.slopes([P, x]).entries(), strict=True):
+            assert one.overlaps(other)
+
+
+def test_a_sign_is_said_only_where_it_holds_throughout() -> None:
+    """(t − 1)(t − 2) on intervals with and without its zeros, and at their edges."""
+    with precision(100):
+        parabola, falling, zero = arb_poly([2, -3, 1]), arb_poly([1, -1]), arb_poly([0])
+        quarter = Fraction(1, 4)
+        assert signs_on([parabola, falling, zero], quarter - 1, quarter) == [1, 1, 0]
+        assert signs_on([parabola, falling, -parabola], 1 + quarter, 2 - quarter) == [-1, -1, 1]
+        assert signs_on([parabola, falling], 2 + quarter, 9 + quarter) == [1, -1]
+        assert signs_on([parabola], quarter, 2 - quarter) == [0]
+        assert signs_on([parabola], Fraction(1), Fraction(2)) == [0]
+        assert signs_on([Bivariate([arb_poly([3])]).at(arb(1))], Fraction(0), Fraction(1)) == [1]
