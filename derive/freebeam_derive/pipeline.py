@@ -8,9 +8,9 @@ Ritz          weak form                   M, C, E, H, Q as bilinear forms       
 modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
 polynomials   ends                        Legendre series, the second basis         legendre.py      Eqs. (9), (11)
-stability     matrices                    pencil, meeting, tangent rule, work       stability.py     Eqs. (24)-(26)
+stability     matrices                    pencil, meeting, tangent rule, work       eigenproblem.py  Eqs. (24)-(26)
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
-proofs        all of these                every step by another route               proofs.py
+proofs        all of these                every step by another route               step_proofs.py
 kernel        closed forms                graph of operations                       kernel.py
 emission      graph                       NumPy module                              emit.py, emit_legendre.py, source.py
 verification  module, forms               measured errors within bounds             verify.py, independent.py
@@ -30,17 +30,17 @@ from importlib.metadata import version
 from pathlib import Path
 
 from freebeam_derive import (
+    eigenproblem,
     emit,
     integrals,
     kernel,
     legendre,
     modes,
     newmark,
-    proofs,
     ritz,
     scaling,
-    stability,
     statement,
+    step_proofs,
     variation,
     verify,
 )
@@ -87,12 +87,12 @@ class Derivation:
             *damped,
             *self.beam.steps,
             *integrals.orthogonality(self.beam),
-            stability.load_matrix(self.beam, self.system.H),
+            eigenproblem.load_matrix(self.beam, self.system.H),
             *legendre.polynomials(self.column.ends).steps,
-            *stability.steps(self),
+            *eigenproblem.steps(self),
             *newmark_method().steps,
         )
-        return tuple(proofs.attach(self, made))
+        return tuple(step_proofs.attach(self, made))
 
 
 @dataclass(frozen=True)

@@ -44,7 +44,7 @@ from freebeam.lesson.notebook import unexecuted
 from freebeam.lesson.pdf import source as typeset
 from freebeam.lesson.tex import _ESCAPES, text_of
 from freebeam.lesson.writer import Writer
-from freebeam_derive import emit, latex, legendre, pipeline, proofs, statement, verify
+from freebeam_derive import emit, latex, legendre, pipeline, statement, step_proofs, verify
 from freebeam_derive.record import Step
 from freebeam_sym.columns import Column
 
@@ -129,7 +129,7 @@ def tampered(step: Step) -> Any:
 def test_a_wrong_result_is_not_proven(what: str) -> None:
     (step,) = (step for step in derived("free-free").steps if step.what == what)
     bad = dataclasses.replace(step, after=tampered(step), proof=None)
-    (proven,) = proofs.attach(derived("free-free"), [bad])
+    (proven,) = step_proofs.attach(derived("free-free"), [bad])
     with pytest.raises(AssertionError, match="leaves"):
         proven.residual()
 
@@ -141,7 +141,7 @@ def test_a_wrong_form_is_not_proven() -> None:
     printed_H = dataclasses.replace(H, points=H.transposed.points)
     wrong = dataclasses.replace(right, system=dataclasses.replace(right.system, H=printed_H))
     step = next(s for s in right.steps if s.what == "Write the load's matrix in closed form")
-    (proven,) = proofs.attach(wrong, [dataclasses.replace(step, proof=None)])
+    (proven,) = step_proofs.attach(wrong, [dataclasses.replace(step, proof=None)])
     with pytest.raises(AssertionError, match="leaves"):
         proven.residual()
 
@@ -153,7 +153,7 @@ def test_a_panel_of_any_ends_is_proven() -> None:
     (step,) = (step for step in skew.steps if step.what == "Write the load's matrix in closed form")
     assert step.residual() < 1e-30 and step.after[1].rhs == 0
     bad = dataclasses.replace(step, after=(sp.Eq(step.after[0].lhs, 2 * step.after[0].rhs), step.after[1]), proof=None)
-    (wrong,) = proofs.attach(skew, [bad])
+    (wrong,) = step_proofs.attach(skew, [bad])
     with pytest.raises(AssertionError, match="leaves"):
         wrong.residual()
 
@@ -162,7 +162,7 @@ def test_a_step_without_proof_is_refused() -> None:
     with pytest.raises(AssertionError, match="no proof"):
         Step("variation", "Guess", "it looks right", sp.S.Zero, sp.S.One).residual()
     with pytest.raises(KeyError):
-        list(proofs.attach(derived("free-free"), [Step("variation", "Guess", "", sp.S.Zero, sp.S.One)]))
+        list(step_proofs.attach(derived("free-free"), [Step("variation", "Guess", "", sp.S.Zero, sp.S.One)]))
 
 
 # --- what is displayed ------------------------------------------------------------------------------------------

@@ -18,9 +18,10 @@ from sympy import Add, Expr, Function, Integer, Poly, S, Symbol, cancel, exp, ex
 from freebeam_derive import integrals, modes, motions, newmark_proofs, roots, variation
 from freebeam_derive import legendre as polynomials
 from freebeam_derive.independent import gauss
-from freebeam_derive.notation import F_0, P, alpha, beta, chi, gamma, lambda_, t, x, y
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, chi, gamma, lambda_, m, t, x, x_F, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
+from freebeam_derive.scaling import SCALES
 from freebeam_derive.statement import ALONG, GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
 
 if TYPE_CHECKING:
@@ -29,46 +30,30 @@ if TYPE_CHECKING:
 DIGITS = 40
 MODES = 3  # first modes at which closed forms are compared with numbers
 
-
 Proof = Callable[["Derivation", Step], Any]
-_WORDS: dict[Proof, str] = {}
 
 
 def attach(derivation: Derivation, steps: Iterable[Step]) -> Iterator[Step]:
     """The steps, each with its proof, and in `check` what it does. Raises KeyError for one that nothing here proves."""
     for step in steps:
         if step.proof is None:
-            key = (step.stage, step.why[:2] if step.why[1:2] == ")" else step.what)
             if step.stage == newmark_proofs.STAGE:
-                proof, words = newmark_proofs.PROOFS[step.what]
-                step = replace(step, proof=partial(proof, step), check=words)
+                run: Callable[..., Any] = newmark_proofs.PROOFS[step.what]
+                proof = partial(run, step)
             else:
-                step = replace(step, proof=partial(_PROOFS[key], derivation, step), check=_WORDS[_PROOFS[key]])
+                run = _PROOFS[step.stage, step.why[:2] if step.why[1:2] == ")" else step.what]
+                proof = partial(run, derivation, step)
+            # the docstring of a proof says what it does
+            step = replace(step, proof=proof, check=" ".join(str(run.__doc__).split()).removesuffix("."))
         yield step
-
-
-def _says(words: str) -> Callable[[Proof], Proof]:
-    """What a proof does, for the step's `check`."""
-
-    def keep(proof: Proof) -> Proof:
-        _WORDS[proof] = words
-        return proof
-
-    return keep
 
 
 # --- scaling and variation ------------------------------------------------------------------------------------
 
 
-@_says(
-    "a motion and the same motion scaled, of a beam with numbers for m, EI and L: their works differ by the factor "
-    "EI / L, exactly"
-)
 def _scaling(d: Derivation, step: Step) -> Any:
-    """The dimensional work of a motion is EI / L times the nondimensional work of the scaled motion."""
-    from freebeam_derive.notation import EI, C_alpha, C_beta, L, m, x_F
-    from freebeam_derive.scaling import SCALES
-
+    """a motion and the same motion scaled, of a beam with numbers for m, EI and L: their works differ by the factor EI
+    / L, exactly."""
     name = step.what.split()[1]
     assert d.column.dimensional is not None
     length = Integer(2)
@@ -91,13 +76,11 @@ def _works(d: Derivation) -> tuple[Functional, ...]:
 
 def _action(d: Derivation) -> Functional:
     T, V, W_c, dW_nc = _works(d)
-    return (
-        variation.first_variation(T) + variation.first_variation(V).scaled(-1) + variation.first_variation(W_c) + dW_nc
-    )
+    return variation.first_variation(T + V.scaled(-1) + W_c) + dW_nc
 
 
-@_says("half the difference of the energies at y + δy and y − δy, on polynomials, exactly")
 def _first_variation(d: Derivation, step: Step) -> Any:
+    """half the difference of the energies at y + δy and y − δy, on polynomials, exactly."""
     T, V, W_c, dW_nc = _works(d)
     moving, virtual = motions.motion(), motions.vanishing(S.One) + x * t
     energy = T + V.scaled(-1) + W_c
@@ -105,26 +88,25 @@ def _first_variation(d: Derivation, step: Step) -> Any:
     return expand(motions.value(_action(d), moving, virtual) - exact)
 
 
-def _at_rest(d: Derivation) -> tuple[Expr, Expr]:
-    """A motion, and a virtual displacement that vanishes at the instants 0 and 1."""
-    return motions.motion(), expand(t * (1 - t) * motions.admissible(d.column.ends, S.One))
+def _over_time(d: Derivation, work: Functional) -> Expr:
+    """∫ of a functional from the instant 0 to 1, at which the virtual displacement vanishes."""
+    virtual = expand(t * (1 - t) * motions.admissible(d.column.ends, S.One))
+    return motions.over_time(motions.value(work, motions.motion(), virtual))
 
 
-@_says("both sides integrated over time, on polynomials with δy = 0 at both instants, exactly")
 def _by_parts_in_time(d: Derivation, step: Step) -> Any:
+    """both sides integrated over time, on polynomials with δy = 0 at both instants, exactly."""
     kinetic = variation.first_variation(_works(d)[0])
-    moved = variation.off_the_rates(kinetic)
-    return motions.over_time(motions.value(kinetic, *_at_rest(d)) - motions.value(moved, *_at_rest(d)))
+    return _over_time(d, kinetic + variation.off_the_rates(kinetic).scaled(-1))
 
 
-@_says("its time integral is that of the line before, negated, on polynomials with δy = 0 at both instants, exactly")
 def _weak_form(d: Derivation, step: Step) -> Any:
-    action, weak = _action(d), d.motion.weak
-    return motions.over_time(motions.value(action, *_at_rest(d)) + motions.value(weak, *_at_rest(d)))
+    """its time integral is that of the line before, negated, on polynomials with δy = 0 at both instants, exactly."""
+    return _over_time(d, _action(d) + d.motion.weak)
 
 
-@_says("both sides on polynomials, exactly")
 def _by_parts_along(d: Derivation, step: Step) -> Any:
+    """both sides on polynomials, exactly."""
     density = d.motion.weak.density
     interior, bracket = variation.by_parts(density)
     bare = interior * _virtual(0, ALONG)
@@ -148,13 +130,13 @@ def _virtual(order: int, place: Expr) -> Expr:
     return jet(Integer(1), Integer(order), Integer(0), place)
 
 
-@_says("times δy and integrated it is the weak form, on polynomials with δy = δy′ = 0 at the ends, exactly")
 def _equation_of_motion(d: Derivation, step: Step) -> Any:
+    """times δy and integrated it is the weak form, on polynomials with δy = δy′ = 0 at the ends, exactly."""
     return _strong(d, motions.vanishing(S.One))
 
 
-@_says("with them, weak and strong form agree on polynomials that move the ends wherever they may move, exactly")
 def _natural_conditions(d: Derivation, step: Step) -> Any:
+    """with them, weak and strong form agree on polynomials that move the ends wherever they may move, exactly."""
     return _strong(d, motions.admissible(d.column.ends, S.One))
 
 
@@ -179,16 +161,16 @@ def _series(d: Derivation) -> tuple[Expr, tuple[tuple[Expr, Expr], ...]]:
     return test, tuple(zip(trials, (motions.polynomial(1, 3, t), motions.polynomial(4, 2, t)), strict=True))
 
 
-@_says("the weak form of a sum of two terms is the sum of their weak forms, on polynomials, exactly")
 def _linear(d: Derivation, step: Step) -> Any:
+    """the weak form of a sum of two terms is the sum of their weak forms, on polynomials, exactly."""
     test, terms = _series(d)
     free = Functional(d.motion.weak.density, d.motion.weak.points.subs(F_0, 0))
     whole = motions.value(free, Add(*(phi * q for phi, q in terms)), test)
     return expand(whole - sum(motions.value(free, expand(phi * q), test) for phi, q in terms))
 
 
-@_says("the weak form with polynomials for the functions and the coordinates, exactly")
 def _coordinates(d: Derivation, step: Step) -> Any:
+    """the weak form with polynomials for the functions and the coordinates, exactly."""
     test, terms = _series(d)
     system, left = d.system, S.Zero
     for phi, q in terms:
@@ -199,15 +181,15 @@ def _coordinates(d: Derivation, step: Step) -> Any:
     return expand(left - force - weak)
 
 
-@_says("K less K at zero load is P times the load's matrix, on polynomials, exactly")
 def _geometric(d: Derivation, step: Step) -> Any:
+    """K less K at zero load is P times the load's matrix, on polynomials, exactly."""
     test, ((phi, _), _) = _series(d)
     whole = form_value(d.system.K, test, phi)
     return expand(whole - whole.subs(P, 0) - P * form_value(d.system.H, test, phi))
 
 
-@_says("both sides on polynomials, exactly")
 def _proportional(d: Derivation, step: Step) -> Any:
+    """both sides on polynomials, exactly."""
     test, ((phi, _), _) = _series(d)
     system = d.system
     M, C, K = (form_value(form, test, phi) for form in (system.M, system.C, system.K))
@@ -217,8 +199,8 @@ def _proportional(d: Derivation, step: Step) -> Any:
 # --- modes ----------------------------------------------------------------------------------------------------
 
 
-@_says("Hamilton's principle again, for the statement without load and force")
 def _unloaded(d: Derivation, step: Step) -> Any:
+    """Hamilton's principle again, for the statement without load and force."""
     energies = d.column.energies
     bare = {P: S.Zero, F_0: S.Zero}
     without = Energies(energies.T, energies.V, energies.W_c.subs(bare), energies.dW_nc.subs(bare))
@@ -226,8 +208,8 @@ def _unloaded(d: Derivation, step: Step) -> Any:
     return expand(step.after.lhs - show(again.strong))
 
 
-@_says("y = χ(x) e^(λ₀t) put into the equation of motion; a polynomial for χ into its natural conditions, exactly")
 def _separated(d: Derivation, step: Step) -> Any:
+    """y = χ(x) e^(λ₀t) put into the equation of motion; a polynomial for χ into its natural conditions, exactly."""
     separated, *conditions = (relation.lhs for relation in step.after)
     moving, shape = exp(lambda_ * t), motions.polynomial(2, 6)
     left = [expand(step.before.lhs.subs(y, chi * moving).doit() - separated * moving)]
@@ -237,15 +219,15 @@ def _separated(d: Derivation, step: Step) -> Any:
     return tuple(left)
 
 
-@_says("χ″″ = γ⁴ χ put into the separated equation leaves nothing")
 def _named(d: Derivation, step: Step) -> Any:
+    """χ″″ = γ⁴ χ put into the separated equation leaves nothing."""
     equation, quartic = step.after
     inertia = step.before.lhs.subs(chi.diff(x, 4), quartic.rhs * chi)
     return (cancel(inertia), expand(equation.lhs.subs(chi.diff(x, 4), gamma**4 * chi)))
 
 
-@_says("put back, both solve the quadratic; sum and product are those of its coefficients")
 def _eigenvalues(d: Derivation, step: Step) -> Any:
+    """put back, both solve the quadratic; sum and product are those of its coefficients."""
     one, other = step.after
     numerator, _ = (step.before.rhs - gamma**4).together().as_numer_denom()
     quadratic = Poly(numerator, lambda_)
@@ -255,9 +237,8 @@ def _eigenvalues(d: Derivation, step: Step) -> Any:
     )
 
 
-@_says("the natural conditions of a damped beam with these ends, from its own variation")
 def _damped_ends(d: Derivation, step: Step) -> Any:
-    """The natural conditions of a damped unloaded beam of these ends, from its own variation."""
+    """the natural conditions of a damped beam with these ends, from its own variation."""
     bending = Energies(
         integral(y.diff(t) ** 2) / 2,
         integral(y.diff(x, 2) ** 2) / 2,
@@ -274,25 +255,27 @@ def _damped_ends(d: Derivation, step: Step) -> Any:
     # each is, up to its sign, one of those derived, or one that the support holds
     known = [*derived, *(-e for e in derived), *held]
     found = [e.lhs.replace(chi.func, lambda place: shape.subs(x, place)).doit() for e in step.after]
-    return tuple(min((expand(f - e) for e in known), key=lambda e: e != 0) for f in found)
+    return tuple(_one_of(f, known) for f in found)
 
 
-@_says("each condition is the factor times the other, or equal to it")
 def _struck_out(d: Derivation, step: Step) -> Any:
+    """each condition is the factor times the other, or equal to it."""
     factors = (1 + lambda_ * alpha, S.One)
-    return tuple(
-        min((expand(one.lhs - f * other.lhs) for f in factors), key=lambda e: e != 0)
-        for one, other in zip(step.before, step.after, strict=True)
-    )
+    pairs = zip(step.before, step.after, strict=True)
+    return tuple(_one_of(one.lhs, [f * other.lhs for f in factors]) for one, other in pairs)
+
+
+def _one_of(found: Expr, known: Iterable[Expr]) -> Expr:
+    """Zero where an expression is one of those known, else a difference."""
+    return min((expand(found - e) for e in known), key=lambda e: e != 0)
 
 
 def _root_values(d: Derivation) -> list[mpmath.mpf]:
     return [root_of(d.beam, k) for k in range(MODES)]
 
 
-@_says("at the first three roots, bracketed to 40 digits, the determinant and both forms vanish")
 def _characteristic(d: Derivation, step: Step) -> Any:
-    """At the roots the determinant vanishes, and both forms of the equation hold."""
+    """at the first three roots, bracketed to 40 digits, the determinant and both forms vanish."""
     forms = [lambdify(gamma, e.lhs - e.rhs, "mpmath") for e in step.after]
     conditions = lambdify(gamma, step.before, "mpmath")
     with mpmath.workdps(DIGITS + 15):
@@ -359,12 +342,9 @@ def own_values(d: Derivation) -> dict[Expr, Expr]:
     return {p.symbol: nsimplify(p.default, rational=True) for p in d.column.parameters}
 
 
-@_says(
-    "the fourth derivative is γ⁴ times the mode identically; at the first three roots all end conditions hold to 40 "
-    "digits"
-)
 def _shapes(d: Derivation, step: Step) -> Any:
-    """The modes meet the four end conditions and their equation, at the first roots."""
+    """the fourth derivative is γ⁴ times the mode identically; at the first three roots all end conditions hold to 40
+    digits."""
     found = [expand(d.beam.mode(4) - d.beam.mode())]
     with mpmath.workdps(DIGITS + 15):
         for row, g in zip(sampled(d.beam).ends, _root_values(d), strict=True):
@@ -374,8 +354,8 @@ def _shapes(d: Derivation, step: Step) -> Any:
     return tuple(found)
 
 
-@_says("no fourth derivative, all end conditions, orthogonal: exactly")
 def _rigid(d: Derivation, step: Step) -> Any:
+    """no fourth derivative, all end conditions, orthogonal: exactly."""
     left = [f.diff(x, 4) for f in d.beam.rigid]
     for f in d.beam.rigid:
         left += [f.diff(x, k).subs(x, end) for end, orders in enumerate(d.beam.orders) for k in orders]
@@ -383,15 +363,14 @@ def _rigid(d: Derivation, step: Step) -> Any:
     return tuple(left)
 
 
-@_says("values at the supports of the first modes, 40 digits")
 def _geometric_ends(d: Derivation, step: Step) -> Any:
+    """values at the supports of the first modes, 40 digits."""
     held = [(end, k) for end, kind in enumerate(d.beam.ends) for k in GEOMETRIC[kind]]
     return tuple(row[k][end] for row in sampled(d.beam).ends for end, k in held)
 
 
-@_says("the bracket of two polynomials that meet the conditions vanishes at both ends, exactly")
 def _self_adjoint(d: Derivation, step: Step) -> Any:
-    """The bracket of two functions that meet the end conditions vanishes at both ends."""
+    """the bracket of two polynomials that meet the conditions vanishes at both ends, exactly."""
     u, v = (Poly(motions.polynomial(seed, 9), x) for seed in (1, 2))
     left = []
     for end, orders in enumerate(d.beam.orders):
@@ -402,9 +381,8 @@ def _self_adjoint(d: Derivation, step: Step) -> Any:
     return tuple(left)
 
 
-@_says("Gram's matrix of the first modes by quadrature is diagonal and positive, 40 digits")
 def _positive_mass(d: Derivation, step: Step) -> Any:
-    """Gram's matrix of the first modes is diagonal and positive, by quadrature."""
+    """Gram's matrix of the first modes by quadrature is diagonal and positive, 40 digits."""
     with mpmath.workdps(DIGITS):
         mass, found = Form({(0, 0, 0): S.One}), sampled(d.beam)
         gram = [[found.form(mass, i, j) for j in range(MODES)] for i in range(MODES)]
@@ -449,8 +427,8 @@ def root_of(beam: modes.ComparisonBeam, k: int) -> mpmath.mpf:
     return roots.root(beam, k + 1, DIGITS + 10)
 
 
-@_says("the closed forms against quadrature of the first three modes, 40 digits")
 def _orthogonal(d: Derivation, step: Step) -> Any:
+    """the closed forms against quadrature of the first three modes, 40 digits."""
     mass, bending, of_mass, of_bending = step.after
     with mpmath.workdps(DIGITS):
         left = []
@@ -461,8 +439,8 @@ def _orthogonal(d: Derivation, step: Step) -> Any:
         return tuple(left)
 
 
-@_says("the closed forms against quadrature of the first three modes, all nine entries, 40 digits")
 def _load_matrix(d: Derivation, step: Step) -> Any:
+    """the closed forms against quadrature of the first three modes, all nine entries, 40 digits."""
     own = own_values(d)
     different, same = (relation.rhs.subs(own) for relation in step.after)
     form = d.system.H.map(lambda f: f.subs(own))
@@ -486,12 +464,9 @@ def trial_polynomials(ends: tuple[str, str], count: int = 6) -> tuple[Expr, ...]
     )
 
 
-@_says(
-    "the formula written out for the first six; they meet the conditions and are orthogonal to one another and to the "
-    "rigid functions, exactly"
-)
 def _polynomials_taken(d: Derivation, step: Step) -> Any:
-    """What the formula says of each degree is the function, which meets the conditions (below)."""
+    """the formula written out for the first six; they meet the conditions and are orthogonal to one another and to the
+    rigid functions, exactly."""
     formula, *weights = step.after
     right = formula.rhs.xreplace({weight.lhs: weight.rhs for weight in weights})
     first = polynomials.polynomials(d.column.ends).first
@@ -502,9 +477,8 @@ def _polynomials_taken(d: Derivation, step: Step) -> Any:
     return (*left, *_polynomials_held(d, step))
 
 
-@_says("the first six meet the conditions and are orthogonal to one another and to the rigid functions, exactly")
 def _polynomials_held(d: Derivation, step: Step) -> Any:
-    """The first six meet the geometric conditions and are orthogonal to one another and to the rigid functions."""
+    """the first six meet the conditions and are orthogonal to one another and to the rigid functions, exactly."""
     functions, basis = trial_polynomials(d.column.ends), polynomials.polynomials(d.column.ends)
     left = [f.diff(x, c.order).subs(x, c.end) for f in functions for c in basis.conditions]
     everything = [*basis.rigid, *functions]
@@ -512,8 +486,8 @@ def _polynomials_held(d: Derivation, step: Step) -> Any:
     return tuple(left)
 
 
-@_says("the squares of the first six integrated, exactly")
 def _norms(d: Derivation, step: Step) -> Any:
+    """the squares of the first six integrated, exactly."""
     basis = polynomials.polynomials(d.column.ends)
     return tuple(
         modes.integral_polynomials(f, f) - basis.norm.subs(polynomials.d, basis.first + n)
@@ -521,14 +495,13 @@ def _norms(d: Derivation, step: Step) -> Any:
     )
 
 
-@_says("as many functions as dimensions, for every degree")
 def _degrees(d: Derivation, step: Step) -> Any:
-    """The trial functions of degree up to n are as many as the polynomials that meet the conditions."""
+    """as many functions as dimensions, for every degree."""
     return step.before - step.after
 
 
-@_says("Legendre's identity for the slope, for the first four orders")
 def _differentiable(d: Derivation, step: Step) -> Any:
+    """Legendre's identity for the slope, for the first four orders."""
     left = []
     for n in range(1, 5):
         p = [legendre(n + s, 2 * x - 1) for s in (-1, 0, 1)]

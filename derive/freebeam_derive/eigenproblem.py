@@ -30,11 +30,11 @@ from sympy import (
     symbols,
 )
 
-from freebeam_derive import integrals, kernel
-from freebeam_derive.notation import P, alpha, beta, chi, lambda_, omega, t, x
+from freebeam_derive import integrals, kernel, motions, step_proofs
+from freebeam_derive.notation import P, alpha, beta, chi, lambda_, omega, t, x, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
-from freebeam_derive.statement import jets
+from freebeam_derive.statement import jets, show
 
 if TYPE_CHECKING:
     from freebeam_derive.modes import ComparisonBeam
@@ -307,12 +307,13 @@ def _energy(derivation: Derivation) -> tuple[Step, ...]:
         )
 
     def asymmetric() -> Any:
-        from freebeam_derive.motions import admissible
-        from freebeam_derive.proofs import form_value
-
-        f, g = (admissible(derivation.column.ends, S.One, seed) for seed in (3, 6))
+        f, g = (motions.admissible(derivation.column.ends, S.One, seed) for seed in (3, 6))
         h = derivation.system.H
-        return expand(form_value(circulatory, f, g) - form_value(h, f, g) + form_value(h, g, f))
+        return expand(
+            step_proofs.form_value(circulatory, f, g)
+            - step_proofs.form_value(h, f, g)
+            + step_proofs.form_value(h, g, f)
+        )
 
     swing = Eq(Function("q")(t), re(v * exp(I * omega * t)), evaluate=False)
     return (
@@ -354,23 +355,21 @@ def _rigid(derivation: Derivation) -> tuple[Step, ...]:
 
     def quadrature() -> Any:
         """Forms of a rigid function and of the first modes, by quadrature; of two rigid ones, exactly."""
-        from freebeam_derive import proofs
-
-        own = proofs.own_values(derivation)
+        own = step_proofs.own_values(derivation)
         form, found = derivation.system.H.map(lambda f: f.subs(own)), []
-        with mpmath.workdps(proofs.DIGITS):
+        with mpmath.workdps(step_proofs.DIGITS):
             for entry, r in zip(columns, derivation.beam.rigid, strict=True):
                 written = entry.subs(own)
                 suffixed = written.xreplace({
                     symbol: Symbol(f"{symbol}_i", **symbol.assumptions0) for symbol in written.free_symbols
                 })  # fmt: skip
-                for k in range(proofs.MODES):
-                    numeric = proofs.sampled(derivation.beam).with_trial(form, k, r)
-                    found.append(numeric - proofs.closed_form(derivation, suffixed, k, k))
+                for k in range(step_proofs.MODES):
+                    numeric = step_proofs.sampled(derivation.beam).with_trial(form, k, r)
+                    found.append(numeric - step_proofs.closed_form(derivation, suffixed, k, k))
         for i, f in enumerate(derivation.beam.rigid):
             for j, g in enumerate(derivation.beam.rigid):
-                found += [proofs.form_value(derivation.system.H, f, g) - corner[i, j]]
-                found += [proofs.form_value(derivation.system.M, f, g) - mass[i, j]]
+                found += [step_proofs.form_value(derivation.system.H, f, g) - corner[i, j]]
+                found += [step_proofs.form_value(derivation.system.M, f, g) - mass[i, j]]
         return tuple(found)
 
     return (
@@ -402,9 +401,6 @@ def _beam_itself(derivation: Derivation) -> tuple[Step, ...]:
 
     def separated() -> Any:
         """The same from the equation of motion in y(x, t)."""
-        from freebeam_derive.notation import y
-        from freebeam_derive.statement import show
-
         return expand(show(strong).subs(y, chi * exp(lambda_ * t)).doit() - exact * exp(lambda_ * t))
 
     return (
