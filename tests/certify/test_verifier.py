@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import flint
+import numpy as np
 import pytest
 from flint import arb, arb_poly, arb_series
 
@@ -288,6 +289,39 @@ def test_separated_roots_of_h_alone_are_no_stability() -> None:
     data |= {"kind": "none", "load": None, "frequency_squared": None, "load_max": str(ends[-1])}
     data["proof"] |= {"crossing": False, "first": False}
     refused(data, "roots of g are not separated")
+
+
+@pytest.mark.parametrize("modes", [2, 3])
+def test_a_root_of_g_beyond_all_of_h_is_no_stability(modes: int) -> None:
+    """Damping that feeds the highest mode and brakes the others, all but without load: only g's last root is astray."""
+    data = json.loads(json.dumps(fb.certified_load(fb.column("free-free"), modes, "0.001", load_max=1).certificate))
+    squares = sorted({round(v.imag**2, 9) for v in fb.spectrum(fb.column("free-free").system(modes)).eigenvalues})
+    # factors d = of_M + of_E ω²: positive but for the last, which is −1/100 of the first
+    slope = -F(101, 100) / (F(squares[-1]) - F(squares[0]))
+    of_M, of_E = 1 - slope * F(squares[0]), slope
+    damping = [float(of_M) + float(of_E) * square for square in squares]
+    assert all(d > 0 for d in damping[:-1]) and damping[-1] < 0
+    g = sum(
+        d * np.poly([other for other in squares if other != square]) for d, square in zip(damping, squares, strict=True)
+    )
+    roots = sorted(np.roots(g).real)
+    assert roots[-1] > squares[-1] and all(a < r < b for r, a, b in zip(roots, squares, squares[1:-1], strict=False))
+    separators = []
+    for k, (a, b) in enumerate(pairwise(squares)):
+        place = roots[k] if k < modes - 2 else (a + b) / 2
+        separators += [[str(F((a + place) / 2)), "0"], [str(F((place + b) / 2)), "0"]]
+    separators.append([str(F(2 * squares[-1])), "0"])
+    stretch = {"start": "0", "end": "1/1000000", "origin": "0", "separators": separators}
+    data |= {"column": "of someone else", "load_max": "1/1000000", "stretches": [stretch]}
+    data["damping"] |= {"of_M": str(of_M), "of_E": str(of_E)}
+    refused(data, "roots of g are not separated")
+    # with the last factor positive as well, the same lines prove stability
+    data["damping"] |= {"of_M": "1", "of_E": "0"}
+    for k in range(modes - 1):
+        middle = F(sorted(np.roots(sum(np.poly([o for o in squares if o != s]) for s in squares)).real)[k])
+        low, high = F(squares[k]), F(squares[k + 1])
+        separators[2 * k : 2 * k + 2] = [[str((low + middle) / 2), "0"], [str((middle + high) / 2), "0"]]
+    verifier.verify(data)
 
 
 # --- forgeries that mean something ------------------------------------------------------------------------------

@@ -347,9 +347,6 @@ class _Jets:
     def zero(self) -> Any:
         return self.matrix(1, len(self.orders))
 
-    def zeros(self) -> Any:
-        return self.matrix(2, len(self.orders))
-
     def row(self, linear: tuple[Any, Any, Any]) -> Any:
         """The polynomial constant + u · first + v · second."""
         known = dict(zip(((0, 0), (1, 0), (0, 1)), linear, strict=True))
