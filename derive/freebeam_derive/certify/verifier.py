@@ -15,23 +15,18 @@ Stable means: all eigenvalues of λ² M + λ C + K in the open left half plane; 
 simple; in the limit (vanishing) that this is so, and that damping of the given direction makes every motion decay to
 first order.
 
-PROOF. det(K − x M + iωC) = h(P, x) + iω g(P, x) with x = ω², polynomials of degree N in P and x together (N − 1 for
-g); in the limit g is the first order in C, without damping it stands for h_x. They are interpolated here from
-determinants of balls.
+PROOF, in full in docs/proofs.md. det(K − x M + iωC) = h(P, x) + iω g(P, x) with x = ω², polynomials of degree N in P
+and x together (N − 1 for g); in the limit g is the first order in C, without damping it stands for h_x. An eigenvalue
+on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0. They are interpolated here from
+determinants of balls, and checked:
 
-1. On [0, low]: lines x = point + slope (P − origin) on which h, and g, have alternating signs for all loads of a
-   stretch leave a root of each between neighbours and use up the degrees, so that the roots are real, positive, simple
-   and (with damping) interlace: Hermite and Biehler. The stretches follow one another from 0 to low.
-2. On [low, high], outside the box x_low < x < x_high, h and g have no common root x ≥ 0: [0, ∞) is cut into cells,
-   the last in 1/x, and on each of them h or g is not zero for all of the loads (`apart`); next to the box g has no
-   other root than that in it, for g_x is not zero there. For a divergence there is no box.
-3. In the box g has for each P one root x = ξ(P), for g changes sign over it and g_x is not zero. h along it, φ(P) =
-   h(P, ξ(P)), has the slope (h_P g_x − h_x g_P) / g_x, which is not zero in the box, and φ(low) φ(high) < 0. So h and
-   g have exactly one common root in the box; there the eigenvalue is simple and d Re λ/dP ≠ 0 with damping, and
-   without it h_P h_xx ≠ 0: a double root that opens. At x = 0: h(P, 0) = det K > 0.
-4. Divergence: h(P, 0) falls on all of [low, high], from > 0 to < 0, so it has one simple root; there g ≠ 0 by step 2.
-5. An eigenvalue on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0. Before P* there
-   is none, so that the column is stable up to it, and the crossing leads out of stability. ∎
+(i) On stretches from 0 to low, lines on which h, and g, have alternating signs leave a root of each between neighbours
+    and use up the degrees: the roots are real, positive, simple and (with damping) interlace. Hermite and Biehler.
+(ii) On [low, high], outside the box x_low < x < x_high, cells of x in [0, ∞), the last in 1/x, on each of which h or g
+    is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there.
+(iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
+    zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
+(iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. ∎
 
 Products of trial functions are integrated as the bilinear forms say, in closed form. Numbers are balls: a comparison is
 true only where it is proven. Where `column` is one of this program's, ends and forms are those that it has at
@@ -511,7 +506,7 @@ class Series:
         return d.real, d.imag / omega
 
     def check_stable(self, stretch: Stretch) -> None:
-        """Step 1 of the proof: real, positive, simple roots of h, and with damping of g between them.
+        """(i) of the proof: real, positive, simple roots of h, and with damping of g between them.
 
         The signs are those of polynomials in t = origin − P.
         """
@@ -529,7 +524,7 @@ class Series:
                 require(found, f"the roots of g are not separated {where}")
 
     def check_crossing(self, low: Fraction, high: Fraction, square: tuple[Fraction, Fraction] | None) -> None:
-        """Steps 2 to 4 of the proof: exactly one crossing for low ≤ P ≤ high, with ω² in `square`, or λ = 0 (None)."""
+        """(ii) to (iv) of the proof: exactly one crossing for low ≤ P ≤ high, with ω² in `square`, or λ = 0 (None)."""
         start, end = ball(low), ball(high)
         over = Over(start.union(end))
         h, g, h_P, g_P = self.h, self.g, by_load(self.h), by_load(self.g)
