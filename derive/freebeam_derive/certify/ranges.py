@@ -165,21 +165,20 @@ class Line:
         return done
 
 
-def _through(taus: Sequence[arb], tables: Sequence[arb_mat]) -> Curve:
-    """Polynomials in τ through the coefficients of h or g at some dampings."""
+def _through(taus: Sequence[arb], tables: Sequence[arb_mat]) -> list[Curve]:
+    """Polynomials in τ through the coefficients of h or g at some dampings; first, and half of second derivatives."""
+    half = arb(1) / 2
     rows, columns = tables[0].nrows(), tables[0].ncols()
-    return [
+    curve = [
         [arb_poly.interpolate(list(taus), [table[a, b] for table in tables]) for b in range(columns)]
         for a in range(rows)
     ]
+    slope = [[p.derivative() for p in row] for row in curve]
+    return [curve, slope, [[half * p.derivative() for p in row] for row in slope]]
 
 
 def _at(curve: Curve, tau: arb) -> Bivariate:
     return Bivariate([arb_poly([p(tau) for p in row]) for row in curve])
-
-
-def _slope(curve: Curve) -> Curve:
-    return [[p.derivative() for p in row] for row in curve]
 
 
 class Over(Bivariate):
@@ -247,7 +246,8 @@ class _Family:
 
     def __init__(self, line: Line, low: Fraction, high: Fraction) -> None:
         middle, spread = exact((low + high) / 2), ball(0, exact((high - low) / 2))
-        h, g = (_over(curve, middle, spread) for curve in (line.h, line.g))
+        places = middle, middle, middle + spread
+        h, g = (Over([_at(*part) for part in zip(curves, places, strict=True)], spread) for curves in (line.h, line.g))
         self.over, self.centre = (Boundary(line.modes, *pair, True) for pair in ((h, g), (h.parts[0], g.parts[0])))
 
     # --- the crossing ---
@@ -288,13 +288,6 @@ class _Family:
             if turns and _positive(self.over.h, P, Fraction(0), u, 12):
                 return
         raise Unproven(f"the load {float(load):.8g} is not known to be unstable")
-
-
-def _over(curve: Curve, middle: arb, spread: arb) -> Over:
-    first = _slope(curve)
-    half = arb(1) / 2
-    second = [[half * p for p in row] for row in _slope(first)]
-    return Over([_at(curve, middle), _at(first, middle), _at(second, middle + spread)], spread)
 
 
 def _positive(which: Bivariate, P: arb, start: Fraction, end: Fraction, depth: int) -> bool:
