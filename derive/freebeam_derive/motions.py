@@ -58,12 +58,8 @@ def _name(number: int) -> Dummy:
     return Dummy(f"jet_{number}")
 
 
-def along(expression: Expr, y: Expr, virtual: Expr = S.Zero, pushed: Expr | None = None) -> Expr:
-    """An expression in jets and F_0, at a motion, a virtual displacement and a force (by default `force`)."""
-    return _along(expression, y, virtual, pushed).as_expr()
-
-
 def _along(expression: Expr, y: Expr, virtual: Expr, pushed: Expr | None) -> PolyElement:
+    """An expression in jets and F_0, at a motion, a virtual displacement and a force (by default `force`)."""
     names = {j: _name(k) for k, j in enumerate((F_0, *jets(expression)))}
     plain = expression.xreplace(names)
     symbols = (e.free_symbols for e in (plain, y, virtual, *(j.args[3] for j in jets(expression))))
@@ -102,7 +98,8 @@ def _integral(density: PolyElement, variable: Expr, length: Expr) -> Expr:
 
 def value(work: Functional, y: Expr, virtual: Expr = S.Zero, length: Expr = S.One, pushed: Expr | None = None) -> Expr:
     """A functional at a motion and a virtual displacement, a function of t. length: a number."""
-    return _integral(_along(work.density, y, virtual, pushed), x, length) + along(work.points, y, virtual, pushed)
+    density, points = (_along(part, y, virtual, pushed) for part in (work.density, work.points))
+    return _integral(density, x, length) + points.as_expr()
 
 
 def varied(work: Functional, y: Expr, virtual: Expr, length: Expr) -> Expr:
