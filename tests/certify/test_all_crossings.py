@@ -185,6 +185,22 @@ def test_two_crossings_close_together(apart: Fraction, monkeypatch: pytest.Monke
         assert first_crossing.certify(fb.column("beck", "modes").kernel, question, (1.0, 0.0), 60).load is not None
 
 
+@pytest.mark.parametrize("apart", [F(1, 10**3), F(1, 10**9), F(-1, 10**9)])
+def test_crossings_at_loads_close_together_are_both_found(apart: Fraction, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Two pairs that do not know of each other, s of 1 and 4 and of 9 and 12, meet at the loads 1 and 1 + δ."""
+    one, other = F(3, 2), F(3, 2) / (1 + apart)
+    H = [[0, one, 0, 0], [-one, 0, 0, 0], [0, 0, 0, other], [0, 0, -other, 0]]
+    with balls.precision(5000):
+        rows = [[balls.exact(F(v)) for v in row] for row in H]
+    unit = [[int(i == j) for j in range(4)] for i in range(4)]
+    replaced(monkeypatch, unit, [[v * (1, 4, 9, 12)[i] for v in unit[i]] for i in range(4)], rows)
+    kernel = fb.column("beck", "modes").kernel
+    first, second = all_crossings.survey(kernel, Question(4), F(3), 20)
+    assert (first.change, first.unstable, second.change, second.unstable) == (2, 0, 2, 2)
+    for crossing, load in zip((first, second), sorted((F(1), 1 + apart)), strict=True):
+        assert abs(crossing.load[0] - load) < F(1, 10**15)
+
+
 def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
     exact = balls.matrices
     monkeypatch.setattr(boundary_polynomials, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
