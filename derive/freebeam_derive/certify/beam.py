@@ -91,8 +91,8 @@ class Beam:
 
     # ---------------------------------------------------------------- what the kernel says
 
-    def _tables(self, load: int, alpha: Any = 0, beta: Any = 0) -> tuple[Any, Any, Any]:
-        """The equation and the conditions at both ends, as {(p, r): (balls of the powers of x)}."""
+    def _tables(self, load: int, alpha: Any = 0, beta: Any = 0) -> list[Any]:
+        """The equation, two conditions at x = 0, two at x = 1, as {(p, r): (balls of the powers of x)}."""
         own = {name: exact(value) for name, value in self.own.items()}
         if self._one:
             own["one"] = arb(1)  # what fractions that no float holds are made from
@@ -102,7 +102,7 @@ class Beam:
             [{key: (self._ball(value),) for key, value in row.items()} for row in end]
             for end in self.kernel.end_conditions(*arguments, **own)
         ]
-        return equation, ends[0], ends[1]
+        return [equation, *ends[0], *ends[1]]
 
     def _ball(self, value: Any) -> arb:
         if isinstance(value, float) and not (value * 2**20).is_integer():
@@ -116,8 +116,7 @@ class Beam:
         found = self._known.get(bits) or self._known.get(0)
         if found is not None:
             return found
-        at_0, at_1, at_2 = (self._tables(load) for load in range(3))
-        split = [self._split(*tables) for tables in zip(*(_flat(t) for t in (at_0, at_1, at_2)), strict=True)]
+        split = [self._split(*tables) for tables in zip(*(self._tables(load) for load in range(3)), strict=True)]
         lead = split[0].pop((4, 0), None)
         if lead is None or not (lead.h.is_zero() and lead.m.is_zero()) or any(p > 3 for p, _ in split[0]):
             raise NoSeries(f"{self.name}: the bending stiffness must be constant for the exact beam's power series")
@@ -150,7 +149,7 @@ class Beam:
         return self._damping[key]
 
     def _read_damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
-        still, damped = _flat(self._tables(0)), _flat(self._tables(0, exact(alpha), exact(beta)))
+        still, damped = self._tables(0), self._tables(0, exact(alpha), exact(beta))
         c_E = _entry(damped[0], 4, 1, 0) / _entry(still[0], 4, 0, 0)
         p, k = next((p, k) for (p, r), row in still[0].items() if r == 2 for k, v in enumerate(row) if v != 0)
         c_M = (_entry(damped[0], p, 1, k) - c_E * _entry(still[0], p, 0, k)) / _entry(still[0], p, 2, k)
@@ -342,10 +341,13 @@ class _Jets:
         self.orders = orders
         self.place = {order: t for t, order in enumerate(orders)}
         self.matrix: Callable[..., Any] = acb_mat if is_complex else arb_mat
-        self.blur: Callable[[arb], Any] = _blur_complex if is_complex else _blur_real
 
     def zero(self) -> Any:
         return self.matrix(1, len(self.orders))
+
+    def blur(self, error: arb) -> Any:
+        """The ball of so great an error."""
+        return arb(0, error) if self.matrix is arb_mat else acb(arb(0, error), arb(0, error))
 
     def row(self, linear: tuple[Any, Any, Any]) -> Any:
         """The polynomial constant + u · first + v · second."""
@@ -375,20 +377,6 @@ class _Jets:
                     for corner in range(0, width * width, J * (width + 1)):
                         entries[corner + t * width + target] = value
         return self.matrix(width, width, entries)
-
-
-def _blur_real(error: arb) -> arb:
-    return arb(0, error)
-
-
-def _blur_complex(error: arb) -> acb:
-    return acb(arb(0, error), arb(0, error))
-
-
-def _flat(tables: tuple[Any, Any, Any]) -> list[Any]:
-    """The equation, two conditions at x = 0, two at x = 1."""
-    equation, left, right = tables
-    return [equation, *left, *right]
 
 
 def _places(table: Any) -> list[tuple[int, int]]:

@@ -84,10 +84,9 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     if not found.damped:
         return signs(found.h, lines) == [(-1) ** k for k in range(N + 1)]
     # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
+    alternating = [(-1) ** ((k + 1) // 2) for k in range(2 * N)]
     of_g = separators[: max(1, 2 * N - 2)]
-    return signs(found.h, lines) == [(-1) ** ((k + 1) // 2) for k in range(2 * N)] and signs(found.g, of_g) == [
-        (-1) ** ((k + 1) // 2) for k in range(len(of_g))
-    ]
+    return signs(found.h, lines) == alternating and signs(found.g, of_g) == alternating[: len(of_g)]
 
 
 def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
