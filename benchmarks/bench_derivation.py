@@ -24,15 +24,15 @@ from freebeam_derive import emit, pipeline
 column = pipeline.find(sys.argv[1])
 start = time.perf_counter()
 derived = pipeline.derive(column)
-text = emit.emit(derived.kernel)
+text = emit.emit(derived.kernel("modes"))
 middle = time.perf_counter()
 figures = ()
 if len(sys.argv) > 2:
     from freebeam_derive import verify
-    figures = verify.verify(derived.kernel, text)
+    figures = verify.verify(derived.kernel("modes"), text)
 end = time.perf_counter()
 worst = max((f.error / f.bound for f in figures), default=0)
-print(json.dumps([middle - start, end - middle, derived.kernel.operations, worst]))
+print(json.dumps([middle - start, end - middle, derived.kernel("modes").operations, worst]))
 """
 
 

@@ -6,7 +6,7 @@ in Eq. (12): where the energies shift the factors, α and β stand for the shift
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath
 from sympy import (
@@ -30,15 +30,13 @@ from sympy import (
     symbols,
 )
 
-from freebeam_derive import integrals, kernel, motions, step_proofs
+from freebeam_derive import integrals, motions, step_proofs
+from freebeam_derive.comparison import ComparisonBeam
+from freebeam_derive.derivation import Derivation
 from freebeam_derive.notation import P, alpha, beta, chi, lambda_, omega, t, x, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
 from freebeam_derive.statement import jets, show
-
-if TYPE_CHECKING:
-    from freebeam_derive.modes import ComparisonBeam
-    from freebeam_derive.pipeline import Derivation
 
 STAGE = "stability"
 
@@ -347,9 +345,9 @@ def _rigid(derivation: Derivation) -> tuple[Step, ...]:
     if not derivation.beam.rigid:
         return ()
     beam, system = derivation.beam, derivation.system
-    columns = Matrix([[kernel.rigid_mode(system.H, beam, r, True) for r in beam.rigid]])
+    columns = Matrix([[integrals.rigid_mode(system.H, beam, r, True) for r in beam.rigid]])
     corner, mass = (
-        Matrix([[kernel.rigid_pair(form, f, g) for g in beam.rigid] for f in beam.rigid])
+        Matrix([[integrals.rigid_pair(form, f, g) for g in beam.rigid] for f in beam.rigid])
         for form in (system.H, system.M)
     )
 

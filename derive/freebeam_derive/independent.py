@@ -12,9 +12,9 @@ from __future__ import annotations
 
 import itertools
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cache, lru_cache
 from types import ModuleType
 from typing import Any
@@ -25,13 +25,12 @@ from flint import arb, arb_mat, fmpq, fmpq_poly
 from sympy import Expr, Poly, Rational, lambdify
 
 from freebeam_derive.certify.balls import precision
-from freebeam_derive.kernel import PolynomialKernel
 from freebeam_derive.notation import x
 from freebeam_derive.ritz import Form
 from freebeam_derive.statement import GEOMETRIC
 
 DIGITS = 50
-BITS = 200  # fixed point in which the sums are taken: 60 digits
+BITS = 200  # in which sums are taken: 60 digits
 _SHARP = arb(2) ** -180  # radius within which a mode is known: 54 digits
 
 
@@ -137,8 +136,8 @@ def none_skipped(module: ModuleType, orders: tuple[tuple[int, ...], tuple[int, .
 
 
 @lru_cache(maxsize=1)
-def _quadrature() -> tuple[tuple[mpmath.mpf, ...], tuple[int, ...]]:
-    """Nodes and fixed-point weights of a composite Gauss-Legendre rule for products of the first 64 modes.
+def _quadrature() -> list[tuple[mpmath.mpf, mpmath.mpf]]:
+    """Nodes and weights of a composite Gauss-Legendre rule for products of the first 64 modes.
 
     Three panels of 96 nodes: products up to γ_i + γ_j = 410 turn through 137 radians a panel, which 96 nodes
     integrate to better than 1e-55 of the largest value.
@@ -146,9 +145,7 @@ def _quadrature() -> tuple[tuple[mpmath.mpf, ...], tuple[int, ...]]:
     panels = 3
     with mpmath.workdps(DIGITS + 20):
         rule = gauss(96, mpmath.mp.prec)
-        nodes = [(k + node) / panels for k in range(panels) for node, _ in rule]
-        weights = [_fixed(weight / panels) for _ in range(panels) for _, weight in rule]
-    return tuple(nodes), tuple(weights)
+        return [((k + node) / panels, weight / panels) for k in range(panels) for node, weight in rule]
 
 
 def gauss(count: int, bits: int) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
@@ -158,82 +155,79 @@ def gauss(count: int, bits: int) -> list[tuple[mpmath.mpf, mpmath.mpf]]:
         return [(mpmath.mpf(((1 + node) / 2).mid()), mpmath.mpf((weight / 2).mid())) for node, weight in pairs]
 
 
-class Products:
-    """Integrals of x^k φ_i^(p) φ_j^(q) of many modes at once, from values at the nodes in exact integers."""
+class Reference(ABC):
+    """Matrices of bilinear forms from integrals and end values of functions, rigid ones first, in numbers of a kind."""
 
-    def __init__(self, modes: list[Mode], rigid: tuple[Expr, ...]) -> None:
-        nodes, weights = _quadrature()
-        self.count, self.rigid, self.nodes = len(modes), rigid, nodes
+    def __init__(self) -> None:
         self._integrals: dict[tuple[int, int, int], Any] = {}
-        self.weights = np.array(weights, dtype=object)
-        self.roots = [mode.gamma for mode in modes]
-        self.values = np.empty((4, len(modes), len(nodes)), dtype=object)
-        self.ends = np.empty((2, 4, len(modes)), dtype=object)
-        for n, mode in enumerate(modes):
-            inside, outside = mode.values(nodes), mode.values([mpmath.mpf(0), mpmath.mpf(1)])
-            for d in range(4):
-                self.values[d, n] = [_middle(v) for v in inside[d]]
-                for end in range(2):
-                    self.ends[end, d, n] = mpmath.mpf(outside[d][end])
+
+    @abstractmethod
+    def number(self, factor: Expr, parameters: dict[str, float]) -> Any:
+        """A factor of a form at given parameters."""
+
+    @abstractmethod
+    def at(self, end: int, order: int) -> Any:
+        """φ^(order) at an end of each function."""
+
+    @abstractmethod
+    def between(self, k: int, p: int, q: int) -> list[list[Any]]:
+        """∫ x^k φ_i^(p) φ_j^(q) dx of each pair of functions."""
+
+    def integral(self, *key: int) -> Any:
+        """The same as an array, computed once."""
+        if key not in self._integrals:
+            self._integrals[key] = np.array(self.between(*key), dtype=object)  # type: ignore[index]
+        return self._integrals[key]  # type: ignore[index]
 
     def form(self, form: Form, parameters: dict[str, float]) -> Any:
-        """The whole matrix of a bilinear form, rigid functions first, in integers of 2^-BITS."""
-        size = len(self.rigid) + self.count
-        total = np.zeros((size, size), dtype=object)
+        """The whole matrix of a bilinear form."""
+        total: Any = 0
         for key, factor in form.along.items():
-            total = total + (_fixed(number_of(factor, parameters)) * self._integral(*key) >> BITS)
+            total = total + self.number(factor, parameters) * self.integral(*key)
         for (a, p, b, q), factor in form.points.items():
-            product = self._at(int(a), p)[:, None] * self._at(int(b), q) >> BITS
-            total = total + (_fixed(number_of(factor, parameters)) * product >> BITS)
+            total = total + self.number(factor, parameters) * np.outer(self.at(int(a), p), self.at(int(b), q))
         return total
 
     def errors(self, computed: Any, form: Form, parameters: dict[str, float]) -> Any:
         """|computed − exact| of each entry of a form's matrix, in floats."""
-        mantissa, exponent = np.frexp(computed)
-        shifts = (exponent - 53 + BITS).ravel().tolist()
-        pairs = zip((int(v) for v in np.ldexp(mantissa, 53).ravel()), shifts, strict=True)
-        whole = np.array([v << n if n >= 0 else v >> -n for v, n in pairs], dtype=object)
-        return np.abs(whole.reshape(computed.shape) - self.form(form, parameters)).astype(float) * 2.0**-BITS
+        exact = np.vectorize(fraction, otypes=[object])(computed)
+        return np.abs(exact - self.form(form, parameters)).astype(float)
 
     def norms(self, order: int) -> Any:
-        """(∫ (φ^(order))² dx)^½ of each function, rigid ones first, in floats."""
-        return np.sqrt(np.diagonal(self._integral(0, order, order)).astype(float)) * 2.0 ** (-BITS / 2)
+        """(∫ (φ^(order))² dx)^½ of each function, in floats."""
+        return np.sqrt(np.diagonal(self.integral(0, order, order)).astype(float))
 
     def at_end(self, end: int, order: int) -> Any:
-        """φ^(order) at an end of each function, rigid ones first, in floats."""
-        return self._at(end, order).astype(float) * 2.0**-BITS
-
-    def _integral(self, k: int, p: int, q: int) -> Any:
-        if (k, p, q) not in self._integrals:
-            powers = np.array([_fixed(node**k) for node in self.nodes], dtype=object)
-            left, right = self._rows(p), self._rows(q)
-            summed = ((left * ((self.weights * powers) >> BITS)) >> BITS) @ right.T
-            self._integrals[k, p, q] = ((summed * self._powers(p)[:, None]) >> 2 * BITS) * self._powers(q) >> BITS
-        return self._integrals[k, p, q]
-
-    def _powers(self, order: int) -> Any:
-        return np.array([_fixed(g**order) for g in [mpmath.mpf(1)] * len(self.rigid) + self.roots], dtype=object)
-
-    def _rows(self, order: int) -> Any:
-        rigid = [[_fixed(polynomial_at(f, order, node)) for node in self.nodes] for f in self.rigid]
-        return np.array([*rigid, *self.values[order]], dtype=object)
-
-    def _at(self, end: int, order: int) -> Any:
-        rigid = [polynomial_at(f, order, mpmath.mpf(end)) for f in self.rigid]
-        values = [*rigid, *(v * g**order for v, g in zip(self.ends[end, order], self.roots, strict=True))]
-        return np.array([_fixed(v) for v in values], dtype=object)
+        """φ^(order) at an end of each function, in floats."""
+        return self.at(end, order).astype(float)
 
 
-def _fixed(value: mpmath.mpf) -> int:
-    """A number in units of 2^-BITS."""
-    return int(mpmath.ldexp(value, BITS))
+class Products(Reference):
+    """Modes and the rigid functions before them, by quadrature in balls of BITS bits."""
 
+    def __init__(self, modes: Sequence[Mode], rigid: tuple[Expr, ...]) -> None:
+        super().__init__()
+        self.nodes, self.weights = zip(*_quadrature(), strict=True)
+        places = (*self.nodes, mpmath.mpf(0), mpmath.mpf(1))
+        with precision(BITS):
+            functions = [
+                *([[arb(polynomial_at(f, d, place)) for place in places] for d in range(4)] for f in rigid),
+                *([[v * arb(m.gamma) ** d for v in row] for d, row in enumerate(m.values(places))] for m in modes),
+            ]
+        self.inside = [[function[d][:-2] for function in functions] for d in range(4)]
+        self.ends = np.array([[[f[d][end] for f in functions] for d in range(4)] for end in (-2, -1)], dtype=object)
 
-def _middle(ball: arb) -> int:
-    """The middle of a ball in units of 2^-BITS."""
-    mantissa, exponent = ball.mid().man_exp()
-    shift = int(exponent) + BITS
-    return int(mantissa) << shift if shift >= 0 else int(mantissa) >> -shift
+    def number(self, factor: Expr, parameters: dict[str, float]) -> arb:
+        return arb(number_of(factor, parameters))
+
+    def at(self, end: int, order: int) -> Any:
+        return self.ends[end, order]
+
+    def between(self, k: int, p: int, q: int) -> list[list[arb]]:
+        weights = [arb(weight * node**k) for node, weight in zip(self.nodes, self.weights, strict=True)]
+        left = arb_mat([[v * weight for v, weight in zip(row, weights, strict=True)] for row in self.inside[p]])
+        products: list[list[arb]] = (left * arb_mat(self.inside[q]).transpose()).tolist()
+        return products
 
 
 def polynomial_at(function: Expr, order: int, place: mpmath.mpf) -> mpmath.mpf:
@@ -256,10 +250,10 @@ def number_of(factor: Expr, parameters: dict[str, float]) -> mpmath.mpf:
 # --- polynomials ---------------------------------------------------------------------------------------------
 
 
-def independent_polynomials(kernel: PolynomialKernel, count: int) -> list[list[fmpq_poly]]:
+def independent_polynomials(ends: tuple[str, str], rigid: tuple[Expr, ...], count: int) -> list[list[fmpq_poly]]:
     """The rigid functions and `count` elastic ones in powers of x, exact, each with its derivatives to the third."""
     hermite = {(0, 0): [1, 0, -3, 2], (0, 1): [0, 1, -2, 1], (1, 0): [0, 0, 3, -2], (1, 1): [0, 0, -1, 1]}
-    held = {(end, order) for end, kind in enumerate(kernel.column.ends) for order in GEOMETRIC[kind]}
+    held = {(end, order) for end, kind in enumerate(ends) for order in GEOMETRIC[kind]}
     # cubics that meet the conditions, and what meets all four that there may be
     spanning = [fmpq_poly(c) for place, c in hermite.items() if place not in held]
     spanning += [fmpq_poly([0] * n + [0, 0, 1, -2, 1]) for n in range(count)]
@@ -270,14 +264,14 @@ def independent_polynomials(kernel: PolynomialKernel, count: int) -> list[list[f
             polynomial -= other * (_leading(polynomial) / _leading(other))
         of_degree[polynomial.degree()] = polynomial
     orthogonal: list[fmpq_poly] = []
-    for n in sorted(of_degree)[: len(kernel.rigid) + count]:
+    for n in sorted(of_degree)[: len(rigid) + count]:
         polynomial = of_degree[n]
         for other in orthogonal:
             polynomial -= other * (integral_of(polynomial * other) / integral_of(other * other))
         orthogonal.append(polynomial * (math.comb(2 * n, n) / _leading(polynomial)))
-    rigid = [fmpq_poly([fmpq(int(c.p), int(c.q)) for c in Poly(f, x).all_coeffs()[::-1]]) for f in kernel.rigid]
+    listed = [fmpq_poly([fmpq(int(c.p), int(c.q)) for c in Poly(f, x).all_coeffs()[::-1]]) for f in rigid]
     functions = []
-    for function in (*rigid, *orthogonal[len(rigid) :]):
+    for function in (*listed, *orthogonal[len(rigid) :]):
         derivatives = [function]
         for _ in range(3):
             derivatives.append(derivatives[-1].derivative())
@@ -298,49 +292,22 @@ def fraction(value: float) -> fmpq:
     return fmpq(*float(value).as_integer_ratio())
 
 
-def exactly(value: fmpq) -> Fraction:
-    return Fraction(int(value.p), int(value.q))
-
-
-class PolynomialProducts:
-    """Integrals of x^k φ_i^(p) φ_j^(q) and end values of polynomials, exact."""
+class PolynomialProducts(Reference):
+    """Polynomials with their derivatives, exact; an irrational factor has 60 digits."""
 
     def __init__(self, functions: list[list[fmpq_poly]]) -> None:
+        super().__init__()
         self.functions = functions
-        self._integrals: dict[tuple[int, int, int], Any] = {}
 
-    def form(self, form: Form, parameters: dict[str, float]) -> Any:
-        """The whole matrix of a bilinear form, rigid functions first: exact, irrational factors to 60 digits."""
-        total = np.full((len(self.functions),) * 2, fmpq(0), dtype=object)
-        for key, factor in form.along.items():
-            total = total + _rational(factor, parameters)[0] * self._integral(*key)
-        for (a, p, b, q), factor in form.points.items():
-            product = self._at(int(a), p)[:, None] * self._at(int(b), q)
-            total = total + _rational(factor, parameters)[0] * product
-        return total
+    def number(self, factor: Expr, parameters: dict[str, float]) -> fmpq:
+        return _rational(factor, parameters)[0]
 
-    def errors(self, computed: Any, form: Form, parameters: dict[str, float]) -> Any:
-        """|computed − exact| of each entry of a form's matrix, in floats."""
-        pairs = zip(computed.ravel().tolist(), self.form(form, parameters).flat, strict=True)
-        return np.array([abs(float(exactly(fraction(v) - e))) for v, e in pairs]).reshape(computed.shape)
-
-    def norms(self, order: int) -> Any:
-        """(∫ (φ^(order))² dx)^½ of each function, rigid ones first, in floats."""
-        return np.sqrt([float(exactly(integral_of(f[order] * f[order]))) for f in self.functions])
-
-    def at_end(self, end: int, order: int) -> Any:
-        """φ^(order) at an end of each function, rigid ones first, in floats."""
-        return np.array([float(exactly(v)) for v in self._at(end, order)])
-
-    def _integral(self, k: int, p: int, q: int) -> Any:
-        if (k, p, q) not in self._integrals:
-            left = [fmpq_poly([0] * k + [1]) * f[p] for f in self.functions]
-            rows = [[integral_of(a * f[q]) for f in self.functions] for a in left]
-            self._integrals[k, p, q] = np.array(rows, dtype=object)
-        return self._integrals[k, p, q]
-
-    def _at(self, end: int, order: int) -> Any:
+    def at(self, end: int, order: int) -> Any:
         return np.array([f[order](end) for f in self.functions], dtype=object)
+
+    def between(self, k: int, p: int, q: int) -> list[list[fmpq]]:
+        left = [fmpq_poly([0] * k + [1]) * f[p] for f in self.functions]
+        return [[integral_of(a * f[q]) for f in self.functions] for a in left]
 
 
 def rational(form: Form, parameters: dict[str, float]) -> bool:
@@ -354,4 +321,4 @@ def _rational(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
     value = factor.xreplace(given)
     if value.is_Rational:
         return fmpq(int(value.p), int(value.q)), True
-    return fmpq(_fixed(number_of(factor, parameters)), 2**BITS), False
+    return fmpq(int(mpmath.ldexp(number_of(factor, parameters), BITS)), 2**BITS), False

@@ -31,11 +31,11 @@ from sympy import (
 )
 from sympy.polys.matrices import DomainMatrix
 
-from freebeam_derive.modes import ComparisonBeam, canonical, sigma
-from freebeam_derive.notation import x
+from freebeam_derive.comparison import ComparisonBeam, canonical, integral_polynomials, sigma
+from freebeam_derive.notation import QUANTITIES, x
 from freebeam_derive.record import Step
-
-HIGHEST_POWER = 3
+from freebeam_derive.ritz import HIGHEST_POWER, Form, RitzSystem
+from freebeam_derive.statement import StatementError
 
 gamma_i, gamma_j = symbols("gamma_i gamma_j", positive=True)
 _a, _b, _apart = symbols("a b apart", positive=True)  # γ_i⁴, γ_j⁴, their difference
@@ -121,9 +121,6 @@ class EndValues:
         return EndValues(tuple((rename[s], e) for s, e in self.named), at)  # type: ignore[arg-type]
 
 
-_ORDER_NAMES = ("deflection", "slope", "moment", "shear")
-
-
 @cache
 def end_values(beam: ComparisonBeam) -> EndValues:
     """Name the end values of a comparison beam that are neither constants nor ± another."""
@@ -138,7 +135,7 @@ def end_values(beam: ComparisonBeam) -> EndValues:
                     row.append(ratio * known)
                     break
             else:
-                symbol = Symbol(f"{_ORDER_NAMES[d]}_{end}", real=True)
+                symbol = Symbol(f"{QUANTITIES[d]}_{end}", real=True)
                 named.append((symbol, value))
                 row.append(symbol)
         at.append(tuple(row))
@@ -268,6 +265,59 @@ def _within(k: int, p: int, q: int) -> None:
         raise ValueError(
             f"x^{k} φ^({p}) φ^({q}): powers of x up to {HIGHEST_POWER} and derivatives up to the third are known"
         )
+
+
+# --- forms of rigid functions -------------------------------------------------------------------------------
+
+
+def at_end(beam: ComparisonBeam, place: Expr, order: int, suffix: str) -> Expr:
+    """φ^(order) at an end, of mode i or j."""
+    return end_values(beam).of(suffix).at[int(place)][order] * Symbol(f"gamma_{suffix}", positive=True) ** order
+
+
+def plain(expression: Expr) -> Expr:
+    """An expression in the quantities of one mode, without its suffix; squares of signs are struck out."""
+    names = {s: Symbol(str(s)[:-2], **s.assumptions0) for s in expression.free_symbols if str(s)[-2:] in ("_i", "_j")}
+    return expression.xreplace(names).replace(
+        lambda e: e.is_Pow and e.base == sigma and e.exp.is_Integer, lambda e: sigma ** (int(e.exp) % 2)
+    )
+
+
+def rigid_pair(form: Form, first: Expr, second: Expr) -> Expr:
+    """Entry of two rigid functions: a number times parameters."""
+    along = Add(
+        *(f * integral_polynomials(x**k * first.diff(x, p), second.diff(x, q)) for (k, p, q), f in form.along.items())
+    )
+    return along + Add(
+        *(f * first.diff(x, p).subs(x, a) * second.diff(x, q).subs(x, b) for (a, p, b, q), f in form.points.items())
+    )
+
+
+def rigid_mode(form: Form, beam: ComparisonBeam, function: Expr, trial: bool) -> Expr:
+    """Entry of a rigid function against an elastic mode; `trial`: the rigid function is the column."""
+    total = S.Zero
+    for (k, p, q), f in form.along.items():
+        of_rigid, of_mode = (q, p) if trial else (p, q)
+        total += f * integral_rigid(beam, expand(x**k * function.diff(x, of_rigid)), of_mode)
+    for (a, p, b, q), f in form.points.items():
+        (rigid_place, of_rigid), (mode_place, of_mode) = ((b, q), (a, p)) if trial else ((a, p), (b, q))
+        total += f * function.diff(x, of_rigid).subs(x, rigid_place) * at_end(beam, mode_place, of_mode, "i")
+    return factor_terms(expand(plain(total)))
+
+
+def refuse_coupled(system: RitzSystem, beam: ComparisonBeam) -> None:
+    """The elastic spectrum decides stability alone only where rigid motion does not act on the elastic one.
+
+    Raises StatementError where it does.
+    """
+    for letter, what in (("M", "inertia"), ("E", "springs or foundation"), ("H", "load")):
+        for function in beam.rigid:
+            if rigid_mode(getattr(system, letter), beam, function, trial=True) != 0:
+                raise StatementError(
+                    f"ends {beam.ends[0]} and {beam.ends[1]} let the beam move rigidly as {function}, and its "
+                    f"{what} couples that to the bending, so that the elastic spectrum alone does not decide "
+                    "stability; this is not supported"
+                )
 
 
 def orthogonality(beam: ComparisonBeam) -> tuple[Step, ...]:

@@ -31,8 +31,8 @@ from sympy import (
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
-from freebeam_derive import modes
-from freebeam_derive.notation import NOTATION, P, alpha, beta, gamma, t, x
+from freebeam_derive.comparison import eta, sigma
+from freebeam_derive.notation import NOTATION, QUANTITIES, P, alpha, beta, gamma, t, x
 from freebeam_derive.statement import Column, Parameter
 
 WIDTH = 76
@@ -52,7 +52,6 @@ _FIELDS = {
     "q_i": "q_{i}", "q_j": "q_{j}", "q": "q", "u": "u", "v": "v", "tau": r"\tau", "F": "F", "M": "M",
 }  # fmt: skip
 """Functions of place and time that NOTATION has not; their arguments are left out."""
-_ORDERS = ("deflection", "slope", "moment", "shear")
 _ENTRY = re.compile(r"[A-Z](\^G)?_[a-z]{1,2}|d?d?q|q_hat")
 PRIME = r"\prime"
 _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}", r"\dddot{{{}}}")
@@ -329,13 +328,13 @@ def readable(item: Any) -> Any:
         name = str(symbol)
         match = re.fullmatch(r"(deflection|slope|moment|shear)_([01])(?:_([ij]))?", name)
         if match:
-            order, end, suffix = _ORDERS.index(match[1]), int(match[2]), match[3] or "i"
+            order, end, suffix = QUANTITIES.index(match[1]), int(match[2]), match[3] or "i"
             phi = Function(f"phi_{suffix}", real=True)(x)
             value = Subs(phi.diff(x, order), x, end) if order else phi.subs(x, end)
             base = Symbol(f"gamma_{suffix}", positive=True) if match[3] else gamma
             values[symbol] = value / base**order
-    if modes.eta in symbols:
-        values[modes.eta] = modes.sigma * exp(-gamma)
+    if eta in symbols:
+        values[eta] = sigma * exp(-gamma)
     if not values:
         return item
     if isinstance(item, Eq):

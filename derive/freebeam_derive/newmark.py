@@ -9,16 +9,21 @@ damping and the roots.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Any
 
 import sympy as sp
 
-from .record import Step, equal
+from freebeam_derive.record import Step, equal
 
 __all__ = ["Newmark", "derive_newmark"]
 
 STAGE = "newmark"
 HALF = sp.Rational(1, 2)
+
+h, Omega = sp.symbols("h Omega", positive=True)
+b, g, xi = sp.symbols("b g xi", nonnegative=True)
+rho = sp.Symbol("rho")
 
 
 @dataclass(frozen=True)
@@ -33,12 +38,8 @@ class Newmark:
     `b` and `g` are zero or greater.
     """
 
-    h: sp.Symbol
-    b: sp.Symbol
-    g: sp.Symbol
-    xi: sp.Symbol
-    Omega: sp.Symbol
-    rho: sp.Symbol
+    h, b, g, xi, Omega, rho = h, b, g, xi, Omega, rho  # the symbols that all of it is made of
+
     matrices: tuple[sp.MatrixSymbol, ...]
     """M, C, K, each (n, n)."""
     state: tuple[sp.MatrixSymbol, ...]
@@ -50,20 +51,12 @@ class Newmark:
     """A(Ω, ξ): (q, h dq) at a step's end from its beginning."""
     amplification_full: sp.Matrix
     """The same in (q, h dq, h² ddq); its third eigenvalue is zero."""
-    trace: sp.Expr
-    determinant: sp.Expr
-    characteristic: sp.Expr
-    """ρ² − trace ρ + determinant."""
     radius: sp.Expr
     """Spectral radius of A(Ω, ξ)."""
     pencil: tuple[sp.Expr, sp.Expr, sp.Expr]
     """m, c, k of any system, decoupled or not: ρ is a root of det(m M + c C + k K) = 0."""
     order: sp.Expr
     """Order of accuracy as a function of g: 2 or 1."""
-    local_error: tuple[sp.Matrix, sp.Matrix]
-    """Coefficients of h² and, at g = 1/2, of h³ in A − exp(h L), state (q, dq), ω = 1."""
-    conditions: tuple[sp.Expr, sp.Expr, sp.Expr]
-    """Stable where none of these is negative."""
     inverse_limit: sp.Expr
     """1 / Ω_crit as a function of xi, b, g; zero where every step is stable."""
     limit: sp.Expr
@@ -82,7 +75,7 @@ def _prove(difference: Any, claim: str) -> None:
         raise ArithmeticError(f"not proven: {claim}")
 
 
-def _recurrence(h: sp.Symbol, b: sp.Symbol, g: sp.Symbol) -> tuple[dict[str, Any], list[Step]]:
+def _recurrence() -> tuple[dict[str, Any], list[Step]]:
     """The step, in noncommutative symbols for the matrices and vectors of any dimension."""
     names = "M C K F q dq ddq ddq_next q_predicted dq_predicted effective right_side"
     s = {name: sp.Symbol(name, commutative=False) for name in names.split()}
@@ -167,7 +160,7 @@ def _recurrence(h: sp.Symbol, b: sp.Symbol, g: sp.Symbol) -> tuple[dict[str, Any
             "the transformed equation equals Psi times the old one, identically",
         )
     )
-    return {"symbols": s, "motion": motion, "formulas": formulas}, steps
+    return {"symbols": s, "formulas": formulas}, steps
 
 
 def _emitted(s: dict[str, sp.Symbol], formulas: dict[str, Any]) -> dict[str, Any]:
@@ -181,9 +174,7 @@ def _emitted(s: dict[str, sp.Symbol], formulas: dict[str, Any]) -> dict[str, Any
     return {"matrix": matrix, "formulas": tuple(lifted.items())}
 
 
-def _amplification(
-    recurrence: dict[str, Any], h: sp.Symbol, xi: sp.Symbol, Omega: sp.Symbol
-) -> tuple[sp.Matrix, sp.Matrix, sp.Expr, list[Step]]:
+def _amplification(recurrence: dict[str, Any]) -> tuple[sp.Matrix, sp.Matrix, sp.Expr, list[Step]]:
     """A(Ω, ξ) of the scalar oscillator, from the recurrence with M = 1, C = 2 ξ ω, K = ω², F = 0.
 
     Returns the numerators, 3 x 3 and 2 x 2, and the denominator that all entries share, the effective matrix.
@@ -219,7 +210,7 @@ def _amplification(
     return full, two, denominator, [step]
 
 
-def _pencil(h: sp.Symbol, b: sp.Symbol, g: sp.Symbol, rho: sp.Symbol) -> tuple[tuple[Any, Any, Any], Step]:
+def _pencil() -> tuple[tuple[Any, Any, Any], Step]:
     """Growth by ρ a step in any system: put q, dq, ddq proportional to ρⁿ into the two assumptions."""
     lam = sp.Symbol("lambda")
     # (ρ − 1) q = h dq + h² first ddq and (ρ − 1) dq = h second ddq, so q : dq : ddq = k : c : m
@@ -252,15 +243,7 @@ def _pencil(h: sp.Symbol, b: sp.Symbol, g: sp.Symbol, rho: sp.Symbol) -> tuple[t
     return (m, c, k), step
 
 
-def _stability(
-    trace: sp.Expr,
-    determinant: sp.Expr,
-    denominator: sp.Expr,
-    b: sp.Symbol,
-    g: sp.Symbol,
-    xi: sp.Symbol,
-    Omega: sp.Symbol,
-) -> tuple[tuple[Any, Any, Any], Any, Any, list[Step]]:
+def _stability(trace: sp.Expr, determinant: sp.Expr, denominator: sp.Expr) -> tuple[Any, Any, list[Step]]:
     """The map ρ = (1 + z)/(1 − z) takes the unit disc to the left half plane, where Hurwitz decides.
 
     `trace` and `determinant` are the numerators over `denominator`.
@@ -328,19 +311,12 @@ def _stability(
             check="the root put back makes the condition vanish; the textbook's form times the inverse one is 1",
         )
     )
-    return conditions, inverse, limit, steps
+    return inverse, limit, steps
 
 
 def _accuracy(
-    two: sp.Matrix,
-    trace: sp.Expr,
-    determinant: sp.Expr,
-    denominator: sp.Expr,
-    b: sp.Symbol,
-    g: sp.Symbol,
-    xi: sp.Symbol,
-    Omega: sp.Symbol,
-) -> tuple[Any, tuple[sp.Matrix, sp.Matrix], Any, Any, list[Step]]:
+    two: sp.Matrix, trace: sp.Expr, determinant: sp.Expr, denominator: sp.Expr
+) -> tuple[Any, Any, Any, list[Step]]:
     """Order by series in h against the exact propagator; leading errors of period and damping."""
     # ω = 1, so h = Ω and the state (q, dq)
     generator = sp.Matrix([[0, 1], [-1, -2 * xi]])
@@ -352,9 +328,9 @@ def _accuracy(
     # by it, the leading term of the error is what it was.
     ring = sp.polys.rings.PolyRing((xi, b, g, Omega), sp.QQ)
     scaled = sp.Matrix(2, 2, lambda i, j: two[i, j] * Omega ** (1 + j - i))
-    whole, h = ring.from_expr(denominator), ring.from_expr(Omega)
-    error = [ring.from_expr(a) - h * whole * ring.from_expr(e) for a, e in zip(scaled, exact, strict=True)]
-    terms = [sp.Matrix(2, 2, [sp.factor(entry.coeff_wrt(h, k + 1).as_expr()) for entry in error]) for k in range(4)]
+    whole, unit = ring.from_expr(denominator), ring.from_expr(Omega)
+    error = [ring.from_expr(a) - unit * whole * ring.from_expr(e) for a, e in zip(scaled, exact, strict=True)]
+    terms = [sp.Matrix(2, 2, [sp.factor(entry.coeff_wrt(unit, k + 1).as_expr()) for entry in error]) for k in range(4)]
     _prove(terms[0], "consistency, h^0")
     _prove(terms[1], "consistency, h^1")
     # No damping ratio makes all coefficients vanish: the polynomials in ξ have no common root, complex ones
@@ -387,14 +363,14 @@ def _accuracy(
     def known(polynomial: Any) -> Any:  # through Ω⁴
         return ring.from_dict({powers: value for powers, value in polynomial.terms() if powers[0] <= 4})
 
-    step, power, rho = ring.from_expr(exponent), ring.one, ring.one
+    step, power, growth = ring.from_expr(exponent), ring.one, ring.one
     for k in range(1, 5):
         power = known(power * step) * sp.QQ(1, k)
-        rho += power
+        growth += power
     whole, first, last = (
         ring.from_expr(sp.expand(s * part.subs(xi, damping))) for part in (denominator, trace, determinant)
     )
-    series = known(whole * known(rho**2) - first * rho + last).as_expr()
+    series = known(whole * known(growth**2) - first * growth + last).as_expr()
     for k in range(3):
         _prove(series.coeff(Omega, k), "the exact eigenvalue is the limit")
     c2_value = _linear_root(series.coeff(Omega, 3), c2)
@@ -414,7 +390,7 @@ def _accuracy(
             check="the characteristic polynomial vanishes through Omega^4 with these coefficients, for any damping",
         )
     )
-    return order, (terms[2], third), elongation, numerical_damping, steps
+    return order, elongation, numerical_damping, steps
 
 
 def _linear_root(expression: Any, unknown: sp.Symbol) -> Any:
@@ -422,7 +398,7 @@ def _linear_root(expression: Any, unknown: sp.Symbol) -> Any:
     return -sp.factor(constant) / sp.factor(slope)
 
 
-def _energy(h: sp.Symbol) -> Step:
+def _energy() -> Step:
     """(1/4, 1/2) keeps ½ dqᵀ M dq + ½ qᵀ K q exactly where C = 0, F = 0 and K = Kᵀ.
 
     Scalars xᵀ X y are words of noncommuting symbols; a scalar equals its transpose, so with symmetric
@@ -473,14 +449,12 @@ def _energy(h: sp.Symbol) -> Step:
     )
 
 
+@cache
 def derive_newmark() -> Newmark:
     """Derive Newmark's method; pure. Raises ArithmeticError where a step of the proof fails."""
-    h, Omega = sp.symbols("h Omega", positive=True)
-    b, g, xi = sp.symbols("b g xi", nonnegative=True)
-    rho = sp.Symbol("rho")
-    recurrence, steps = _recurrence(h, b, g)
+    recurrence, steps = _recurrence()
     emitted = _emitted(recurrence["symbols"], recurrence["formulas"])
-    full, two, denominator, more = _amplification(recurrence, h, xi, Omega)
+    full, two, denominator, more = _amplification(recurrence)
     steps += more
     determinant_squared = sp.expand(two[0, 0] * two[1, 1] - two[0, 1] * two[1, 0])
     product, rest = sp.div(determinant_squared, denominator, Omega, xi, b, g)
@@ -505,7 +479,7 @@ def derive_newmark() -> Newmark:
             check="the 3 x 3 matrix has the same polynomial times rho",
         )
     )
-    pencil, step = _pencil(h, b, g, rho)
+    pencil, step = _pencil()
     steps.append(step)
     m, c, k = (sp.expand(part / h**power) for power, part in enumerate(pencil))
     _prove(
@@ -513,33 +487,22 @@ def derive_newmark() -> Newmark:
         "pencil and amplification matrix have the same roots",
     )
     invariants = (sum_of_roots, product, denominator)
-    conditions, inverse_limit, limit, more = _stability(*invariants, b, g, xi, Omega)
+    inverse_limit, limit, more = _stability(*invariants)
     steps += more
-    order, local_error, elongation, damping, more = _accuracy(two, *invariants, b, g, xi, Omega)
+    order, elongation, damping, more = _accuracy(two, *invariants)
     steps += more
-    steps.append(_energy(h))
+    steps.append(_energy())
     matrix = emitted["matrix"]
     return Newmark(
-        h=h,
-        b=b,
-        g=g,
-        xi=xi,
-        Omega=Omega,
-        rho=rho,
         matrices=(matrix["M"], matrix["C"], matrix["K"]),
         state=(matrix["q"], matrix["dq"], matrix["ddq"]),
         force=matrix["F"],
         formulas=emitted["formulas"],
         amplification=two / denominator,
         amplification_full=full / denominator,
-        trace=trace,
-        determinant=determinant,
-        characteristic=characteristic,
         radius=radius,
         pencil=pencil,
         order=order,
-        local_error=local_error,
-        conditions=conditions,
         inverse_limit=inverse_limit,
         limit=limit,
         period_elongation=elongation,

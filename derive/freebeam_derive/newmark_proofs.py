@@ -9,19 +9,14 @@ import mpmath
 from sympy import Expr, Integer, Matrix, Rational, S, Symbol, cancel, expand, eye, lambdify, symbols
 
 from freebeam_derive import motions
-from freebeam_derive.newmark import STAGE, Newmark
+from freebeam_derive.newmark import STAGE
+from freebeam_derive.newmark import derive_newmark as _method
 from freebeam_derive.record import Step
 
 __all__ = ["PROOFS", "STAGE"]
 
 HALF, QUARTER = Rational(1, 2), Rational(1, 4)
 SMALL, DIGITS = 25, 150  # a step of 10^-25, at which the second term of a series is beyond 20 digits
-
-
-def _method() -> Newmark:
-    from freebeam_derive.pipeline import newmark_method
-
-    return newmark_method()
 
 
 def _noncommuting(names: str) -> tuple[Symbol, ...]:

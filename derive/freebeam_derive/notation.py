@@ -28,6 +28,9 @@ class Notation:
 
 NOTATION: dict[str, Notation] = {}
 
+QUANTITIES = ("deflection", "slope", "moment", "shear")  # a trial function and its derivatives, by their order
+PRIMES = ("", "′", "″", "‴")
+
 
 def _symbol(name: str, latex: str, meaning: str, equation: str, **assumptions: bool) -> Symbol:
     symbol = Symbol(name, **({"real": True} | assumptions))

@@ -5,14 +5,13 @@ statement     file                        Column                                
 scaling       dimensional energies        the nondimensional ones                   scaling.py       Eq. (5)
 variation     energies, virtual work      weak and strong form, end conditions  variation.py     Eqs. (2), (6)-(8), (15)
 Ritz          weak form                   M, C, E, H, Q as bilinear forms           ritz.py          Eqs. (9)-(13)
-modes         ends                        comparison modes, rigid functions         modes.py         Eqs. (14)-(23)
+modes         ends                        comparison modes, rigid functions         comparison.py    Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
-polynomials   ends                        Legendre series, the second basis         legendre.py      Eqs. (9), (11)
 stability     matrices                    pencil, meeting, tangent rule, work       eigenproblem.py  Eqs. (24)-(26)
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
 proofs        all of these                every step by another route               step_proofs.py
-kernel        closed forms                graph of operations                       kernel.py
-emission      graph                       NumPy module                              emit.py, emit_legendre.py, source.py
+bases         forms, trial functions      programs: modes, Legendre's polynomials   bases/           Eqs. (9), (11)
+emission      programs                    NumPy module                              emit/
 verification  module, forms               measured errors within bounds             verify.py, independent.py
 """
 
@@ -22,20 +21,19 @@ import difflib
 import hashlib
 import importlib.util
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, partial
+from functools import cached_property
 from importlib.metadata import version
 from pathlib import Path
 
 from freebeam_derive import (
+    bases,
+    comparison,
     eigenproblem,
     emit,
     integrals,
-    kernel,
-    legendre,
-    modes,
     newmark,
     ritz,
     scaling,
@@ -44,53 +42,39 @@ from freebeam_derive import (
     variation,
     verify,
 )
+from freebeam_derive.derivation import Derivation
 from freebeam_derive.files import written
-from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
+from freebeam_derive.kernel import Figure, Kernel, Progress
 from freebeam_derive.record import Step
-from freebeam_derive.statement import BASES, Column, StatementError
+from freebeam_derive.statement import Column, StatementError
 
 MANIFEST, REPORT, INDEX = "MANIFEST.json", "report.json", "__init__.py"
 _MARK = "emitted by `freebeam generate"
 
-Progress = Callable[[str], None]
 
+class Derived(Derivation):
+    """A derivation with what is made of it: its kernels, and the record of all its steps."""
 
-@dataclass(frozen=True)
-class Derivation:
-    """All that follows from a column's statement, before a line of code is written."""
-
-    column: Column
-    scaling: tuple[Step, ...]
-    motion: variation.EquationOfMotion
-    system: ritz.RitzSystem
-    beam: modes.ComparisonBeam
-    damped: modes.DampedModes | None
+    def kernel(self, basis: str) -> Kernel:
+        """The kernel graph in a basis, made once."""
+        if basis not in self._kernels:
+            self._kernels[basis] = bases.build(basis, self)
+        return self._kernels[basis]
 
     @cached_property
-    def kernel(self) -> ColumnKernel:
-        """The kernel graph over the comparison modes."""
-        return kernel.build(self.column, self.motion, self.system, self.damped, newmark_method())
-
-    @cached_property
-    def polynomials(self) -> PolynomialKernel:
-        """The kernel graph over polynomials, the second basis."""
-        return kernel.build_polynomials(self.column, self.motion, self.system, newmark_method())
+    def _kernels(self) -> dict[str, Kernel]:
+        return {}
 
     @property
     def steps(self) -> tuple[Step, ...]:
         """The record of every stage, in order; each step with its proof."""
-        damped = self.damped.steps if self.damped else ()
         made = (
             *self.scaling,
             *self.motion.steps,
             *self.system.steps,
-            *damped,
-            *self.beam.steps,
-            *integrals.orthogonality(self.beam),
-            eigenproblem.load_matrix(self.beam, self.system.H),
-            *legendre.polynomials(self.column.ends).steps,
+            *(step for basis in statement.bases() for step in bases.steps(basis, self)),
             *eigenproblem.steps(self),
-            *newmark_method().steps,
+            *self.newmark.steps,
         )
         return tuple(step_proofs.attach(self, made))
 
@@ -103,10 +87,7 @@ class Outcome:
     columns: tuple[str, ...]
     written: tuple[Path, ...]
     difference: str
-    figures: dict[str, tuple[verify.Figure, ...]]
-
-
-newmark_method = lru_cache(maxsize=1)(newmark.derive_newmark)
+    figures: dict[str, tuple[Figure, ...]]
 
 
 def columns() -> dict[str, Path]:
@@ -114,14 +95,15 @@ def columns() -> dict[str, Path]:
     return statement.columns()
 
 
-def derive(column: Column) -> Derivation:
+def derive(column: Column) -> Derived:
     """Every stage before emission, from a column's statement. Raises StatementError where it makes no sense."""
     scaled = scaling.derive_scaling(column)
     motion = variation.derive_column(column)
     system = ritz.derive(motion)
-    beam = modes.comparison_beam(column.ends)
-    damped = modes.damped_modes(motion)
-    return Derivation(column, scaled, motion, system, beam, damped)
+    beam = comparison.comparison_beam(column.ends)
+    integrals.refuse_coupled(system, beam)
+    damped = comparison.damped_modes(motion)
+    return Derived(column, scaled, motion, system, beam, damped, newmark.derive_newmark())
 
 
 def find(target: str | Path) -> Column:
@@ -149,68 +131,72 @@ def generate(
     output: Path | None = None,
     progress: Progress | None = None,
     check: bool = False,
-    bases: Sequence[str] = BASES,
+    only: Sequence[str] | None = None,
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
     targets: names or files, all columns of this tree where empty. output: folder, this tree's own where None; an
     installed package has no tree, and needs one named.
-    check: write nothing, compare with what is there. progress: told what is being done. bases: which trial functions
-    a module is made for; those of polynomials are named `…_legendre.py`.
+    check: write nothing, compare with what is there. progress: told what is being done. only: the bases that modules
+    are made for, all where None; those of polynomials are named `…_legendre.py`.
 
     Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
     VerificationError for a kernel that fails; then nothing is written.
     """
-    say = progress or (lambda _: None)
     if output is None and not (Path(__file__).parents[2] / "pyproject.toml").is_file():
         raise StatementError("an installed freebeam is not written to: name a folder for the kernels with --output")
     output = tree() if output is None else Path(output)
-    chosen = [find(target) for target in (targets or columns())]
-    modules = [_module(column, basis) for column in chosen for basis in bases]
-    doubled = {module for module in modules if modules.count(module) > 1}
-    if doubled:
-        raise StatementError(f"two columns would be written to {sorted(doubled)[0]}.py; give each a name of its own")
+    chosen, in_bases = [find(target) for target in (targets or columns())], statement.bases() if only is None else only
+    tools, before = _manifest(output) or ({}, {})
+    names = tuple(column.name for column in chosen)
+    if check and tools not in ({}, _tools()):
+        return Outcome(output, names, (), f"cannot compare: {_other_tools(tools)}\n", {})
+    modules = [f"{bases.module_of(column, basis)}.py" for column in chosen for basis in in_bases]
+    _refuse_doubled(modules)
     _refuse_homonyms(chosen, targets, output)
-    before = _manifest(output)
-    names = tuple(c.name for c in chosen)
-    if check and before and before[0] != _tools():
-        return Outcome(output, names, (), f"cannot compare: {_other_tools(before[0])}\n", {})
-    if before and before[0] != _tools() and targets and set(before[1]) - {f"{module}.py" for module in modules}:
-        others = sorted(set(before[1]) - {f"{module}.py" for module in modules})
+    others = sorted(set(before) - set(modules))
+    if targets and others and tools != _tools():
         raise StatementError(
-            f"{output} holds {others[0]} of other tools: {_other_tools(before[0])}, or choose another --output"
+            f"{output} holds {others[0]} of other tools: {_other_tools(tools)}, or choose another --output"
         )
 
-    texts: dict[str, str] = {}
-    entries: dict[str, dict[str, object]] = {}
-    figures: dict[str, tuple[verify.Figure, ...]] = {}
-    for column in chosen:
-        say(f"{column.name}: derive")
-        derived = derive(column)
-        for basis in bases:
-            built = derived.kernel if basis == "modes" else derived.polynomials
-            label = column.name if basis == "modes" else f"{column.name}, {basis}"
-            text, file = emit.emit(built), f"{_module(column, basis)}.py"
-            texts[file], entries[file] = text, _entry(built, basis, text)
-            if not check:
-                say(f"{label}: verify")
-                figures[label] = verify.verify(built, text, partial(_say, say, label))
+    made = [each for column in chosen for each in _made(column, in_bases, check, progress or (lambda _: None))]
     # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
-    kept = before[1] if before and targets else {}
+    kept = before if targets else {}
+    entries = {file: _entry(built, text) for file, built, text, _ in made}
     files = dict(sorted({**kept, **entries}.items()))
+    texts = {file: text for file, _, text, _ in made}
     texts[INDEX] = _index(files)
     texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
-
     if check:
         return Outcome(output, names, (), _difference(output, texts, set(kept), bool(targets)), {})
-    obsolete = [output / name for name in (before[1] if before else {}) if name not in files]
-    written = _write(output, texts, obsolete)
+    figures = {f"{built.column.name}, {built.basis_name}": found for _, built, _, found in made}
+    written = _write(output, texts, [output / name for name in before if name not in files])
     _report(output, figures)
     return Outcome(output, names, written, "", figures)
 
 
-def _say(say: Progress, name: str, what: str) -> None:
-    say(f"{name}: verify {what}")
+def _made(
+    column: Column, in_bases: Sequence[str], check: bool, say: Progress
+) -> Iterator[tuple[str, Kernel, str, tuple[Figure, ...]]]:
+    """The modules of a column: file, kernel, text, and what the verification measured; nothing for a mere check."""
+    say(f"{column.name}: derive")
+    derived = derive(column)
+    for basis in in_bases:
+        built, label = derived.kernel(basis), f"{column.name}, {basis}"
+
+        def verifying(what: str, label: str = label) -> None:
+            say(f"{label}: verify {what}")
+
+        text = emit.emit(built)
+        figures = () if check else verify.verify(built, text, verifying)
+        yield f"{bases.module_of(column, basis)}.py", built, text, figures
+
+
+def _refuse_doubled(modules: Sequence[str]) -> None:
+    doubled = sorted(module for module in modules if modules.count(module) > 1)
+    if doubled:
+        raise StatementError(f"two columns would be written to {doubled[0]}; give each a name of its own")
 
 
 def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], output: Path) -> None:
@@ -230,7 +216,7 @@ def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], ou
 
 def _tools() -> dict[str, str]:
     """What decides the emitted bytes."""
-    return {"sympy": version("sympy"), "mpmath": version("mpmath")}
+    return {name: version(name) for name in ("sympy", "mpmath", "ruff")}
 
 
 def _other_tools(recorded: dict[str, str]) -> str:
@@ -241,34 +227,13 @@ def _other_tools(recorded: dict[str, str]) -> str:
     return f"{differing}; install the pinned versions with `make`"
 
 
-def _module(column: Column, basis: str) -> str:
-    """Name of a column's module in a basis."""
-    return column.module if basis == "modes" else f"{column.module}_{basis}"
-
-
-def _entry(built: Kernel, basis: str, text: str) -> dict[str, object]:
-    bounds: dict[str, float]
-    if isinstance(built, PolynomialKernel):
-        count = verify.POLYNOMIALS
-        cost = {"matrix_products": built.products, "exact_in_fractions_up_to": count}
-        bounds = {
-            f"matrix entries up to N = {count}, of the norms of their terms": verify.BOUND,
-            f"polynomials up to N = {count} and their derivatives to the third, of the largest value": verify.BOUND,
-        }
-    else:
-        assert isinstance(built, ColumnKernel)
-        cost = {"operations_per_entry": built.operations}
-        bounds = {
-            f"matrix entries up to N = {verify.MATRIX_MODES}, of the norms of their terms": verify.BOUND,
-            f"modes up to {verify.EXACT_MODES} and their derivatives to the third, of the largest value": verify.BOUND,
-            f"modes up to {max(verify.HIGH_MODES)}, of the largest value, in units of gamma times 2^-53": 4,
-        }
+def _entry(built: Kernel, text: str) -> dict[str, object]:
     return {
         "column": built.column.name,
-        "basis": basis,
+        "basis": built.basis_name,
         "sha256": hashlib.sha256(text.encode()).hexdigest(),
-        **cost,
-        "bounds": bounds,
+        **built.cost(),
+        "bounds": built.bounds(),
     }
 
 
@@ -331,7 +296,7 @@ def _write(output: Path, texts: dict[str, str], obsolete: list[Path]) -> tuple[P
     return tuple(output / name for name in texts)
 
 
-def _report(output: Path, figures: dict[str, tuple[verify.Figure, ...]]) -> None:
+def _report(output: Path, figures: dict[str, tuple[Figure, ...]]) -> None:
     """The measured errors, beside the kernels; they vary in the last digit from machine to machine."""
     listed = {name: [vars(figure) for figure in found] for name, found in figures.items()}
     try:

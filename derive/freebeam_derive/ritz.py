@@ -25,13 +25,13 @@ from sympy import (
     expand,
 )
 
-from freebeam_derive.integrals import HIGHEST_POWER
-from freebeam_derive.notation import F_0, P, t, x, x_F
+from freebeam_derive.notation import F_0, PRIMES, P, t, x, x_F
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import ALONG, StatementError, display, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion
 
 STAGE = "Ritz series"
+HIGHEST_POWER = 3  # of x in an integral
 
 phi_i = Function("phi_i", real=True)(x)
 phi_j = Function("phi_j", real=True)(x)
@@ -292,7 +292,6 @@ def _forces(motion: EquationOfMotion) -> tuple[tuple[Expr, Expr], ...]:
 
 
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PRIMES = ("", "′", "″", "‴")
 
 
 def display_form(form: Form) -> str:
@@ -300,9 +299,9 @@ def display_form(form: Form) -> str:
     terms: list[tuple[Expr, str]] = []
     for (k, p, q), value in sorted(form.along.items()):
         power = "" if k == 0 else "x " if k == 1 else f"x{str(k).translate(_SUPERSCRIPT)} "
-        terms.append((value, f"∫ {power}φᵢ{_PRIMES[p]} φⱼ{_PRIMES[q]} dx"))
+        terms.append((value, f"∫ {power}φᵢ{PRIMES[p]} φⱼ{PRIMES[q]} dx"))
     for (a, p, b, q), value in form.points.items():
-        terms.append((value, f"φᵢ{_PRIMES[p]}({a}) φⱼ{_PRIMES[q]}({b})"))
+        terms.append((value, f"φᵢ{PRIMES[p]}({a}) φⱼ{PRIMES[q]}({b})"))
     text = ""
     for value, term in terms:
         negative = value.could_extract_minus_sign()

@@ -2,15 +2,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import dataclass
+
 import mpmath
-from sympy import Expr, lambdify
+from sympy import Expr, Symbol, lambdify
 
-from freebeam_derive import modes
+epsilon = Symbol("epsilon", positive=True)  # e^(-gamma)
 
 
-def characteristic(p: Expr, q: Expr, r: Expr):  # type: ignore[no-untyped-def]
+@dataclass(frozen=True)
+class Characteristic:
+    """The characteristic equation p cos γ + q sin γ + r = 0 of a pair of ends. Eq. (21).
+
+    p, q, r: functions of ε = e^(−γ). first: m of the first root's asymptote γ₀ = m π/4; the n-th has first + 4 (n − 1).
+    """
+
+    ends: tuple[str, str]
+    p: Expr
+    q: Expr
+    r: Expr
+    first: int
+
+
+def characteristic(p: Expr, q: Expr, r: Expr) -> Callable[[mpmath.mpf], mpmath.mpf]:
     """p cos γ + q sin γ + r as an mpmath function of γ."""
-    factors = lambdify(modes.epsilon, (p, q, r), "mpmath")
+    factors = lambdify(epsilon, (p, q, r), "mpmath")
 
     def function(g: mpmath.mpf) -> mpmath.mpf:
         a, b, c = factors(mpmath.exp(-g))
@@ -31,7 +48,7 @@ def first_root(p: Expr, q: Expr, r: Expr) -> float:
         g, value = g + step, following
 
 
-def root(beam: modes.ComparisonBeam, index: int, digits: int = 50) -> mpmath.mpf:
+def root(beam: Characteristic, index: int, digits: int = 50) -> mpmath.mpf:
     """The index-th positive root γ (from 1) of a comparison beam, to `digits` decimal digits. Eq. (21).
 
     The bracket is a quarter period to each side of the asymptote, where the sign must change.

@@ -53,7 +53,6 @@ GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": 
 ALONG = Symbol("along")  # the place of a jet that is a function of x
 jet = Function("jet")
 
-BASES = ("modes", "legendre")
 # what every emitted function of a matrix knows by these names, and the name of the place above
 RESERVED = ("np", "basis", "rigid", "along")
 # What public calls that take a column's own parameters as keywords call so themselves; a test compares these with the
@@ -544,8 +543,8 @@ def _refuse_powers_of_the_load(name: str, part: Expr) -> None:
 def check(column: Column) -> None:
     """Refuse a statement that makes no sense; further checks need the variation (variation.py)."""
     _refuse_types(column)
-    if column.basis not in BASES:
-        raise StatementError(f"basis = {column.basis!r}: must be one of {', '.join(BASES)}")
+    if column.basis not in bases():
+        raise StatementError(f"basis = {column.basis!r}: must be one of {', '.join(bases())}")
     if type(column.modes) is not int or column.modes < 1:
         raise StatementError(f"modes = {column.modes!r}: must be a whole number, 1 or greater")
     _refuse_unknown(column)
@@ -621,3 +620,9 @@ def columns() -> dict[str, Path]:
     """Names and files of the columns of this tree, in the order in which they are listed."""
     folder = Path(__file__).parent / "columns"
     return {path.stem.replace("_", "-"): path for path in sorted(folder.glob("[a-z]*.py"))}
+
+
+@lru_cache(maxsize=1)
+def bases() -> tuple[str, ...]:
+    """Names of the bases: trial functions of a column, a file each."""
+    return tuple(sorted(path.stem for path in (Path(__file__).parent / "bases").glob("[a-z]*.py")))

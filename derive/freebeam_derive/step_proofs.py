@@ -10,22 +10,21 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache, lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import mpmath
 from sympy import Add, Expr, Function, Integer, Poly, S, Symbol, cancel, exp, expand, lambdify, legendre, nsimplify
 
-from freebeam_derive import integrals, modes, motions, newmark_proofs, roots, variation
-from freebeam_derive import legendre as polynomials
+from freebeam_derive import comparison as modes
+from freebeam_derive import integrals, motions, newmark_proofs, roots, variation
+from freebeam_derive.bases import legendre as polynomials
+from freebeam_derive.derivation import Derivation
 from freebeam_derive.independent import gauss
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, chi, gamma, lambda_, m, t, x, x_F, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
 from freebeam_derive.scaling import SCALES
 from freebeam_derive.statement import ALONG, GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
-
-if TYPE_CHECKING:
-    from freebeam_derive.pipeline import Derivation
 
 DIGITS = 40
 MODES = 3  # first modes at which closed forms are compared with numbers

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, expand
+from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, Symbol, expand
 
 from freebeam_derive.notation import F_0, P, alpha, beta, x
 from freebeam_derive.record import Step, equal
@@ -249,8 +249,6 @@ def derive_column(column: Column) -> EquationOfMotion:
 
 
 def _named(*works: Functional) -> list[tuple[Expr, Functional]]:
-    from sympy import Symbol
-
     return list(zip(map(Symbol, ("T", "V", "W_c", "delta_W_nc")), works, strict=True))
 
 

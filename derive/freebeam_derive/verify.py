@@ -8,56 +8,35 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
 import mpmath
 import numpy as np
-from flint import fmpq, fmpq_poly
+from flint import fmpq, fmpq_mat
 from sympy import Add, Expr, Rational, Symbol, expand, lambdify
 
+from freebeam_derive.certify.balls import precision
 from freebeam_derive.independent import (
+    BITS,
     DIGITS,
-    Mode,
-    PolynomialProducts,
-    Products,
+    Reference,
     VerificationError,
-    exactly,
     fraction,
-    independent_mode,
-    independent_polynomials,
-    none_skipped,
     number_of,
     polynomial_at,
     rational,
 )
-from freebeam_derive.kernel import ColumnKernel, Kernel, PolynomialKernel
-from freebeam_derive.notation import EI, L, gamma, m
+from freebeam_derive.kernel import Figure, Kernel, Progress
+from freebeam_derive.notation import EI, L, m
 from freebeam_derive.ritz import Form
 from freebeam_derive.scaling import SCALES
 
 __all__ = ["Figure", "VerificationError", "load", "verify"]
 
-MATRIX_MODES = 64  # all entries up to here
-EXACT_MODES = 40  # modes and derivatives within BOUND up to here
-HIGH_MODES = (48, 64, 100, 200)  # and within 4 u gamma at these
-POLYNOMIALS = 40  # elastic polynomials, all entries and derivatives up to the third
 BOUND = 1e-14
-_UNIT = 2.0**-53
-
-Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True)
-class Figure:
-    """A measured error: what, where it was largest, how large, and the bound that it must keep."""
-
-    what: str
-    where: str
-    error: float
-    bound: float
+PLACES = (0.0, 1e-3, 0.1, 0.25, 1 / 3, 0.5, 0.5773502691896258, 0.7, 0.9, 0.999, 1.0)
 
 
 def load(text: str, name: str) -> ModuleType:
@@ -77,12 +56,8 @@ def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple
     """
     say = progress or (lambda _: None)
     module = load(text, kernel.column.module)
-    with mpmath.workdps(DIGITS + 15):
-        if isinstance(kernel, PolynomialKernel):
-            figures = _verify_polynomials(kernel, module, say)
-        else:
-            assert isinstance(kernel, ColumnKernel)
-            figures = _verify_modes(kernel, module, say)
+    with mpmath.workdps(DIGITS + 15), precision(BITS):
+        figures = [*kernel.measured(module, say)]
         say("the rest")
         figures += _figures_rest(kernel, module)
     for figure in figures:
@@ -94,69 +69,14 @@ def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple
     return tuple(figures)
 
 
-def _verify_modes(kernel: ColumnKernel, module: ModuleType, say: Progress) -> list[Figure]:
-    orders = kernel.beam.orders
-    say("roots")
-    none_skipped(module, orders, 24)
-    gamma_float = module.basis(max(HIGH_MODES)).gamma
-    modes: dict[int, Mode] = {}
-    for index in sorted({*range(1, MATRIX_MODES + 1), *HIGH_MODES}):
-        modes[index] = independent_mode(index, float(gamma_float[index - 1]), orders)
-    figures = [*_figures_roots(gamma_float, modes)]
-    say("modes")
-    figures += _figures_shapes(module, modes)
-    say("matrices")
-    products = Products([modes[n] for n in range(1, MATRIX_MODES + 1)], kernel.rigid)
-    figures += _figures_matrices(kernel, module, products, MATRIX_MODES)
-    if kernel.damped is not None:
-        figures += _figures_frequencies(kernel, module, modes)
-    return figures
-
-
-def _figures_roots(gamma_float: Any, modes: dict[int, Mode]) -> Iterator[Figure]:
-    worst = max(modes, key=lambda n: abs(float(gamma_float[n - 1]) / modes[n].gamma - 1))
-    error = float(abs(mpmath.mpf(float(gamma_float[worst - 1])) / modes[worst].gamma - 1))
-    yield Figure("relative error of the roots", f"mode {worst}", error, 4 * _UNIT)
-
-
-_PLACES = (0.0, 1e-3, 0.1, 0.25, 1 / 3, 0.5, 0.5773502691896258, 0.7, 0.9, 0.999, 1.0)
-
-
-def _figures_shapes(module: ModuleType, modes: dict[int, Mode]) -> Iterator[Figure]:
-    """Modes and their derivatives up to the third, relative to the largest value along the beam."""
-    basis = module.basis(max(modes))
-    grid = np.linspace(0, 1, 2001)
-    exact = {n: _exact_values(mode) for n, mode in modes.items()}
-    for d in range(4):
-        computed, largest = module.shapes(basis, _PLACES, d), np.abs(module.shapes(basis, grid, d)).max(axis=1)
-        worst = {False: ("", 0.0, BOUND), True: ("", 0.0, BOUND)}
-        for n, mode in modes.items():
-            scale = mode.gamma**d
-            for place, value in zip(range(len(_PLACES)), exact[n][d], strict=True):
-                error = float(
-                    abs(mpmath.mpf(float(computed[n - 1, place])) - value * scale) / mpmath.mpf(float(largest[n - 1]))
-                )
-                high = n > EXACT_MODES
-                bound = max(BOUND, 4 * _UNIT * float(mode.gamma)) if high else BOUND
-                if error / bound >= worst[high][1] / worst[high][2]:
-                    worst[high] = (f"mode {n}, x = {_PLACES[place]:.4g}", error, bound)
-        for high, (where, error, bound) in worst.items():
-            reach = f"modes beyond {EXACT_MODES}" if high else f"modes up to {EXACT_MODES}"
-            yield Figure(f"derivative {d} of {reach}, of the largest value", where, error, bound)
-
-
-def _exact_values(mode: Mode) -> list[list[mpmath.mpf]]:
-    return [[mpmath.mpf(v) for v in row] for row in mode.values([mpmath.mpf(place) for place in _PLACES])]
-
-
 # --- matrices -----------------------------------------------------------------------------------------------
 
 _DAMPING = {"alpha": 0.0123, "beta": 0.456}
 _POWERS = (0, 2, -2, 5, -5, 10, -10, 20, -20, 40, -40)
 
 
-def _figures_matrices(
-    kernel: Kernel, module: ModuleType, reference: Products | PolynomialProducts, N: int, in_fractions: Any = None
+def matrix_figures(
+    kernel: Kernel, module: ModuleType, reference: Reference, N: int, in_fractions: Any = None
 ) -> Iterator[Figure]:
     """Each entry within the bound of what its terms can be: monomials times norms (∫ φ² dx)^½ and end values.
 
@@ -201,7 +121,7 @@ def _figures_matrices(
         yield Figure(f"entries of {letter} up to N = {N}, of the norms of their terms", *worst, BOUND)
 
 
-def _scale(form: Form, values: dict[str, float], reference: Products | PolynomialProducts) -> Any:
+def _scale(form: Form, values: dict[str, float], reference: Reference) -> Any:
     """What the terms of each entry can be: nothing cancels in it."""
     scale: Any = 0.0
     for (_, p, q), factor in form.along.items():
@@ -290,58 +210,22 @@ def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
     yield Figure("scales of the SI units", "one beam", error, BOUND)
 
 
-def _figures_frequencies(kernel: ColumnKernel, module: ModuleType, modes: dict[int, Mode]) -> Iterator[Figure]:
-    """Eq. (23) against the roots of the quadratic, from light to heavy damping."""
-    assert kernel.damped is not None
-    free = sorted(
-        {str(s) for s in (kernel.damped.half + kernel.damped.product).free_symbols} - {"gamma", "alpha", "beta"}
-    )
-    own = {p.name: float(p.default) for p in kernel.column.parameters if p.name in free}
-    symbols = {str(s): s for s in (kernel.damped.half + kernel.damped.product).free_symbols} | {"gamma": gamma}
-    worst = ("", 0.0)
-    for alpha_value, beta_value in ((0.0, 0.0), (1e-6, 0.0), (1e-3, 0.1), (10.0, 1000.0)):
-        first, second = module.frequencies(module.basis(8).gamma, alpha_value, beta_value, **own)
-        for n in range(1, 9):
-            values = {"gamma": modes[n].gamma, "alpha": mpmath.mpf(alpha_value), "beta": mpmath.mpf(beta_value)}
-            values |= {name: mpmath.mpf(v) for name, v in own.items()}
-            used = [name for name in symbols if name in values]
-            half, product = lambdify(
-                [symbols[name] for name in used], (kernel.damped.half, kernel.damped.product), "mpmath"
-            )(*(values[name] for name in used))
-            roots = mpmath.polyroots([1, 2 * half, product], maxsteps=200, extraprec=400)
-            for computed in (first[n - 1], second[n - 1]):
-                value = mpmath.mpc(complex(computed))
-                error = float(min(abs(value - root) / abs(root) for root in roots))
-                if error >= worst[1]:
-                    worst = (f"mode {n}, alpha = {alpha_value}, beta = {beta_value}", error)
-    yield Figure("relative error of the eigenvalues of Eq. (23)", *worst, 1e-12)
-
-
 def _figure_newmark(module: ModuleType) -> Figure:
     """The step against the equations that define it, solved in exact fractions for a system of two coordinates."""
-    rows = {"M": ((2, 1), (1, 3)), "C": ((1, 0), (2, 1)), "K": ((40, -8), (5, 30))}
-    state = {"q": (1, 2), "dq": (-3, 1), "ddq": (4, -5), "F": (7, 6)}
-    h, b, g = Fraction(1, 8), Fraction(3, 8), Fraction(5, 8)
-    matrices = {n: [[Fraction(v) for v in row] for row in r] for n, r in rows.items()}
-    q, dq, ddq, F = ([Fraction(v) for v in state[n]] for n in ("q", "dq", "ddq", "F"))
-    # unknown accelerations a: M a + C (v0 + g h a) + K (q0 + b h² a) = F
-    q_0 = [q[n] + h * dq[n] + h * h * (Fraction(1, 2) - b) * ddq[n] for n in range(2)]
-    v_0 = [dq[n] + h * (1 - g) * ddq[n] for n in range(2)]
-    S = [
-        [matrices["M"][i][j] + g * h * matrices["C"][i][j] + b * h * h * matrices["K"][i][j] for j in range(2)]
-        for i in range(2)
-    ]
-    r = [F[i] - sum(matrices["C"][i][j] * v_0[j] + matrices["K"][i][j] * q_0[j] for j in range(2)) for i in range(2)]
-    det = S[0][0] * S[1][1] - S[0][1] * S[1][0]
-    a = [(r[0] * S[1][1] - r[1] * S[0][1]) / det, (S[0][0] * r[1] - S[1][0] * r[0]) / det]
-    exact = [[q_0[n] + b * h * h * a[n] for n in range(2)], [v_0[n] + g * h * a[n] for n in range(2)], a]
-    arrays = [np.array(v, dtype=float) for v in (rows["M"], rows["C"], rows["K"], *state.values())]
-    computed = module.newmark_step(*arrays, float(h), (float(b), float(g)))
-    error = max(
-        abs(float(c[n]) - float(e[n])) / max(1.0, abs(float(e[n])))
-        for c, e in zip(computed, exact, strict=True)
-        for n in range(2)
-    )
+    M, C, K = (fmpq_mat(2, 2, entries) for entries in ([2, 1, 1, 3], [1, 0, 2, 1], [40, -8, 5, 30]))
+    q, dq, ddq, F = (fmpq_mat(2, 1, entries) for entries in ([1, 2], [-3, 1], [4, -5], [7, 6]))
+    h, b, g = fmpq(1, 8), fmpq(3, 8), fmpq(5, 8)
+
+    predicted, rate = q + h * dq + h * h * (fmpq(1, 2) - b) * ddq, dq + h * (1 - g) * ddq
+    a = (M + g * h * C + b * h * h * K).solve(F - C * rate - K * predicted)
+    exact_step = predicted + b * h * h * a, rate + g * h * a, a
+
+    def floats(matrix: fmpq_mat) -> Any:
+        return np.array([[float(v) for v in row] for row in matrix.tolist()])
+
+    computed = module.newmark_step(*map(floats, (M, C, K, q, dq, ddq, F)), 0.125, (0.375, 0.625))
+    pairs = zip(computed, map(floats, exact_step), strict=True)
+    error = max(float((np.abs(found - exact) / np.maximum(1, np.abs(exact))).max()) for found, exact in pairs)
     return Figure("one Newmark step", "a system of two coordinates", error, BOUND)
 
 
@@ -384,33 +268,3 @@ def _growth(step: Any, *method: float) -> mpmath.mpf:
     half = (columns[0][0] + columns[1][1]) / 2
     root = mpmath.sqrt(half**2 - columns[0][0] * columns[1][1] + columns[0][1] * columns[1][0])
     return max(abs(half + root), abs(half - root)) - mpmath.mpf(10) ** -25
-
-
-# --- polynomials --------------------------------------------------------------------------------------------
-
-
-def _verify_polynomials(kernel: PolynomialKernel, module: ModuleType, say: Progress) -> list[Figure]:
-    say("polynomials")
-    functions = independent_polynomials(kernel, POLYNOMIALS)
-    figures = [*_figures_polynomials(module, functions)]
-    say("matrices")
-    orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
-    orders[:] = [fmpq(n) for n in range(len(orders))]
-    in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
-    return [*figures, *_figures_matrices(kernel, module, PolynomialProducts(functions), POLYNOMIALS, in_fractions)]
-
-
-def _figures_polynomials(module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
-    """Functions and their derivatives up to the third, relative to the largest value along the beam."""
-    basis = module.basis(POLYNOMIALS)
-    for order in range(4):
-        computed = module.shapes(basis, _PLACES, order, True)
-        largest = np.abs(module.shapes(basis, np.linspace(0, 1, 2001), order, True)).max(axis=1)
-        worst = ("", 0.0)
-        for n, function in enumerate(functions):
-            for place, value in zip(_PLACES, computed[n].tolist(), strict=True):
-                error = abs(float(exactly(fraction(value) - function[order](fraction(place)))))
-                error = error and (error / largest[n] if largest[n] else math.inf)
-                if error >= worst[1]:
-                    worst = (f"function {n + 1}, x = {place:.4g}", error)
-        yield Figure(f"derivative {order} of polynomials up to N = {POLYNOMIALS}, of the largest value", *worst, BOUND)

@@ -68,7 +68,7 @@ def _key(path: Path, source: bytes, basis: str) -> str:
     derivation = Path(next(iter(spec.submodule_search_locations)))
     versions = [version(name).encode() for name in ("freebeam", "sympy", "mpmath")]
     parts = [path.name.encode(), source, basis.encode(), *versions]
-    parts += [file.read_bytes() for file in sorted(derivation.rglob("*.py"))]
+    parts += [file.read_bytes() for file in sorted(derivation.rglob("*")) if file.suffix in (".py", ".jinja")]
     for part in parts:
         digest.update(len(part).to_bytes(8, "big") + part)
     return digest.hexdigest()
@@ -115,7 +115,7 @@ def _generate(path: Path, basis: str, output: Path) -> None:
     from freebeam_derive.verify import VerificationError
 
     try:
-        pipeline.generate([path], output, bases=[basis])
+        pipeline.generate([path], output, only=[basis])
     except StatementError as error:
         raise InputError(str(error)) from error
     except VerificationError as error:

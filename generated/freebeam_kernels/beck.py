@@ -1,7 +1,6 @@
 """Cantilever under a tip force, follower or sub-tangential: ends clamped and free.
 
-M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10),
-(11):
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10), (11):
 
     M[i, j] = ∫ φᵢ φⱼ dx
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
@@ -27,10 +26,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
-
 COLUMN: dict[str, Any] = {
     "name": "beck",
     "title": "Cantilever under a tip force, follower or sub-tangential",
+    "basis": "modes",
     "default": {"basis": "legendre", "modes": 16},
     "ends": ("clamped", "free"),
     "rigid": 0,
@@ -45,23 +44,19 @@ COLUMN: dict[str, Any] = {
             "default": 1.0,
             "low": 0.0,
             "high": 1.5,
-        },
+        }
     ],
-    "forms": {
-        "M": "∫ φᵢ φⱼ dx",
-        "E": "∫ φᵢ″ φⱼ″ dx",
-        "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)",
-    },
+    "forms": {"M": "∫ φᵢ φⱼ dx", "E": "∫ φᵢ″ φⱼ″ dx", "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)"},
     "latex": {
         "x": "x",
         "t": "t",
         "P": "P_0",
         "alpha": "\\alpha",
         "beta": "\\beta",
-        "F_0": "F_0",
         "x_F": "x_F",
         "gamma": "\\gamma",
         "y": "y",
+        "F_0": "F_0",
     },
     "meaning": {
         "x": "place along the beam, 0 to 1",
@@ -69,15 +64,12 @@ COLUMN: dict[str, Any] = {
         "P": "load: the axial or follower force",
         "alpha": "internal (Kelvin-Voigt) damping",
         "beta": "external (viscous) damping",
-        "F_0": "transversal (controller) force",
         "x_F": "place of the transversal (controller) force",
         "gamma": "root of the characteristic equation",
         "y": "deflection",
+        "F_0": "transversal (controller) force",
     },
-    "source": (
-        "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 "
-        "(1952) 225-228"
-    ),
+    "source": ("Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228"),
 }
 
 
@@ -87,7 +79,7 @@ def _namespace(array: Any) -> Any:
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    library = __import__(type(array).__module__.partition(".")[0])  # such as PyTorch, whose tensors name no namespace
     return library if hasattr(library, "asarray") else np
 
 
@@ -145,8 +137,7 @@ def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array,
     """
     xp = _namespace(delta)
     epsilon = xp.exp(-asymptote - delta)
-    sine = xp.sin(delta)
-    cosine = xp.cos(delta)
+    sine, cosine = xp.sin(delta), xp.cos(delta)
     shared_1 = 2 * sigma
     shared_2 = epsilon**2 + 1
     value = -epsilon * shared_1 + shared_2 * sine
@@ -174,13 +165,13 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
 def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
-    Roots of cos(γ) cosh(γ) = -1: asymptotes, corrected by Newton's method, so that there is no table to run
-    out of.
+    Roots of cos(γ) cosh(γ) = -1: asymptotes, corrected by Newton's method, so that there is no table to run out of.
 
     xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
     numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    n = xp.arange(N, dtype=xp.float64 if dtype is None else dtype, device=device)
+    kind = {"dtype": xp.float64 if dtype is None else dtype, "device": device}
+    n = xp.arange(N, **kind)
     quarter = 2 + 4 * n
     sigma = 1 - 2 * (n % 2)
     asymptote = quarter * (np.pi / 4)
@@ -195,11 +186,11 @@ def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
     """Modes or a derivative of them, shape (N, *x.shape). Eq. (22).
 
-    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
-    rigid functions, so it changes nothing.
+    x: places in units of the length, any shape. derivative: its order, 0 or more.
+    rigid: this column has no rigid functions, so it changes nothing.
 
-    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
-    digits cancel in high modes.
+    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no digits
+    cancel in high modes.
     """
     xp = _namespace(basis.gamma)
     places = _like(x, basis.gamma)
@@ -225,12 +216,10 @@ def _apart(basis: Basis) -> Array:
 
     The roots are subtracted before they are rounded: asymptotes and corrections apart.
     """
-    gamma = basis.gamma
-    quarter = basis.quarter
-    delta = basis.delta
+    gamma, quarter = basis.gamma, basis.quarter
     squares = gamma * gamma
     apart = quarter[:, None] - quarter
-    difference = apart * basis.turn + (delta[:, None] - delta)
+    difference = apart * basis.turn + (basis.delta[:, None] - basis.delta)
     difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
     inverse: Array = 1 / _namespace(gamma).where(apart == 0, 1.0, difference)
     return inverse
@@ -250,8 +239,7 @@ def mass(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
 
 
 def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
-    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero
-    load.
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero load.
 
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
 
@@ -260,15 +248,15 @@ def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) ->
     quarter = basis.quarter
     gamma = basis.gamma
     moment_0 = basis.moment_0
-    gamma2 = gamma * gamma
-    gamma4 = gamma2 * gamma2
+    gamma2 = gamma**2
+    gamma4 = gamma2**2
     E: Array = _diagonal(0.25 * gamma4 * moment_0**2, quarter)
     return E
 
 
 def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
-    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load; Eq.
-    (13).
+    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load;
+    Eq. (13).
 
     H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
 
@@ -278,7 +266,7 @@ def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Ar
     gamma = basis.gamma
     sigma = basis.sigma
     moment_0 = basis.moment_0
-    gamma2 = gamma * gamma
+    gamma2 = gamma**2
     moment_0_sigma = moment_0 * sigma
     gamma_sigma = gamma * sigma
     gamma2_times_2 = 2 * gamma2
@@ -290,11 +278,7 @@ def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Ar
         * (gamma[:, None] * moment_0 - gamma * moment_0[:, None])
     )
     H = H * apart + gamma_sigma * moment_0_sigma[:, None] * (2 * eta - 2)
-    H = (
-        _namespace(quarter).where(
-            quarter[:, None] == quarter, gamma * (2 * eta * moment_0 - gamma - moment_0), H
-        )
-    )
+    H = _namespace(quarter).where(quarter[:, None] == quarter, gamma * (2 * eta * moment_0 - gamma - moment_0), H)
     return H
 
 
@@ -310,8 +294,8 @@ def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False, *, eta
 
 
 def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
-    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
-    last line.
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11), last
+    line.
 
     Q[i] = φᵢ(x_F)
 
@@ -326,52 +310,30 @@ def forms(one: Any = 1, *, eta: Any = 1.0) -> dict[str, Any]:
 
     one: 1 as a number of the kind wanted, such as a fraction or an interval.
     """
-    return {
-        "M": ({(0, 0, 0): 1}, {}),
-        "E": ({(0, 2, 2): 1}, {}),
-        "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta}),
-    }
+    return {"M": ({(0, 0, 0): 1}, {}), "E": ({(0, 2, 2): 1}, {}), "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta})}
 
 
 def equation(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0
 ) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
-    """
-    return {
-        (0, 1): (beta,),
-        (0, 2): (1,),
-        (2, 0): (P,),
-        (4, 0): (1,),
-        (4, 1): (alpha,),
-    }
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    return {(0, 1): (beta,), (0, 2): (1,), (2, 0): (P,), (4, 0): (1,), (4, 1): (alpha,)}
 
 
-def end_conditions(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
-) -> tuple[Any, Any]:
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
-    return (
-        (
-            {(0, 0): 1},
-            {(1, 0): 1},
-        ),
-        (
-            {(1, 0): P * eta - P, (3, 0): -1, (3, 1): -alpha},
-            {(2, 0): 1, (2, 1): alpha},
-        ),
-    )
+    return (({(0, 0): 1}, {(1, 0): 1}), ({(1, 0): P * eta - P, (3, 0): -1, (3, 1): -alpha}, {(2, 0): 1, (2, 1): alpha}))
 
 
-def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:
+def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0, *, eta: float = 1.0) -> tuple[Any, Any]:
     """Both eigenvalues λ₀ of each mode of the unloaded beam, complex, each (N,), nondimensional. Eq. (23).
 
-    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
-    the product of both, so that no digits cancel in heavy damping.
+    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from the
+    product of both, so that no digits cancel in heavy damping.
     """
     xp = _namespace(gamma)
     gamma = gamma.astype(np.complex128) if isinstance(gamma, np.ndarray) else gamma + 0j
-    shared_1 = (gamma**2)**2
+    shared_1 = (gamma**2) ** 2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
     second = -half - xp.sqrt(half * half - product)
@@ -379,13 +341,20 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
 
 
 def newmark_step(
-    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    M: Array,
+    C: Array,
+    K: Array,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    F: Array,
+    h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
-    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
-    Matrices (..., n, n) want states (..., n, cases).
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q. Matrices
+    (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark
@@ -402,13 +371,13 @@ def newmark_step(
 def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
-    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+    bound_1 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_2 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
         else 0
     )
-    inverse = max(0.0, bound_2, bound_3)
+    inverse = max(0.0, bound_1, bound_2)
     return float(1 / inverse) if inverse else np.inf
 
 

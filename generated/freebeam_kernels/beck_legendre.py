@@ -7,8 +7,8 @@ M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are polynomials, E
     H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
     C = beta M + alpha E
 
-Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower
-degree that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
+Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower degree
+that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
 
 The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then
 (..., n, n).
@@ -26,7 +26,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
-
 
 COLUMN: dict[str, Any] = {
     "name": "beck",
@@ -46,22 +45,18 @@ COLUMN: dict[str, Any] = {
             "default": 1.0,
             "low": 0.0,
             "high": 1.5,
-        },
+        }
     ],
-    "forms": {
-        "M": "∫ φᵢ φⱼ dx",
-        "E": "∫ φᵢ″ φⱼ″ dx",
-        "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)",
-    },
+    "forms": {"M": "∫ φᵢ φⱼ dx", "E": "∫ φᵢ″ φⱼ″ dx", "H": "−∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)"},
     "latex": {
         "x": "x",
         "t": "t",
         "P": "P_0",
         "alpha": "\\alpha",
         "beta": "\\beta",
-        "F_0": "F_0",
         "x_F": "x_F",
         "y": "y",
+        "F_0": "F_0",
     },
     "meaning": {
         "x": "place along the beam, 0 to 1",
@@ -69,14 +64,11 @@ COLUMN: dict[str, Any] = {
         "P": "load: the axial or follower force",
         "alpha": "internal (Kelvin-Voigt) damping",
         "beta": "external (viscous) damping",
-        "F_0": "transversal (controller) force",
         "x_F": "place of the transversal (controller) force",
         "y": "deflection",
+        "F_0": "transversal (controller) force",
     },
-    "source": (
-        "Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 "
-        "(1952) 225-228"
-    ),
+    "source": ("Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228"),
 }
 
 
@@ -86,7 +78,7 @@ def _namespace(array: Any) -> Any:
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    library = __import__(type(array).__module__.partition(".")[0])  # such as PyTorch, whose tensors name no namespace
     return library if hasattr(library, "asarray") else np
 
 
@@ -137,16 +129,15 @@ class Basis(NamedTuple):
 
 
 def complete(order: Array, sigma: Array) -> Basis:
-    """All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = D − 2. Eq.
-    (9).
+    """All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = D − 2. Eq. (9).
 
-    The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so
-    does the result.
+    The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so does the
+    result.
     """
     xp = _namespace(order)
     degree, zero = order[2:], 0 * order
     weight_1 = (-2 * degree - 4) / (degree**2 * (degree - 1))
-    weight_2 = (-6) / (degree**2 * (degree - 1)**2)
+    weight_2 = -6 / (degree**2 * (degree - 1) ** 2)
     share = sigma[2:, None] * sigma * (weight_1[:, None] + weight_2[:, None] * (-order * (order + 1)))
     below = -(2 * order + 1) * share
     deflection = xp.where(order < degree[:, None], below, 0 * below)
@@ -154,7 +145,7 @@ def complete(order: Array, sigma: Array) -> Basis:
     derivative = _derivative(order, sigma)
     slope = deflection @ derivative
     moment = slope @ derivative
-    norm = ((degree + 1)**2 * (degree + 2)**2) / (degree**2 * (degree - 1)**2 * (2 * degree + 1))
+    norm = ((degree + 1) ** 2 * (degree + 2) ** 2) / (degree**2 * (degree - 1) ** 2 * (2 * degree + 1))
     deflection_1 = ((degree + 1) * (degree + 2)) / (degree * (degree - 1))
     slope_1 = ((degree + 1) * (degree + 2) * (degree**2 + degree - 4)) / (degree * (degree - 1))
     return Basis(order, sigma, norm, deflection_1, slope_1, deflection, slope, moment)
@@ -173,15 +164,16 @@ def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
     numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    order = xp.arange(2 + N, dtype=xp.float64 if dtype is None else dtype, device=device)
+    kind = {"dtype": xp.float64 if dtype is None else dtype, "device": device}
+    order = xp.arange(2 + N, **kind)
     return complete(order, 1 - 2 * (order % 2))
 
 
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
     """Trial functions or a derivative of them, shape (N, *x.shape). Eq. (9).
 
-    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: this column has no
-    rigid functions, so it changes nothing.
+    x: places in units of the length, any shape. derivative: its order, 0 or more.
+    rigid: this column has no rigid functions, so it changes nothing.
     """
     xp, places = _namespace(basis.order), _like(x, basis.order)
     series = basis.deflection
@@ -229,8 +221,7 @@ def mass(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
 
 
 def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
-    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero
-    load.
+    """Elastic stiffness matrix E of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line at zero load.
 
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
 
@@ -242,8 +233,8 @@ def stiffness_elastic(basis: Basis, rigid: bool = False, *, eta: float = 1.0) ->
 
 
 def stiffness_load(basis: Basis, rigid: bool = False, *, eta: float = 1.0) -> Array:
-    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load; Eq.
-    (13).
+    """Load matrix H of K = E + P H, shape (N, N), nondimensional. Eq. (11), third line, divided by the load;
+    Eq. (13).
 
     H[i, j] = −∫ φᵢ′ φⱼ′ dx + eta φᵢ(1) φⱼ′(1)
 
@@ -266,8 +257,8 @@ def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False, *, eta
 
 
 def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
-    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
-    last line.
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11), last
+    line.
 
     Q[i] = φᵢ(x_F)
 
@@ -282,51 +273,36 @@ def forms(one: Any = 1, *, eta: Any = 1.0) -> dict[str, Any]:
 
     one: 1 as a number of the kind wanted, such as a fraction or an interval.
     """
-    return {
-        "M": ({(0, 0, 0): 1}, {}),
-        "E": ({(0, 2, 2): 1}, {}),
-        "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta}),
-    }
+    return {"M": ({(0, 0, 0): 1}, {}), "E": ({(0, 2, 2): 1}, {}), "H": ({(0, 1, 1): -1}, {(1, 0, 1, 1): eta})}
 
 
 def equation(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
+    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0
 ) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
-    """
-    return {
-        (0, 1): (beta,),
-        (0, 2): (1,),
-        (2, 0): (P,),
-        (4, 0): (1,),
-        (4, 1): (alpha,),
-    }
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    return {(0, 1): (beta,), (0, 2): (1,), (2, 0): (P,), (4, 0): (1,), (4, 1): (alpha,)}
 
 
-def end_conditions(
-    P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0,
-) -> tuple[Any, Any]:
+def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, *, eta: Any = 1.0) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
-    return (
-        (
-            {(0, 0): 1},
-            {(1, 0): 1},
-        ),
-        (
-            {(1, 0): P * eta - P, (3, 0): -1, (3, 1): -alpha},
-            {(2, 0): 1, (2, 1): alpha},
-        ),
-    )
+    return (({(0, 0): 1}, {(1, 0): 1}), ({(1, 0): P * eta - P, (3, 0): -1, (3, 1): -alpha}, {(2, 0): 1, (2, 1): alpha}))
 
 
 def newmark_step(
-    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    M: Array,
+    C: Array,
+    K: Array,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    F: Array,
+    h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
-    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
-    Matrices (..., n, n) want states (..., n, cases).
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q. Matrices
+    (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark
@@ -343,13 +319,13 @@ def newmark_step(
 def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
-    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+    bound_1 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_2 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
         else 0
     )
-    inverse = max(0.0, bound_2, bound_3)
+    inverse = max(0.0, bound_1, bound_2)
     return float(1 / inverse) if inverse else np.inf
 
 

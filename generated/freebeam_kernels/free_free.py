@@ -1,7 +1,6 @@
 """Free-free beam under an end follower force and a transversal force: ends free and free.
 
-M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10),
-(11):
+M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are the modes of the unloaded beam, Eqs. (10), (11):
 
     M[i, j] = ∫ φᵢ φⱼ dx
     E[i, j] = ∫ φᵢ″ φⱼ″ dx
@@ -13,8 +12,8 @@ Roots of cos(γ) cosh(γ) = 1. All quantities are nondimensional, Eq. (5).
 The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then
 (..., n, n).
 
-Source: Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to
-follower and transversal forces, Eq. (8).
+Source: Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to follower
+and transversal forces, Eq. (8).
 
 Derived from the energies and emitted by `freebeam generate free-free`; do not edit.
 """
@@ -28,10 +27,10 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
-
 COLUMN: dict[str, Any] = {
     "name": "free-free",
     "title": "Free-free beam under an end follower force and a transversal force",
+    "basis": "modes",
     "default": {"basis": "modes", "modes": 8},
     "ends": ("free", "free"),
     "rigid": 2,
@@ -39,21 +38,17 @@ COLUMN: dict[str, Any] = {
     "damping": ["alpha", "beta"],
     "force": True,
     "parameters": [],
-    "forms": {
-        "M": "∫ φᵢ φⱼ dx",
-        "E": "∫ φᵢ″ φⱼ″ dx",
-        "H": "−∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)",
-    },
+    "forms": {"M": "∫ φᵢ φⱼ dx", "E": "∫ φᵢ″ φⱼ″ dx", "H": "−∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)"},
     "latex": {
         "x": "x",
         "t": "t",
         "P": "P_0",
         "alpha": "\\alpha",
         "beta": "\\beta",
-        "F_0": "F_0",
         "x_F": "x_F",
         "gamma": "\\gamma",
         "y": "y",
+        "F_0": "F_0",
     },
     "meaning": {
         "x": "place along the beam, 0 to 1",
@@ -61,14 +56,14 @@ COLUMN: dict[str, Any] = {
         "P": "load: the axial or follower force",
         "alpha": "internal (Kelvin-Voigt) damping",
         "beta": "external (viscous) damping",
-        "F_0": "transversal (controller) force",
         "x_F": "place of the transversal (controller) force",
         "gamma": "root of the characteristic equation",
         "y": "deflection",
+        "F_0": "transversal (controller) force",
     },
     "source": (
-        "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam"
-        " subjected to follower and transversal forces, Eq. (8)"
+        "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam "
+        "subjected to follower and transversal forces, Eq. (8)"
     ),
 }
 
@@ -79,7 +74,7 @@ def _namespace(array: Any) -> Any:
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    library = __import__(type(array).__module__.partition(".")[0])  # such as PyTorch, whose tensors name no namespace
     return library if hasattr(library, "asarray") else np
 
 
@@ -132,13 +127,12 @@ class Basis(NamedTuple):
 
 
 def characteristic(delta: Array, asymptote: Array, sigma: Array) -> tuple[Array, Array]:
-    """cos(γ) cosh(γ) = 1 at γ = asymptote + delta, written so that no digits cancel, and its slope in delta. Eq.
-    (21).
+    """cos(γ) cosh(γ) = 1 at γ = asymptote + delta, written so that no digits cancel, and its slope in delta.
+    Eq. (21).
     """
     xp = _namespace(delta)
     epsilon = xp.exp(-asymptote - delta)
-    sine = xp.sin(delta)
-    cosine = xp.cos(delta)
+    sine, cosine = xp.sin(delta), xp.cos(delta)
     shared_1 = 2 * sigma
     shared_2 = epsilon**2 + 1
     value = -epsilon * shared_1 + shared_2 * sine
@@ -166,13 +160,13 @@ def complete(quarter: Array, sigma: Array, delta: Array, turn: Any) -> Basis:
 def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     """The first N modes of the unloaded, undamped beam. Eqs. (19)-(22).
 
-    Roots of cos(γ) cosh(γ) = 1: asymptotes, corrected by Newton's method, so that there is no table to run
-    out of.
+    Roots of cos(γ) cosh(γ) = 1: asymptotes, corrected by Newton's method, so that there is no table to run out of.
 
     xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
     numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    n = xp.arange(N, dtype=xp.float64 if dtype is None else dtype, device=device)
+    kind = {"dtype": xp.float64 if dtype is None else dtype, "device": device}
+    n = xp.arange(N, **kind)
     quarter = 6 + 4 * n
     sigma = 1 - 2 * (n % 2)
     asymptote = quarter * (np.pi / 4)
@@ -184,23 +178,14 @@ def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     return complete(quarter, sigma, delta, np.pi / 4)
 
 
-def _rigid_shapes(place: Array, derivative: int) -> Array:
-    """The 2 rigid functions, roots γ = 0, or a derivative of them; place (1, n), result (R, n)."""
-    zero = 0 * place
-    rows = [[zero + 1, place - 0.5], [zero, zero + 1]]
-    found = rows[derivative] if derivative < 2 else [zero] * 2
-    value: Array = _namespace(place).concat(found)
-    return value
-
-
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
     """Modes or a derivative of them, shape (N, *x.shape). Eq. (22).
 
-    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: put the 2 rigid
-    functions first, shape (2 + N, *x.shape).
+    x: places in units of the length, any shape. derivative: its order, 0 or more.
+    rigid: put the 2 rigid functions first, shape (2 + N, *x.shape).
 
-    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no
-    digits cancel in high modes.
+    sinh and cosh are written in decaying exponentials, and whole turns are struck off γ x exactly, so that no digits
+    cancel in high modes.
     """
     xp = _namespace(basis.gamma)
     places = _like(x, basis.gamma)
@@ -221,6 +206,15 @@ def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False)
         value = xp.concat([_rigid_shapes(place, derivative), value])
     found: Array = xp.reshape(value, (value.shape[0], *places.shape))
     return found
+
+
+def _rigid_shapes(place: Array, derivative: int) -> Array:
+    """The 2 rigid functions, roots γ = 0, or a derivative of them; place (1, n), result (R, n)."""
+    zero = 0 * place
+    rows = [[zero + 1, place - 0.5], [zero, zero + 1]]
+    found = rows[derivative] if derivative < 2 else [zero] * 2
+    value: Array = _namespace(place).concat(found)
+    return value
 
 
 def _bordered(matrix: Array, corner: dict[tuple[int, int], Any], rows: tuple[Array, ...] = ()) -> Array:
@@ -253,20 +247,18 @@ def _apart(basis: Basis) -> Array:
 
     The roots are subtracted before they are rounded: asymptotes and corrections apart.
     """
-    gamma = basis.gamma
-    quarter = basis.quarter
-    delta = basis.delta
+    gamma, quarter = basis.gamma, basis.quarter
     squares = gamma * gamma
     apart = quarter[:, None] - quarter
-    difference = apart * basis.turn + (delta[:, None] - delta)
+    difference = apart * basis.turn + (basis.delta[:, None] - basis.delta)
     difference = difference * (gamma[:, None] + gamma) * (squares[:, None] + squares)
     inverse: Array = 1 / _namespace(gamma).where(apart == 0, 1.0, difference)
     return inverse
 
 
 def mass(basis: Basis, rigid: bool = False) -> Array:
-    """Mass matrix M, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional. Eq. (11),
-    first line.
+    """Mass matrix M, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional. Eq. (11), first
+    line.
 
     M[i, j] = ∫ φᵢ φⱼ dx
     """
@@ -288,8 +280,8 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
     quarter = basis.quarter
     gamma = basis.gamma
     deflection_0 = basis.deflection_0
-    gamma2 = gamma * gamma
-    gamma4 = gamma2 * gamma2
+    gamma2 = gamma**2
+    gamma4 = gamma2**2
     E: Array = _diagonal(0.25 * deflection_0**2 * gamma4, quarter)
     if rigid:
         E = _bordered(E, {})
@@ -297,8 +289,8 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
 
 
 def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
-    """Load matrix H of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first,
-    nondimensional. Eq. (11), third line, divided by the load; Eq. (13).
+    """Load matrix H of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional.
+    Eq. (11), third line, divided by the load; Eq. (13).
 
     H[i, j] = −∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)
 
@@ -308,9 +300,9 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
     gamma = basis.gamma
     sigma = basis.sigma
     deflection_0 = basis.deflection_0
-    gamma2 = gamma * gamma
-    gamma3 = gamma2 * gamma
-    gamma4 = gamma2 * gamma2
+    gamma2 = gamma**2
+    gamma3 = gamma * gamma2
+    gamma4 = gamma2**2
     deflection_0_sigma_times_2 = 2 * deflection_0 * sigma
     gamma_sigma = gamma * sigma
     gamma_sigma_times_2 = 2 * gamma * sigma
@@ -319,15 +311,12 @@ def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
     deflection_0_gamma4 = deflection_0 * gamma4
     apart = _apart(basis)
     H: Array = -deflection_0_gamma4 * deflection_0_gamma4_times_4[:, None] * (sigma[:, None] * sigma - 1)
-    H = (
-        H * apart
-        - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
-    )
+    H = H * apart - gamma_sigma * gamma_sigma_times_2[:, None] * (-deflection_0_gamma3[:, None] + deflection_0_gamma3)
     H = H * apart - deflection_0_sigma_times_2[:, None] * gamma_sigma
     H = _namespace(quarter).where(quarter[:, None] == quarter, -0.5 * gamma * (deflection_0 + gamma), H)
     if rigid:
         one = 0 * basis.turn + 1  # in the numbers at hand
-        rows = (-2 * gamma * sigma, -sigma * (deflection_0 + gamma),)
+        rows = (-2 * gamma * sigma, -sigma * (deflection_0 + gamma))
         H = _bordered(H, {(0, 1): one}, rows)
     return H
 
@@ -344,8 +333,8 @@ def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False) -> Arr
 
 
 def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
-    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
-    last line.
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11), last
+    line.
 
     Q[i] = φᵢ(x_F)
 
@@ -360,49 +349,31 @@ def forms(one: Any = 1) -> dict[str, Any]:
 
     one: 1 as a number of the kind wanted, such as a fraction or an interval.
     """
-    return {
-        "M": ({(0, 0, 0): 1}, {}),
-        "E": ({(0, 2, 2): 1}, {}),
-        "H": ({(1, 1, 1): -1}, {(1, 0, 1, 1): 1}),
-    }
+    return {"M": ({(0, 0, 0): 1}, {}), "E": ({(0, 2, 2): 1}, {}), "H": ({(1, 1, 1): -1}, {(1, 0, 1, 1): 1})}
 
 
 def equation(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
-    """
-    return {
-        (0, 1): (beta,),
-        (0, 2): (1,),
-        (1, 0): (P,),
-        (2, 0): (0, P,),
-        (4, 0): (1,),
-        (4, 1): (alpha,),
-    }
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    return {(0, 1): (beta,), (0, 2): (1,), (1, 0): (P,), (2, 0): (0, P), (4, 0): (1,), (4, 1): (alpha,)}
 
 
 def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
-        (
-            {(3, 0): 1, (3, 1): alpha},
-            {(2, 0): -1, (2, 1): -alpha},
-        ),
-        (
-            {(3, 0): -1, (3, 1): -alpha},
-            {(2, 0): 1, (2, 1): alpha},
-        ),
+        ({(3, 0): 1, (3, 1): alpha}, {(2, 0): -1, (2, 1): -alpha}),
+        ({(3, 0): -1, (3, 1): -alpha}, {(2, 0): 1, (2, 1): alpha}),
     )
 
 
 def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[Any, Any]:
     """Both eigenvalues λ₀ of each mode of the unloaded beam, complex, each (N,), nondimensional. Eq. (23).
 
-    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from
-    the product of both, so that no digits cancel in heavy damping.
+    The imaginary part is the damped frequency; where it vanishes the mode is overdamped. The first comes from the
+    product of both, so that no digits cancel in heavy damping.
     """
     xp = _namespace(gamma)
     gamma = gamma.astype(np.complex128) if isinstance(gamma, np.ndarray) else gamma + 0j
-    shared_1 = (gamma**2)**2
+    shared_1 = (gamma**2) ** 2
     half = 0.5 * alpha * shared_1 + 0.5 * beta
     product = shared_1
     second = -half - xp.sqrt(half * half - product)
@@ -410,13 +381,20 @@ def frequencies(gamma: Array, alpha: float = 0.0, beta: float = 0.0) -> tuple[An
 
 
 def newmark_step(
-    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    M: Array,
+    C: Array,
+    K: Array,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    F: Array,
+    h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
-    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
-    Matrices (..., n, n) want states (..., n, cases).
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q. Matrices
+    (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark
@@ -433,13 +411,13 @@ def newmark_step(
 def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
-    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+    bound_1 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_2 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
         else 0
     )
-    inverse = max(0.0, bound_2, bound_3)
+    inverse = max(0.0, bound_1, bound_2)
     return float(1 / inverse) if inverse else np.inf
 
 

@@ -7,14 +7,14 @@ M q̈ + C q̇ + (E + P H) q = F_0 Q with trial functions that are polynomials, E
     H[i, j] = −∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)
     C = beta M + alpha E
 
-Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower
-degree that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
+Each is the polynomial of its degree that meets the geometric conditions and is orthogonal to all of lower degree
+that do, in a series of Legendre's polynomials P_k(2x − 1). All quantities are nondimensional, Eq. (5).
 
 The load, the dampings and the column's own parameters may be arrays of shape (..., 1, 1): matrices are then
 (..., n, n).
 
-Source: Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to
-follower and transversal forces, Eq. (8).
+Source: Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam subjected to follower
+and transversal forces, Eq. (8).
 
 Derived from the energies and emitted by `freebeam generate free-free`; do not edit.
 """
@@ -28,7 +28,6 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.floating[Any]]  # or an array of another library that follows the Python array API
 
-
 COLUMN: dict[str, Any] = {
     "name": "free-free",
     "title": "Free-free beam under an end follower force and a transversal force",
@@ -40,20 +39,16 @@ COLUMN: dict[str, Any] = {
     "damping": ["alpha", "beta"],
     "force": True,
     "parameters": [],
-    "forms": {
-        "M": "∫ φᵢ φⱼ dx",
-        "E": "∫ φᵢ″ φⱼ″ dx",
-        "H": "−∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)",
-    },
+    "forms": {"M": "∫ φᵢ φⱼ dx", "E": "∫ φᵢ″ φⱼ″ dx", "H": "−∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)"},
     "latex": {
         "x": "x",
         "t": "t",
         "P": "P_0",
         "alpha": "\\alpha",
         "beta": "\\beta",
-        "F_0": "F_0",
         "x_F": "x_F",
         "y": "y",
+        "F_0": "F_0",
     },
     "meaning": {
         "x": "place along the beam, 0 to 1",
@@ -61,13 +56,13 @@ COLUMN: dict[str, Any] = {
         "P": "load: the axial or follower force",
         "alpha": "internal (Kelvin-Voigt) damping",
         "beta": "external (viscous) damping",
-        "F_0": "transversal (controller) force",
         "x_F": "place of the transversal (controller) force",
         "y": "deflection",
+        "F_0": "transversal (controller) force",
     },
     "source": (
-        "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam"
-        " subjected to follower and transversal forces, Eq. (8)"
+        "Kavianipour and Sadati, Effects of damping on the linear stability of a free-free beam "
+        "subjected to follower and transversal forces, Eq. (8)"
     ),
 }
 
@@ -78,7 +73,7 @@ def _namespace(array: Any) -> Any:
         return np
     if hasattr(array, "__array_namespace__"):
         return array.__array_namespace__()
-    library = __import__(type(array).__module__.partition(".")[0])  # PyTorch, whose tensors name no namespace, say
+    library = __import__(type(array).__module__.partition(".")[0])  # such as PyTorch, whose tensors name no namespace
     return library if hasattr(library, "asarray") else np
 
 
@@ -129,11 +124,10 @@ class Basis(NamedTuple):
 
 
 def complete(order: Array, sigma: Array) -> Basis:
-    """All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = D − 2. Eq.
-    (9).
+    """All that is known of the functions, from the orders 0, 1, …, D − 1 and their signs (−1)^k: N = D − 2. Eq. (9).
 
-    The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so
-    does the result.
+    The arrays may hold floats, or any numbers that can be divided, such as fractions or intervals: then so does the
+    result.
     """
     xp = _namespace(order)
     degree, zero = order[2:], 0 * order
@@ -164,21 +158,23 @@ def basis(N: int, xp: Any = np, dtype: Any = None, device: Any = None) -> Basis:
     xp: the array API's functions in whose arrays the basis comes, such as jax.numpy or torch. dtype: its real
     numbers, float64 unless told. device: where the arrays are kept, as xp names it.
     """
-    order = xp.arange(2 + N, dtype=xp.float64 if dtype is None else dtype, device=device)
+    kind = {"dtype": xp.float64 if dtype is None else dtype, "device": device}
+    order = xp.arange(2 + N, **kind)
     return complete(order, 1 - 2 * (order % 2))
 
 
 def shapes(basis: Basis, x: ArrayLike, derivative: int = 0, rigid: bool = False) -> Array:
     """Trial functions or a derivative of them, shape (N, *x.shape). Eq. (9).
 
-    x: places in units of the length, any shape. derivative: its order, 0 or more. rigid: with the 2 rigid
-    functions first, shape (2 + N, *x.shape).
+    x: places in units of the length, any shape. derivative: its order, 0 or more.
+    rigid: put the 2 rigid functions first, shape (2 + N, *x.shape).
     """
     xp, places = _namespace(basis.order), _like(x, basis.order)
     series = basis.deflection
     for _ in range(derivative):
         series = series @ _derivative(basis.order, basis.sigma)
-    value: Array = series[0 if rigid else 2 :, :] @ _legendre(basis.order.shape[0], xp.reshape(places, (-1,)))
+    series = series[0 if rigid else 2 :, :]
+    value: Array = series @ _legendre(basis.order.shape[0], xp.reshape(places, (-1,)))
     found: Array = xp.reshape(value, (value.shape[0], *places.shape))
     return found
 
@@ -218,8 +214,8 @@ def _integrals_1(order: Array) -> Array:
 
 
 def mass(basis: Basis, rigid: bool = False) -> Array:
-    """Mass matrix M, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional. Eq. (11),
-    first line.
+    """Mass matrix M, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional. Eq. (11), first
+    line.
 
     M[i, j] = ∫ φᵢ φⱼ dx
     """
@@ -239,8 +235,8 @@ def stiffness_elastic(basis: Basis, rigid: bool = False) -> Array:
 
 
 def stiffness_load(basis: Basis, rigid: bool = False) -> Array:
-    """Load matrix H of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first,
-    nondimensional. Eq. (11), third line, divided by the load; Eq. (13).
+    """Load matrix H of K = E + P H, shape (N, N), or (2 + N, 2 + N) with the rigid functions first, nondimensional.
+    Eq. (11), third line, divided by the load; Eq. (13).
 
     H[i, j] = −∫ x φᵢ′ φⱼ′ dx + φᵢ(1) φⱼ′(1)
 
@@ -263,8 +259,8 @@ def damping(basis: Basis, alpha: float, beta: float, rigid: bool = False) -> Arr
 
 
 def force(basis: Basis, x_F: float, rigid: bool = False) -> Array:
-    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11),
-    last line.
+    """Generalised force Q of Q F_0(t), shape (N,) or with the rigid functions first, nondimensional. Eq. (11), last
+    line.
 
     Q[i] = φᵢ(x_F)
 
@@ -279,48 +275,37 @@ def forms(one: Any = 1) -> dict[str, Any]:
 
     one: 1 as a number of the kind wanted, such as a fraction or an interval.
     """
-    return {
-        "M": ({(0, 0, 0): 1}, {}),
-        "E": ({(0, 2, 2): 1}, {}),
-        "H": ({(1, 1, 1): -1}, {(1, 0, 1, 1): 1}),
-    }
+    return {"M": ({(0, 0, 0): 1}, {}), "E": ({(0, 2, 2): 1}, {}), "H": ({(1, 1, 1): -1}, {(1, 0, 1, 1): 1})}
 
 
 def equation(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> dict[tuple[int, int], tuple[Any, ...]]:
-    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6).
-    """
-    return {
-        (0, 1): (beta,),
-        (0, 2): (1,),
-        (1, 0): (P,),
-        (2, 0): (0, P,),
-        (4, 0): (1,),
-        (4, 1): (alpha,),
-    }
+    """The equation of motion without force: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x. Eq. (6)."""
+    return {(0, 1): (beta,), (0, 2): (1,), (1, 0): (P,), (2, 0): (0, P), (4, 0): (1,), (4, 1): (alpha,)}
 
 
 def end_conditions(P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1) -> tuple[Any, Any]:
     """Two conditions at x = 0 and two at x = 1: (p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ there. Eq. (15)."""
     return (
-        (
-            {(3, 0): 1, (3, 1): alpha},
-            {(2, 0): -1, (2, 1): -alpha},
-        ),
-        (
-            {(3, 0): -1, (3, 1): -alpha},
-            {(2, 0): 1, (2, 1): alpha},
-        ),
+        ({(3, 0): 1, (3, 1): alpha}, {(2, 0): -1, (2, 1): -alpha}),
+        ({(3, 0): -1, (3, 1): -alpha}, {(2, 0): 1, (2, 1): alpha}),
     )
 
 
 def newmark_step(
-    M: Array, C: Array, K: Array, q: Array, dq: Array, ddq: Array, F: Array, h: float,
+    M: Array,
+    C: Array,
+    K: Array,
+    q: Array,
+    dq: Array,
+    ddq: Array,
+    F: Array,
+    h: float,
     newmark: tuple[float, float] = (0.25, 0.5),
 ) -> tuple[Array, Array, Array]:
     """One step of Newmark's method for Eq. (10): q, dq, ddq after a time h.
 
-    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q.
-    Matrices (..., n, n) want states (..., n, cases).
+    M, C, K: (n, n). q, dq, ddq: (n,) or (n, cases), the state before. F: force after the step, like q. Matrices
+    (..., n, n) want states (..., n, cases).
     newmark: its two parameters (b, g); (1/4, 1/2) is average acceleration. Order 2 for g = 1/2, else 1.
     """
     b, g = newmark
@@ -337,13 +322,13 @@ def newmark_step(
 def newmark_limit(xi: float, newmark: tuple[float, float] = (0.25, 0.5)) -> float:
     """Largest stable ω h of Newmark's method for damping ratio xi; infinite where every step is stable."""
     b, g = newmark
-    bound_2 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
-    bound_3 = (
-        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2)
-        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1)**2 >= 0)
+    bound_1 = 0 if (g >= 0.5) else np.inf if (xi == 0) else -0.25 * (2 * g - 1) / xi
+    bound_2 = (
+        -0.5 * xi * (2 * g - 1) + np.sqrt(-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2)
+        if (-b + 0.5 * g + 0.25 * xi**2 * (2 * g - 1) ** 2 >= 0)
         else 0
     )
-    inverse = max(0.0, bound_2, bound_3)
+    inverse = max(0.0, bound_1, bound_2)
     return float(1 / inverse) if inverse else np.inf
 
 

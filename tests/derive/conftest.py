@@ -26,13 +26,13 @@ def file_of(name: str) -> Path:
 
 
 @cache
-def derive(name: str) -> pipeline.Derivation:
+def derive(name: str) -> pipeline.Derived:
     return pipeline.derive(statement.load_column(file_of(name)))
 
 
 @cache
 def emitted_text(name: str) -> str:
-    return emit.emit(derive(name).kernel)
+    return emit.emit(derive(name).kernel("modes"))
 
 
 @cache
@@ -53,7 +53,7 @@ def unlike(request: pytest.FixtureRequest) -> str:
 
 
 @pytest.fixture
-def derived() -> Callable[[str], pipeline.Derivation]:
+def derived() -> Callable[[str], pipeline.Derived]:
     return derive
 
 

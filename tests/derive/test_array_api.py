@@ -21,10 +21,10 @@ from scipy.linalg import eig
 from freebeam_derive import emit, pipeline, verify
 from freebeam_derive.certify import balls
 from freebeam_derive.notation import P, alpha, beta, t, x, y
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.statement import Column, Parameter, at, delta, integral
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 pytestmark = pytest.mark.filterwarnings("ignore:`torch.jit.script` is deprecated")  # PyTorch's own call
 COLUMNS = ("free-free", "sprung-tip", "floating")
 MODES = 5
@@ -79,7 +79,7 @@ def enabled(library: str) -> Iterator[Any]:
 @cache
 def emitted(derived: Derived, name: str, basis: str) -> ModuleType:
     derivation = pipeline.derive(floating) if name == "floating" else derived(name)
-    built = derivation.kernel if basis == "modes" else derivation.polynomials
+    built = derivation.kernel(basis)
     return verify.load(emit.emit(built), f"{name.replace('-', '_')}_{basis}")
 
 

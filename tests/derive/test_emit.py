@@ -26,14 +26,15 @@ from scipy.integrate import quad_vec
 from scipy.linalg import eigh
 from scipy.optimize import brentq
 
-from freebeam_derive import emit, kernel, pipeline, roots, source, verify
+from freebeam_derive import bases, emit, roots, statement, verify
 from freebeam_derive.certify import balls
 from freebeam_derive.certify.beam import Beam
+from freebeam_derive.emit import source
 from freebeam_derive.notation import alpha, beta
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.statement import Parameter, StatementError
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 Text = Callable[[str], str]
 Module = Callable[[str], ModuleType]
 MATRICES = ("mass", "stiffness_elastic", "stiffness_load")
@@ -44,7 +45,7 @@ MATRICES = ("mass", "stiffness_elastic", "stiffness_load")
 SCRIPT = """
 import hashlib, json, sys
 from freebeam_derive import emit, pipeline, statement
-texts = [emit.emit(pipeline.derive(statement.load_column(path)).kernel) for path in sys.argv[1:]]
+texts = [emit.emit(pipeline.derive(statement.load_column(path)).kernel("modes")) for path in sys.argv[1:]]
 print(json.dumps([hashlib.sha256(text.encode()).hexdigest() for text in texts]))
 """
 
@@ -83,6 +84,16 @@ def test_text_is_clean(name: str, text_of: Text) -> None:
         assert line == line.rstrip()
         assert len(line) <= 120
     assert str(Path(emit.__file__).parent) not in text
+
+
+@pytest.mark.parametrize("basis", statement.bases())
+def test_a_basis_is_a_file_and_a_template(basis: str, derived: Derived) -> None:
+    """Nothing else names it: what is there is built, emitted, told in the record and asked for by its file's name."""
+    derivation = derived("beck")
+    assert (Path(emit.__file__).parent / f"{basis}.py.jinja").is_file()
+    module = verify.load(emit.emit(derivation.kernel(basis)), "beck")
+    assert module.COLUMN["basis"] == basis == derivation.kernel(basis).basis_name
+    assert {step.what for step in bases.steps(basis, derivation)} <= {step.what for step in derivation.steps}
 
 
 EQUATIONS = {
@@ -146,7 +157,7 @@ def test_what_the_runtime_must_know_is_emitted(name: str, module_of: Module, der
 @pytest.mark.parametrize("taken", ["H", "apart", "sigma", "shapes", "c_E", "Basis"])
 def test_a_parameter_named_as_something_emitted_is_refused(taken: str, derived: Derived) -> None:
     """It would hide the emitted thing, or be hidden by it."""
-    built = derived("beck").kernel
+    built = derived("beck").kernel("modes")
     parameter = Parameter(sp.Symbol(taken, real=True), "a stiffness", 1.0, 0.0, 2.0)
     column = dataclasses.replace(built.column, parameters=(*built.column.parameters, parameter))
     with pytest.raises(StatementError, match=f"parameter '{taken}'"):
@@ -387,7 +398,7 @@ def test_a_spring_at_a_free_end_is_met_by_the_series(module_of: Module, derived:
         errors.append(squares / np.array(exact) ** 4 - 1)
     assert np.all(np.array(errors) > 0)  # Rayleigh: from above
     assert np.all(np.array(errors[1:]) < 0.2 * np.array(errors[:-1])) and np.max(errors[-1]) < 2e-6
-    polynomials = verify.load(emit.emit(derived("sprung-tip").polynomials), "sprung_tip_legendre")
+    polynomials = verify.load(emit.emit(derived("sprung-tip").kernel("legendre")), "sprung_tip_legendre")
     basis = polynomials.basis(14)
     squares = eigh(polynomials.stiffness_elastic(basis, k=k), polynomials.mass(basis, mu=0.0), eigvals_only=True)[:3]
     assert np.allclose(squares, np.array(exact) ** 4, rtol=1e-10)
@@ -430,10 +441,7 @@ def with_stiffness(stiffness: Any, derived: Derived) -> tuple[str, ModuleType]:
     k_w = derivation.column.parameters[0].symbol
     form = derivation.system.E.map(lambda f: f.subs(k_w, k_w * stiffness))
     system = dataclasses.replace(derivation.system, E=form, C=form.map(lambda f: f * 0))
-    built = dataclasses.replace(
-        kernel.build(column, derivation.motion, system, None, pipeline.newmark_method()), damped=None
-    )
-    text = emit.emit(built)
+    text = emit.emit(dataclasses.replace(derivation, column=column, system=system, damped=None).kernel("modes"))
     return text, verify.load(text, "foundation")
 
 
@@ -459,7 +467,7 @@ def test_long_lines_are_broken_and_mean_the_same(derived: Derived) -> None:
     column = dataclasses.replace(derivation.column, parameters=(*derivation.column.parameters, *own))
     form = derivation.system.E.map(lambda f: f.subs(k_w, total))
     system = dataclasses.replace(derivation.system, E=form)
-    text = emit.emit(kernel.build(column, motion, system, derivation.damped, pipeline.newmark_method()))
+    text = emit.emit(dataclasses.replace(derivation, column=column, motion=motion, system=system).kernel("modes"))
     assert max(map(len, text.splitlines())) <= 120
     module = verify.load(text, "long")
     expected = float(total.subs({k_w: 100.0, **{p.symbol: p.default for p in own}}))
@@ -473,7 +481,7 @@ def test_long_lines_are_broken_and_mean_the_same(derived: Derived) -> None:
 
 def test_shapes_of_nothing(name: str, module_of: Module, derived: Derived) -> None:
     """No places: no values, of the right shape, in both bases."""
-    polynomials = verify.load(emit.emit(derived(name).polynomials), "polynomials") if name == "beck" else None
+    polynomials = verify.load(emit.emit(derived(name).kernel("legendre")), "polynomials") if name == "beck" else None
     for module in filter(None, (module_of(name), polynomials)):
         for places, shape in (([], (0,)), (np.zeros((2, 0)), (2, 0))):
             for rigid in (False, True):

@@ -13,9 +13,9 @@ import pytest
 import sympy as sp
 from mpmath import mpf
 
-from freebeam_derive import integrals, modes, roots
+from freebeam_derive import comparison, integrals, roots
+from freebeam_derive.comparison import comparison_beam
 from freebeam_derive.integrals import gamma_i, gamma_j
-from freebeam_derive.modes import comparison_beam
 from freebeam_derive.notation import x
 
 ORDERS = {"free": (2, 3), "pinned": (0, 2), "sliding": (1, 3), "clamped": (0, 1)}
@@ -127,7 +127,7 @@ def test_rigid_functions_against_quadrature(ends: tuple[str, str]) -> None:
 
 
 def test_polynomials_are_integrated_exactly() -> None:
-    assert modes.integral_polynomials(x - sp.Rational(1, 2), x**2) == sp.Rational(1, 12)
+    assert comparison.integral_polynomials(x - sp.Rational(1, 2), x**2) == sp.Rational(1, 12)
 
 
 def derivative(terms: dict[tuple[int, int, int], Fraction], a: Fraction, b: Fraction) -> dict[Any, Fraction]:

@@ -14,9 +14,10 @@ import pytest
 import sympy as sp
 from mpmath import mpf
 
-from freebeam_derive import kernel, roots
-from freebeam_derive.modes import comparison_beam, epsilon, sigma
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive import roots
+from freebeam_derive.bases import modes
+from freebeam_derive.comparison import comparison_beam, epsilon, sigma
+from freebeam_derive.pipeline import Derived
 
 PAIRS = list(itertools.product(("free", "pinned", "sliding", "clamped"), repeat=2))
 
@@ -38,10 +39,10 @@ class Counted(np.ndarray[Any, Any]):
 
 @pytest.mark.parametrize("matrix", ["mass", "stiffness_elastic", "stiffness_load"])
 def test_at_most_forty_operations_an_entry(
-    name: str, matrix: str, derived: Callable[[str], Derivation], module_of: Callable[[str], ModuleType]
+    name: str, matrix: str, derived: Callable[[str], Derived], module_of: Callable[[str], ModuleType]
 ) -> None:
     """What NumPy is asked to do to N × N arrays, counted as it runs; the kernel's own count is not below it."""
-    module, built = module_of(name), derived(name).kernel
+    module, built = module_of(name), derived(name).kernel("modes")
     basis = module.basis(5)
     Counted.matrices = 0
     getattr(module, matrix)(
@@ -57,8 +58,8 @@ def test_at_most_forty_operations_an_entry(
 def test_newton_reaches_the_last_digit(ends: tuple[str, str]) -> None:
     """Asymptote, start and number of steps, run in floats, give γ less its asymptote to its last digits."""
     beam = comparison_beam(ends)
-    program = kernel._roots(beam)
-    symbols = (kernel.delta, epsilon, sigma)
+    program = modes._roots(beam)
+    symbols = (modes.delta, epsilon, sigma)
     pair = (program.function, program.derivative)
     exactly = sp.lambdify(symbols, pair, "mpmath") if program.function is not None else None
     plainly = sp.lambdify(symbols, (*pair, program.start), "math") if exactly else None
@@ -84,18 +85,18 @@ def test_newton_reaches_the_last_digit(ends: tuple[str, str]) -> None:
         assert abs(d - float(exact)) <= 2.0**-51 * quarter * abs(float(exact)) + 1e-40
 
 
-def test_coefficients_are_numbers_or_named_fields(name: str, derived: Callable[[str], Derivation]) -> None:
-    program = derived(name).kernel.basis
+def test_coefficients_are_numbers_or_named_fields(name: str, derived: Callable[[str], Derived]) -> None:
+    program = derived(name).kernel("modes").basis
     fields = {field for field, _, _ in program.fields}
     assert len(program.coefficients) == 4
     assert all(c.is_number or str(c) in fields for c in program.coefficients)
     assert len(fields) == len(program.fields)
 
 
-def test_pair_programs_close_over_what_is_known(name: str, derived: Callable[[str], Derivation]) -> None:
+def test_pair_programs_close_over_what_is_known(name: str, derived: Callable[[str], Derived]) -> None:
     """Each symbol of an entry is a mode's field, an earlier statement or a parameter of the column: in this order."""
     derivation = derived(name)
-    built = derivation.kernel
+    built = derivation.kernel("modes")
     own = {p.name for p in derivation.column.parameters}
     for matrix in built.matrices:
         known = {"gamma", "sigma", *own, *(field for field, _, _ in built.basis.fields)}
@@ -109,16 +110,16 @@ def test_pair_programs_close_over_what_is_known(name: str, derived: Callable[[st
             assert {str(s).removesuffix("_i").removesuffix("_j") for s in part.free_symbols} <= known
 
 
-def test_rigid_border_has_a_row_and_a_column_a_function(name: str, derived: Callable[[str], Derivation]) -> None:
+def test_rigid_border_has_a_row_and_a_column_a_function(name: str, derived: Callable[[str], Derived]) -> None:
     derivation = derived(name)
     rigid = len(derivation.beam.rigid)
-    for matrix in derivation.kernel.matrices:
+    for matrix in derivation.kernel("modes").matrices:
         assert (len(matrix.rows), len(matrix.columns), len(matrix.corner)) == (rigid,) * 3
 
 
-def test_the_rigid_block_is_triangular(derived: Callable[[str], Derivation]) -> None:
+def test_the_rigid_block_is_triangular(derived: Callable[[str], Derived]) -> None:
     """Free-free: the elastic rows of H do not see the rigid motion; translation is pushed by P times the rotation."""
-    (H,) = (m for m in derived("free-free").kernel.matrices if m.letter == "H")
+    (H,) = (m for m in derived("free-free").kernel("modes").matrices if m.letter == "H")
     assert H.columns == (0, 0)
     assert all(row != 0 for row in H.rows)
     assert H.corner == ((0, 1), (0, 0))

@@ -16,9 +16,10 @@ import pytest
 import sympy as sp
 from flint import arb, fmpq, fmpq_mat, fmpq_poly
 
-from freebeam_derive import emit, independent, kernel, legendre, pipeline, ritz, variation, verify
-from freebeam_derive.legendre import d, k
-from freebeam_derive.modes import comparison_beam
+from freebeam_derive import emit, independent, pipeline, verify
+from freebeam_derive.bases import legendre
+from freebeam_derive.bases.legendre import d, k
+from freebeam_derive.comparison import comparison_beam
 from freebeam_derive.notation import P, alpha, beta, t, x, y
 from freebeam_derive.statement import GEOMETRIC, Column, delta, integral
 from freebeam_derive.verify import VerificationError
@@ -79,9 +80,8 @@ def column(ends: tuple[str, str]) -> Column:
 
 
 @cache
-def built(ends: tuple[str, str]) -> kernel.PolynomialKernel:
-    motion = variation.derive_column(column(ends))
-    return kernel.build_polynomials(column(ends), motion, ritz.derive(motion), pipeline.newmark_method())
+def built(ends: tuple[str, str]) -> legendre.LegendreKernel:
+    return pipeline.derive(column(ends)).kernel("legendre")
 
 
 @cache
@@ -227,7 +227,7 @@ def test_what_is_not_admissible_is_refused() -> None:
 def test_modules_are_exact_in_fractions(ends: tuple[str, str]) -> None:
     """M, E, H of every pair of ends against integrals in powers of x; M and E positive definite by exact pivots."""
     count, emitted = 9, module(ends)
-    functions = independent.independent_polynomials(built(ends), count)
+    functions = independent.independent_polynomials(ends, built(ends).rigid, count)
     rigid = len(functions) - count
     basis = exact(emitted, count)
     power, turns = fmpq_poly([0, 1]), column(ends).W_c == 0
@@ -244,10 +244,10 @@ def test_modules_are_exact_in_fractions(ends: tuple[str, str]) -> None:
 
 
 def test_columns_are_exact_and_accurate(
-    name: str, derived: Callable[[str], pipeline.Derivation]
+    name: str, derived: Callable[[str], pipeline.Derived]
 ) -> None:  # fmt: skip
     """The tree's columns and users' ones, as they are verified when they are emitted."""
-    polynomials = derived(name).polynomials
+    polynomials = derived(name).kernel("legendre")
     figures = verify.verify(polynomials, emit.emit(polynomials))
     assert {figure.bound for figure in figures if "up to N = 40" in figure.what} == {verify.BOUND}
     assert sum("entries of" in figure.what for figure in figures) == 4
@@ -256,8 +256,7 @@ def test_columns_are_exact_and_accurate(
 def test_a_factor_that_is_no_fraction_is_verified_in_digits() -> None:
     """A user's sqrt(2) in the load's work: exact fractions cannot follow, sixty digits do."""
     stated = replace(column(("pinned", "pinned")), W_c=sp.sqrt(2) * column(("pinned", "pinned")).W_c)
-    motion = variation.derive_column(stated)
-    polynomials = kernel.build_polynomials(stated, motion, ritz.derive(motion), pipeline.newmark_method())
+    polynomials = pipeline.derive(stated).kernel("legendre")
     text = emit.emit(polynomials)
     assert verify.verify(polynomials, text)
     assert "_sqrt(2)" in text
@@ -300,8 +299,8 @@ def test_a_module_for_more_functions_begins_with_that_for_fewer() -> None:
         ("M: Array = _diagonal(basis.norm,", "M: Array = _diagonal(basis.norm * (1 + 1e-13),"),
     ],
 )
-def test_a_wrong_module_is_refused(true: str, wrong: str, derived: Callable[[str], pipeline.Derivation]) -> None:
-    polynomials = derived("beck").polynomials
+def test_a_wrong_module_is_refused(true: str, wrong: str, derived: Callable[[str], pipeline.Derived]) -> None:
+    polynomials = derived("beck").kernel("legendre")
     text = emit.emit(polynomials)
     assert text.count(true) >= 1
     with pytest.raises((VerificationError, TypeError)):

@@ -18,10 +18,10 @@ import pytest
 import sympy as sp
 from mpmath import mpf
 
-from freebeam_derive import modes, roots
-from freebeam_derive.modes import ComparisonBeam, comparison_beam
+from freebeam_derive import comparison, roots
+from freebeam_derive.comparison import ComparisonBeam, comparison_beam, epsilon, eta, sigma
 from freebeam_derive.notation import alpha, beta, gamma, lambda_, x
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 
 ORDERS = {"free": (2, 3), "pinned": (0, 2), "sliding": (1, 3), "clamped": (0, 1)}  # Eq. (20) and its like, typed
 PAIRS = list(itertools.product(ORDERS, repeat=2))
@@ -220,11 +220,11 @@ def test_a_beam_turned_round_has_the_same_modes(ends: tuple[str, str]) -> None:
 
 def test_natural_orders_come_out_of_the_bending_energy() -> None:
     """Moment where the slope is free, shear force where the deflection is: what ORDERS types for free ends."""
-    assert modes.natural_orders() == {0: 3, 1: 2}
-    assert {kind: tuple(sorted(modes.end_orders(kind))) for kind in ORDERS} == ORDERS
+    assert comparison.natural_orders() == {0: 3, 1: 2}
+    assert {kind: tuple(sorted(comparison.end_orders(kind))) for kind in ORDERS} == ORDERS
 
 
-def test_damped_eigenvalues_solve_equation_19(derived: Callable[[str], Derivation]) -> None:
+def test_damped_eigenvalues_solve_equation_19(derived: Callable[[str], Derived]) -> None:
     """λ² + βλ + γ⁴ (1 + αλ) = 0, and Eq. (23) as printed."""
     damped = derived("free-free").damped
     assert damped is not None
@@ -238,7 +238,7 @@ def test_damped_eigenvalues_solve_equation_19(derived: Callable[[str], Derivatio
     assert sp.simplify(damped.quartic + (lambda_**2 + lambda_ * beta) / (1 + lambda_ * alpha)) == 0
 
 
-def test_damped_eigenvalues_on_a_foundation(derived: Callable[[str], Derivation]) -> None:
+def test_damped_eigenvalues_on_a_foundation(derived: Callable[[str], Derived]) -> None:
     """λ² + βλ + γ⁴ (1 + αλ) + k_w = 0: the foundation is elastic and does not damp."""
     derivation = derived("foundation")
     (k_w,) = (p.symbol for p in derivation.column.parameters)
@@ -249,7 +249,7 @@ def test_damped_eigenvalues_on_a_foundation(derived: Callable[[str], Derivation]
 
 @pytest.mark.parametrize("ends", PAIRS, ids="-".join)
 def test_section_3_1_has_four_conditions(ends: tuple[str, str]) -> None:
-    steps = modes.admissibility(comparison_beam(ends))
+    steps = comparison.admissibility(comparison_beam(ends))
     assert [step.why[:2] for step in steps] == ["1)", "2)", "3)", "4)"]
     assert all(step.equation == "section 3.1" for step in steps)
     held = [
@@ -265,23 +265,27 @@ def test_functions_that_are_not_admissible_are_found() -> None:
     beam = comparison_beam(("clamped", "free"))
     moving = dataclasses.replace(beam, values=((sp.S.One, *beam.values[0][1:]), beam.values[1]))
     with pytest.raises(AssertionError, match="geometric"):
-        modes.admissibility(moving)
+        comparison.admissibility(moving)
     with pytest.raises(AssertionError, match="not admissible"):
-        modes.admissibility(dataclasses.replace(beam, orders=((0, 3), beam.orders[1])))
+        comparison.admissibility(dataclasses.replace(beam, orders=((0, 3), beam.orders[1])))
     sine, *rest = beam.coefficients
     with pytest.raises(AssertionError, match="not admissible"):
-        modes.admissibility(dataclasses.replace(beam, coefficients=(sine + x, *rest)))
+        comparison.admissibility(dataclasses.replace(beam, coefficients=(sine + x, *rest)))
 
 
 def test_canonical_form_keeps_the_value() -> None:
     """With signs squared away and denominators made rational, on random expressions."""
     dice = random.Random(4)
-    square = 2 + 2 * modes.epsilon**4
+    square = 2 + 2 * epsilon**4
     for _ in range(5):
         a, b, c, d = (sp.Integer(dice.randint(1, 9)) for _ in range(4))
-        e = (a + b * modes.sigma * modes.epsilon + c * modes.root) / (d + modes.epsilon + modes.sigma * modes.root)
+        e = (a + b * sigma * epsilon + c * comparison.root) / (d + epsilon + sigma * comparison.root)
         for sign in (1, -1):
-            numbers = {modes.sigma: sign, modes.epsilon: sp.Rational(1, 3), modes.eta: sp.Rational(sign, 3)}
-            numbers |= {modes.root: sp.sqrt(square.subs(modes.epsilon, sp.Rational(1, 3)))}
-            kept = modes.canonical(e, square).subs(numbers)
+            numbers = {
+                sigma: sign,
+                epsilon: sp.Rational(1, 3),
+                eta: sp.Rational(sign, 3),
+            }
+            numbers |= {comparison.root: sp.sqrt(square.subs(epsilon, sp.Rational(1, 3)))}
+            kept = comparison.canonical(e, square).subs(numbers)
             assert abs(sp.N(kept - e.subs(numbers), 30)) < 1e-25

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from freebeam_derive import emit, pipeline, verify
-from freebeam_derive.pipeline import INDEX, MANIFEST, REPORT, Derivation, generate
+from freebeam_derive.pipeline import INDEX, MANIFEST, REPORT, Derived, generate
 from freebeam_derive.statement import StatementError
 from freebeam_derive.verify import VerificationError
 
@@ -22,14 +22,14 @@ StatementOf = Callable[[str], Path]
 
 
 @pytest.fixture
-def unverified(monkeypatch: pytest.MonkeyPatch, derived: Callable[[str], Derivation]) -> None:
+def unverified(monkeypatch: pytest.MonkeyPatch, derived: Callable[[str], Derived]) -> None:
     """Verification is taken as passed, and each column is derived and emitted once: files are what is tested."""
     monkeypatch.setattr(verify, "verify", lambda *_: (verify.Figure("a", "b", 1e-16, 1e-14),))
     monkeypatch.setattr(emit, "emit", emitted)
     known = {name: derived(name) for name in (*pipeline.columns(), "leipholz")}
     true = pipeline.derive
 
-    def once(column: Any) -> Derivation:
+    def once(column: Any) -> Derived:
         found = known.get(column.name)
         return found if found is not None and found.column == column else true(column)
 
@@ -78,15 +78,15 @@ def test_a_user_s_column_is_emitted_and_verified(tmp_path: Path, statement_of: S
     assert outcome.difference == "" and outcome.columns == ("leipholz",)
     assert {path.name for path in outcome.written} == {*modules(outcome.output), INDEX, MANIFEST}
     assert set(held(outcome.output)) == {*modules(outcome.output), INDEX, MANIFEST, REPORT}
-    figures = outcome.figures["leipholz"]
+    figures = outcome.figures["leipholz, modes"]
     assert all(figure.error <= figure.bound for figure in figures)
     report = json.loads((outcome.output / REPORT).read_text(encoding="utf-8"))
-    assert [entry["error"] for entry in report["leipholz"]] == [figure.error for figure in figures]
+    assert [entry["error"] for entry in report["leipholz, modes"]] == [figure.error for figure in figures]
     manifest = json.loads((outcome.output / MANIFEST).read_text(encoding="utf-8"))
-    assert set(manifest) == {"tools", "files"} and set(manifest["tools"]) == {"sympy", "mpmath"}
+    assert set(manifest) == {"tools", "files"} and set(manifest["tools"]) == {"sympy", "mpmath", "ruff"}
     text = (outcome.output / "leipholz.py").read_bytes()
     assert manifest["files"]["leipholz.py"]["sha256"] == hashlib.sha256(text).hexdigest()
-    assert told[0] == "leipholz: derive" and "leipholz: verify matrices" in told
+    assert told[0] == "leipholz: derive" and "leipholz, modes: verify matrices" in told
     module = verify.load(text.decode(), "leipholz")
     # Leipholz's flutter load, 40.05 q l³/EI, from the emitted matrices: two frequencies meet
     basis = module.basis(8)
@@ -243,7 +243,7 @@ class TestWriting:
         assert namespace["COLUMNS"] == {
             name: {"modes": name, "legendre": f"{name}_legendre"} for name in ("beck", "leipholz")
         }
-        assert {"beck", "leipholz"} <= set(json.loads(second[REPORT]))
+        assert {"beck, modes", "leipholz, legendre"} <= set(json.loads(second[REPORT]))
 
     def test_all_columns_leave_nothing_else(self, tree: Path, statement_of: StatementOf) -> None:
         """What an earlier column emitted goes when the tree's are all generated; what nobody emitted stays."""

@@ -12,11 +12,11 @@ import sympy as sp
 
 from freebeam_derive import ritz, variation
 from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.ritz import Form
 from freebeam_derive.statement import GEOMETRIC, StatementError, at, delta, integral
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 ONE, HALF = sp.S.One, sp.Rational(1, 2)
 
 
@@ -39,7 +39,7 @@ def functions(dice: random.Random, ends: tuple[str, str]) -> list[Any]:
     return [sp.expand(factor * sum(dice.randint(-5, 5) * x**n for n in range(3)) + factor * x) for _ in range(2)]
 
 
-def numbers(dice: random.Random, derivation: Derivation) -> dict[Any, Any]:
+def numbers(dice: random.Random, derivation: Derived) -> dict[Any, Any]:
     symbols = (P, alpha, beta, x_F, *(p.symbol for p in derivation.column.parameters))
     return {s: sp.Rational(dice.randint(1, 9), 10) for s in symbols}
 

@@ -14,10 +14,10 @@ import sympy as sp
 
 from freebeam_derive import scaling
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.statement import Column, StatementError
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 DIMENSIONAL = ("free-free", "leipholz")
 
 

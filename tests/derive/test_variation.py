@@ -15,10 +15,10 @@ from sympy.calculus.euler import euler_equations
 
 from freebeam_derive import variation
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.statement import GEOMETRIC, Energies, jet
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 
 
 def polynomial(dice: random.Random, degree: int, variable: Any = x) -> Any:
@@ -36,7 +36,7 @@ def admissible(dice: random.Random, ends: tuple[str, str]) -> Any:
     )
 
 
-def numbers(dice: random.Random, derivation: Derivation) -> dict[Any, Any]:
+def numbers(dice: random.Random, derivation: Derived) -> dict[Any, Any]:
     symbols = (P, alpha, beta, x_F, *(p.symbol for p in derivation.column.parameters))
     return {s: sp.Rational(dice.randint(1, 9), 10) for s in symbols}
 

@@ -14,10 +14,11 @@ import pytest
 import sympy as sp
 
 from freebeam_derive import emit, independent, pipeline, ritz, statement, verify
-from freebeam_derive.pipeline import Derivation
+from freebeam_derive.bases import legendre, modes
+from freebeam_derive.pipeline import Derived
 from freebeam_derive.verify import VerificationError
 
-Derived = Callable[[str], Derivation]
+Derived = Callable[[str], Derived]
 Text = Callable[[str], str]
 
 
@@ -29,11 +30,11 @@ products = cache(independent.Products)
 @pytest.fixture(autouse=True)
 def few_modes(monkeypatch: pytest.MonkeyPatch) -> None:
     """The same checks on fewer modes; the full ones run where a kernel is generated (test_pipeline.py)."""
-    monkeypatch.setattr(verify, "MATRIX_MODES", 8)
-    monkeypatch.setattr(verify, "EXACT_MODES", 7)
-    monkeypatch.setattr(verify, "HIGH_MODES", (9,))
-    monkeypatch.setattr(verify, "independent_mode", independent_mode)
-    monkeypatch.setattr(verify, "Products", lambda modes, rigid: products(tuple(modes), rigid))
+    monkeypatch.setattr(modes, "MATRIX_MODES", 8)
+    monkeypatch.setattr(modes, "EXACT_MODES", 7)
+    monkeypatch.setattr(modes, "HIGH_MODES", (9,))
+    monkeypatch.setattr(modes, "independent_mode", independent_mode)
+    monkeypatch.setattr(modes, "Products", lambda modes, rigid: products(tuple(modes), rigid))
 
 
 def function_of(text: str, name: str) -> tuple[int, int]:
@@ -175,7 +176,7 @@ def test_tampered_kernels_are_refused(case: str, derived: Derived, text_of: Text
     column, function, pattern, replacement, words = TAMPERED[case]
     text = changed(text_of(column), function, pattern, replacement)
     with pytest.raises(VerificationError) as caught:
-        verify.verify(derived(column).kernel, text)
+        verify.verify(derived(column).kernel("modes"), text)
     message = str(caught.value)
     assert all(word in message for word in words), message
     assert "\n" not in message
@@ -185,7 +186,7 @@ def test_tampered_kernels_are_refused(case: str, derived: Derived, text_of: Text
 def test_true_kernels_pass(column: str, derived: Derived, text_of: Text) -> None:
     """With figures for all that is promised, each within its bound, and none of them exactly nothing."""
     told: list[str] = []
-    figures = verify.verify(derived(column).kernel, text_of(column), told.append)
+    figures = verify.verify(derived(column).kernel("modes"), text_of(column), told.append)
     assert all(figure.error <= figure.bound for figure in figures)
     assert sum(figure.error > 0 for figure in figures) > len(figures) / 2
     whats = " ".join(figure.what for figure in figures)
@@ -224,10 +225,10 @@ column = Column(
     parameters=(Parameter(k, "k", RANGE), Parameter(mu, "mu", 0.5, 0.1, 1)),
 )
 """
-BASES = ("kernel", "polynomials")
+BASES = statement.bases()
 
 
-def stated(folder: Path, text: str) -> Derivation:
+def stated(folder: Path, text: str) -> Derived:
     file = folder / "column.py"
     file.write_text(text, encoding="utf-8")
     return pipeline.derive(statement.load_column(file))
@@ -253,16 +254,16 @@ def test_every_constant_table_is_verified(
     letter: str, basis: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """A kernel that is wrong in one table, in whatever power of the parameters, is none of the statement."""
-    monkeypatch.setattr(verify, "POLYNOMIALS", 6)
+    monkeypatch.setattr(legendre, "POLYNOMIALS", 6)
     monkeypatch.setattr(verify, "_figures_rest", lambda *_: ())  # what is no matrix
     derivation = stated(tmp_path, TABLES.replace("RANGE", "0.5, 0, 1"))
-    true = getattr(derivation, basis)
+    true = derivation.kernel(basis)
     verify.verify(true, emit.emit(true))
     seen = 0
     for what, form in altered(getattr(derivation.system, letter)):
         wrong = dataclasses.replace(derivation, system=dataclasses.replace(derivation.system, **{letter: form}))
         with pytest.raises(VerificationError, match=rf"\b{letter}\b"):
-            verify.verify(true, emit.emit(getattr(wrong, basis)))
+            verify.verify(true, emit.emit(wrong.kernel(basis)))
             raise AssertionError(f"not seen: {what}")
         seen += 1
     assert seen >= 6
@@ -270,7 +271,7 @@ def test_every_constant_table_is_verified(
 
 @pytest.mark.parametrize("basis", BASES)
 def test_a_parameter_that_a_matrix_does_not_depend_on(basis: str, derived: Derived) -> None:
-    kernel = getattr(derived("foundation"), basis)
+    kernel = derived("foundation").kernel(basis)
     text = changed(emit.emit(kernel), "mass", r"return M$", "return M * (1 + (k_w - 100) / 10**12)")
     with pytest.raises(VerificationError, match=r"\bM\b"):
         verify.verify(kernel, text)
@@ -290,9 +291,9 @@ def test_sums_that_nearly_cancel_are_no_errors(
     case: str, basis: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """And a declared range decides nothing: figures with another one are the same."""
-    monkeypatch.setattr(verify, "MATRIX_MODES", 20)
-    monkeypatch.setattr(verify, "HIGH_MODES", (20,))
-    monkeypatch.setattr(verify, "POLYNOMIALS", 12)
+    monkeypatch.setattr(modes, "MATRIX_MODES", 20)
+    monkeypatch.setattr(modes, "HIGH_MODES", (20,))
+    monkeypatch.setattr(legendre, "POLYNOMIALS", 12)
     more, range_ = NEAR[case]
     plain = (
         TABLES[: TABLES.index("    T=")]
@@ -303,7 +304,7 @@ def test_sums_that_nearly_cancel_are_no_errors(
     )
     figures = []
     for given in (range_, range_.split(",")[0] + ", -1e7, 1e7"):
-        kernel = getattr(stated(tmp_path, plain.replace("RANGE", given)), basis)
+        kernel = stated(tmp_path, plain.replace("RANGE", given)).kernel(basis)
         figures.append(verify.verify(kernel, emit.emit(kernel)))
     assert figures[0] == figures[1]
 
@@ -312,7 +313,7 @@ def test_sums_that_nearly_cancel_are_no_errors(
 def test_functions_of_a_parameter_are_verified_at_all_its_sizes(function: str, tmp_path: Path) -> None:
     """What agrees at the default, and near it, is not what was stated."""
     text = TABLES.replace("RANGE", "0.5, 0, 1").replace("import Symbol", "import Abs, Max, Symbol, exp")
-    kernel = stated(tmp_path, text.replace("3 * k * at(y, 1)", f"({function}) * at(y, 1)")).kernel
+    kernel = stated(tmp_path, text.replace("3 * k * at(y, 1)", f"({function}) * at(y, 1)")).kernel("modes")
     emitted = emit.emit(kernel)
     verify.verify(kernel, emitted)
     for bound in ("k if k < 1000 else 1000.0", "k if k > -0.25 else -0.25"):
@@ -324,12 +325,12 @@ def test_functions_of_a_parameter_are_verified_at_all_its_sizes(function: str, t
 def test_another_statement_s_kernel_is_refused(derived: Derived, text_of: Text) -> None:
     """Beck's kernel is not Leipholz's: the forms decide, not the text."""
     with pytest.raises(VerificationError, match="entries of H"):
-        verify.verify(derived("leipholz").kernel, text_of("beck"))
+        verify.verify(derived("leipholz").kernel("modes"), text_of("beck"))
 
 
 def test_the_closed_forms_are_not_believed(derived: Derived, text_of: Text) -> None:
     """A form changed behind the kernel's back is noticed, so the reference is computed from the forms themselves."""
-    built = derived("free-free").kernel
+    built = derived("free-free").kernel("modes")
     form = dataclasses.replace(built.system.H, points={})
     system = dataclasses.replace(built.system, H=form)
     with pytest.raises(VerificationError, match="entries of H"):
@@ -342,7 +343,7 @@ def test_the_closed_forms_are_not_believed(derived: Derived, text_of: Text) -> N
 def test_a_text_that_is_no_module_is_not_passed(derived: Derived) -> None:
     for text in ("basis = ", "", "import numpy as np\n"):
         with pytest.raises((SyntaxError, AttributeError)):
-            verify.verify(derived("beck").kernel, text)
+            verify.verify(derived("beck").kernel("modes"), text)
 
 
 def test_error_is_an_arithmetic_error() -> None:
@@ -353,7 +354,7 @@ def test_precision_is_left_alone(derived: Derived, text_of: Text) -> None:
     import mpmath
 
     before: Any = mpmath.mp.dps
-    verify.verify(derived("beck").kernel, text_of("beck"))
+    verify.verify(derived("beck").kernel("modes"), text_of("beck"))
     assert mpmath.mp.dps == before
 
 

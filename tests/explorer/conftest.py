@@ -65,7 +65,7 @@ def own_column(tmp_path_factory: pytest.TempPathFactory) -> str:
 
     file = tmp_path_factory.mktemp("own") / "tip_mass.py"
     column = statement.load_column(Path(__file__).with_name("tip_mass.py"))
-    file.write_text(emit.emit(pipeline.derive(column).kernel), encoding="utf-8")
+    file.write_text(emit.emit(pipeline.derive(column).kernel("modes")), encoding="utf-8")
     return str(file)
 
 

@@ -10,6 +10,7 @@ import shutil
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -70,6 +71,26 @@ def test_what_was_emitted_is_taken_from_the_cache(made: list[Path]) -> None:
     assert Path(first.__file__) == entry() / FILES[0]
     assert asked().COLUMN == first.COLUMN
     assert len(made) == 1
+
+
+@pytest.mark.parametrize("changed", ["variation.py", "bases/legendre.py", "emit/module.py.jinja"])
+def test_another_derivation_derives_again(
+    changed: str, made: list[Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """What it emits hangs on each of its files, templates too."""
+    found = importlib.util.find_spec
+    derivation = found("freebeam_derive")
+    assert derivation is not None and derivation.submodule_search_locations
+    copy = Path(shutil.copytree(derivation.submodule_search_locations[0], tmp_path / "derivation"))
+    there = SimpleNamespace(submodule_search_locations=[str(copy)])
+    monkeypatch.setattr(importlib.util, "find_spec", lambda name: there if name == "freebeam_derive" else found(name))
+    for _ in range(2):
+        asked()
+    assert len(made) == 1
+    with (copy / changed).open("a", encoding="utf-8") as file:
+        file.write("\n")
+    asked()
+    assert len(made) == 2
 
 
 @POSIX

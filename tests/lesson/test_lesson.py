@@ -44,7 +44,8 @@ from freebeam.lesson.notebook import unexecuted
 from freebeam.lesson.pdf import source as typeset
 from freebeam.lesson.tex import _ESCAPES, text_of
 from freebeam.lesson.writer import Writer
-from freebeam_derive import emit, latex, legendre, pipeline, statement, step_proofs, verify
+from freebeam_derive import emit, latex, pipeline, statement, step_proofs, verify
+from freebeam_derive.bases import legendre
 from freebeam_derive.record import Step
 from freebeam_sym.columns import Column
 
@@ -60,7 +61,7 @@ def file_of(name: str) -> Path:
 
 
 @cache
-def derived(name: str) -> pipeline.Derivation:
+def derived(name: str) -> pipeline.Derived:
     return pipeline.derive(statement.load_column(file_of(name)))
 
 
@@ -73,7 +74,7 @@ def residuals(name: str) -> dict[str, float]:
 @cache
 def compiled(name: str, basis: str) -> Column:
     """A user's column without the half minute that verifying its kernels takes; test_verify.py has that."""
-    built = derived(name).kernel if basis == "modes" else derived(name).polynomials
+    built = derived(name).kernel(basis)
     return Column(verify.load(emit.emit(built), f"{basis}_{name.replace('-', '_')}"))
 
 
@@ -619,7 +620,7 @@ def test_bad_input_is_one_line(
 
 def test_a_kernel_has_no_lesson(tmp_path: Path) -> None:
     kernel = tmp_path / "kernel.py"
-    kernel.write_text(emit.emit(derived("hauger").kernel), encoding="utf-8")
+    kernel.write_text(emit.emit(derived("hauger").kernel("modes")), encoding="utf-8")
     with pytest.raises(fb.InputError, match="needs the statement that it was derived from"):
         lesson(kernel)
 

@@ -183,7 +183,7 @@ def compiled(column: Any) -> Any:
     from freebeam_sym.columns import Column
 
     try:
-        return Column(verify.load(emit.emit(pipeline.derive(column).kernel), column.module))
+        return Column(verify.load(emit.emit(pipeline.derive(column).kernel("modes")), column.module))
     except StatementError as error:
         raise InputError(str(error)) from error
 

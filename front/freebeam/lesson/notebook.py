@@ -16,7 +16,8 @@ IMPORTS = """\
 %matplotlib inline
 from sympy import Eq, Symbol
 import freebeam as fb
-from freebeam_derive import integrals, legendre, modes, pipeline, ritz, roots, statement, variation
+from freebeam_derive import comparison, integrals, pipeline, ritz, roots, statement, variation
+from freebeam_derive.bases import legendre
 from freebeam_derive.statement import display as displayed
 from freebeam.lesson import compiled, draw, proven, show
 

@@ -241,7 +241,7 @@ def _spectra_apart(M: object, K: object, m: object, k: object) -> float:
 
 
 def _rigid_pairs() -> str:
-    from freebeam_derive.modes import rigid_functions
+    from freebeam_derive.comparison import rigid_functions
     from freebeam_derive.statement import GEOMETRIC
 
     kinds = tuple(GEOMETRIC)

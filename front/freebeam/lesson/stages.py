@@ -10,7 +10,7 @@ from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure
 from freebeam.lesson.errata import entries
 
 if TYPE_CHECKING:
-    from freebeam_derive.pipeline import Derivation
+    from freebeam_derive.pipeline import Derived
     from freebeam_derive.record import Step
     from freebeam_sym.columns import Column
 
@@ -74,10 +74,10 @@ show(Eq(Symbol("H_ij"), system.H.expression, evaluate=False))""",
     "Compare the damping with mass and elastic stiffness": """\
 print("C = c_M M + c_E E with c_M =", system.c_M, "and c_E =", system.c_E)""",
     "Name the factor of χ": """\
-damped = modes.damped_modes(motion)
+damped = comparison.damped_modes(motion)
 show(damped.quartic if damped else Symbol("none"))""",
     "Set the determinant to zero": """\
-unloaded = modes.comparison_beam(column.ends)
+unloaded = comparison.comparison_beam(column.ends)
 for n in (1, 2, 3):
     print(f"gamma_{n} =", roots.root(unloaded, n))""",
     "Solve for the coefficients": """\
@@ -107,7 +107,7 @@ LOUD = {
 class Chapter:
     """Steps of a record as blocks: each with what it started from, its result, and its check."""
 
-    def __init__(self, derived: Derivation, paper: bool) -> None:
+    def __init__(self, derived: Derived, paper: bool) -> None:
         from freebeam_derive.latex import printer
 
         self.derived, self.paper = derived, paper

@@ -20,7 +20,8 @@ from freebeam.paper import printed as p
 from freebeam.paper.printed import EQUATIONS, Printed
 from freebeam.paper.reader import delta
 from freebeam.paper.typeset import latex
-from freebeam_derive import modes, pipeline, scaling, variation
+from freebeam_derive import comparison as modes
+from freebeam_derive import pipeline, scaling, variation
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, chi, gamma, m, t, variation_of_y, x, y
 from freebeam_derive.notation import lambda_ as derived_lambda
 from freebeam_derive.ritz import phi_i, phi_j, q_j
@@ -82,7 +83,7 @@ class Found:
 class Context:
     """The derivation, with dimensions and without."""
 
-    derivation: pipeline.Derivation
+    derivation: pipeline.Derived
     dimensional: variation.EquationOfMotion
 
 

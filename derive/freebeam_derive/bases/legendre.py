@@ -13,9 +13,15 @@ are orthogonal to them. Everything is rational, and solved for once and for all 
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import cache
+from functools import cache, reduce
+from types import ModuleType
+from typing import Any
 
+import numpy as np
+from flint import fmpq, fmpq_poly
 from sympy import (
     QQ,
     Add,
@@ -32,17 +38,27 @@ from sympy import (
     cancel,
     expand,
     factor,
+    fraction,
     integrate,
+    lcm,
     legendre,
+    together,
 )
 from sympy.polys.matrices import DomainMatrix
 
-from freebeam_derive.modes import comparison_beam
-from freebeam_derive.notation import x
+from freebeam_derive import independent
+from freebeam_derive.comparison import comparison_beam, integral_polynomials
+from freebeam_derive.derivation import Derivation
+from freebeam_derive.kernel import MATRICES, Figure, Kernel, Program, Progress
+from freebeam_derive.notation import PRIMES, QUANTITIES, x
 from freebeam_derive.record import Step, equal
+from freebeam_derive.ritz import Form, display_form
 from freebeam_derive.statement import GEOMETRIC
+from freebeam_derive.verify import BOUND, PLACES, matrix_figures
 
 STAGE = "polynomials"
+SUFFIX = "_legendre"
+POLYNOMIALS = 40  # verified: elastic polynomials, all entries and derivatives up to the third
 
 k = Symbol("order", integer=True, nonnegative=True)  # order of a Legendre polynomial
 d = Symbol("degree", integer=True, nonnegative=True)  # degree of a trial function
@@ -259,3 +275,168 @@ def admissibility(basis: Polynomials) -> tuple[Step, ...]:
         Step(STAGE, "Check that the functions are admissible", why, before, after, "section 3.1", proof)
         for why, before, after, proof in conditions
     )
+
+
+# --- the kernel ---------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class SeriesProgram(Program):
+    """One matrix over polynomials: a factor of the diagonal of ∫ φ², sums over series, products of end values.
+
+    along: (p, q) -> factors of ∫ x^k φ_i^(p) φ_j^(q) by the power k. points: factor, row and column, each a field
+    of the basis (`slope_1`).
+    """
+
+    diagonal: Expr
+    along: dict[tuple[int, int], dict[int, Expr]]
+    points: tuple[tuple[Expr, str, str], ...]
+    symmetric: bool
+
+    @property
+    def scales(self) -> dict[tuple[int, int], Expr]:
+        """What stands before the product of two series: the one factor, or 1 over the common denominator of several."""
+        return {
+            pair: 1 / reduce(lcm, (fraction(together(c))[1] for c in cs.values()))
+            if len(cs) > 1
+            else next(iter(cs.values()))
+            for pair, cs in self.along.items()
+        }
+
+    @property
+    def between(self) -> dict[tuple[int, int], dict[int, Expr]]:
+        """What stands between them: factors of the integrals with x^k."""
+        return {pair: {k: cancel(c / self.scales[pair]) for k, c in cs.items()} for pair, cs in self.along.items()}
+
+    @property
+    def terms(self) -> list[tuple[Expr, Any]]:
+        """The matrix as a sum: factors of the norms, of products of series (by their orders), of end values."""
+        along = [(scale, pair) for pair, scale in self.scales.items()]
+        points = [(c, (row, column)) for c, row, column in self.points]
+        norm = [(self.diagonal, "norm")] if self.diagonal != 0 or not (along or points) else []
+        return [*norm, *along, *points]
+
+
+@dataclass(frozen=True)
+class LegendreKernel(Kernel):
+    """All that is emitted for a column with polynomials as trial functions.
+
+    values: (name, end, order, factor) of the end values: a function of the degree, times (−1)^degree at x = 0.
+    """
+
+    basis_name = "legendre"
+
+    matrices: tuple[SeriesProgram, ...]
+    basis: Polynomials
+    values: tuple[tuple[str, int, int, Expr], ...]
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """The derivatives whose series are needed, 0 first."""
+        used = {order for matrix in self.matrices for pair in matrix.along for order in pair}
+        return tuple(range(max(used, default=0) + 1))
+
+    @property
+    def powers(self) -> tuple[int, ...]:
+        """Powers of x in the matrices' sums over series."""
+        return tuple(sorted({k for m in self.matrices for factors in m.along.values() for k in factors}))
+
+    @property
+    def fields(self) -> tuple[tuple[str, str], ...]:
+        first, R = self.basis.first, len(self.rigid)
+        every = f"{R} + N" if R else "N"
+        size = f"({every},)"
+        return (
+            ("order", f"orders k of Legendre's polynomials P_k(2x − 1), ({first} + N,)"),
+            ("sigma", f"(−1)^k, ({first} + N,)"),
+            ("norm", f"∫ φ² dx, {size}"),
+            *((name, f"φ{PRIMES[order]}({end}), {size}") for name, end, order, _ in self.values),
+            *((QUANTITIES[p], f"φ{PRIMES[p]} in P_0, P_1, …, ({every}, {first} + N)") for p in self.orders),
+        )
+
+    def context(self) -> dict[str, Any]:
+        first = self.basis.first
+        numbered = list(enumerate(self.basis.conditions, start=1))
+        squares = [integral_polynomials(f, f) for f in self.rigid]
+        vectors = [("norm", squares, self.basis.norm, "")]
+        for name, end, order, value in self.values:
+            at_end = [f.diff(x, order).subs(x, end) for f in self.rigid]
+            vectors.append((name, at_end, value, "" if end else f"sigma[{first}:] * "))
+        return {
+            "first": first,
+            "shares": [[(n, c.of) for n, c in numbered if c.end == end] for end in range(2)],
+            "weights": [c.weight for c in self.basis.conditions],
+            "rigid_series": [[(n, c) for n, c in enumerate(series(f)) if c != 0] for f in self.rigid],
+            "vectors": vectors,
+            "integrals": {power: products(power) for power in self.powers},
+        }
+
+    def cost(self) -> dict[str, int]:
+        products = max(2 * len(matrix.along) for matrix in self.matrices)
+        return {"matrix_products": products, "exact_in_fractions_up_to": POLYNOMIALS}
+
+    def bounds(self) -> dict[str, float]:
+        return {
+            f"matrix entries up to N = {POLYNOMIALS}, of the norms of their terms": BOUND,
+            f"polynomials up to N = {POLYNOMIALS} and their derivatives to the third, of the largest value": BOUND,
+        }
+
+    def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
+        say("polynomials")
+        functions = independent.independent_polynomials(self.column.ends, self.rigid, POLYNOMIALS)
+        yield from _functions_figures(module, functions)
+        say("matrices")
+        orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
+        orders[:] = [fmpq(n) for n in range(len(orders))]
+        in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
+        reference = independent.PolynomialProducts(functions)
+        yield from matrix_figures(self, module, reference, POLYNOMIALS, in_fractions)
+
+
+def build(derivation: Derivation) -> LegendreKernel:
+    """Lower the forms of a column to programs over its trial polynomials. Eq. (11)."""
+    given, basis = derivation, polynomials(derivation.column.ends)
+    held = {(c.end, c.order) for c in basis.conditions}
+    matrices: list[SeriesProgram] = []
+    ends: set[tuple[int, int]] = set()
+    for name, letter, equation in MATRICES:
+        form: Form = getattr(given.system, letter)
+        along: dict[tuple[int, int], dict[int, Expr]] = {}
+        for (power, p, q), factor_ in sorted(form.along.items()):
+            if (power, p, q) != (0, 0, 0):
+                along.setdefault((p, q), {})[power] = factor_
+        points = []
+        for (a, p, b, q), factor_ in form.points.items():
+            pair = (int(a), p), (int(b), q)
+            if not held & set(pair):
+                row, column = (f"{QUANTITIES[order]}_{end}" for end, order in pair)
+                points.append((factor_, row, column))
+                ends |= set(pair)
+        diagonal = form.along.get((0, 0, 0), S.Zero)
+        program = (name, letter, display_form(form), equation)
+        matrices.append(SeriesProgram(*program, diagonal, along, tuple(points), form.symmetric))
+    values = tuple((f"{QUANTITIES[p]}_{end}", end, p, basis.value(end, p)) for end, p in sorted(ends))
+    handed = (given.column, given.motion, given.system, given.newmark, basis.rigid)
+    return LegendreKernel(*handed, tuple(matrices), basis, values)
+
+
+def steps(derivation: Derivation) -> tuple[Step, ...]:
+    """How the polynomials were derived. Eqs. (9), (11)."""
+    return polynomials(derivation.column.ends).steps
+
+
+def _functions_figures(module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:
+    """Functions and their derivatives up to the third, relative to the largest value along the beam."""
+    basis = module.basis(POLYNOMIALS)
+    for order in range(4):
+        computed = module.shapes(basis, PLACES, order, True)
+        largest = np.abs(module.shapes(basis, np.linspace(0, 1, 2001), order, True)).max(axis=1)
+        worst = ("", 0.0)
+        for n, function in enumerate(functions):
+            for place, value in zip(PLACES, computed[n].tolist(), strict=True):
+                difference = independent.fraction(value) - function[order](independent.fraction(place))
+                error = abs(float(difference))
+                error = error and (error / largest[n] if largest[n] else math.inf)
+                if error >= worst[1]:
+                    worst = (f"function {n + 1}, x = {place:.4g}", error)
+        yield Figure(f"derivative {order} of polynomials up to N = {POLYNOMIALS}, of the largest value", *worst, BOUND)

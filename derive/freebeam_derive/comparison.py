@@ -47,12 +47,13 @@ from sympy.polys.fields import FracField
 
 from freebeam_derive.notation import P, alpha, chi, gamma, lambda_, x
 from freebeam_derive.record import Step, equal
+from freebeam_derive.roots import Characteristic, first_root
+from freebeam_derive.roots import epsilon as epsilon
 from freebeam_derive.statement import ALONG, GEOMETRIC, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion, by_parts
 
 STAGE = "modes"
 
-epsilon = Symbol("epsilon", positive=True)  # e^(-gamma)
 sigma = Symbol("sigma", real=True)  # (-1)^(n - 1)
 eta = Symbol("tail", real=True)  # sigma * epsilon
 root = Symbol("root", positive=True)  # the one square root that some pairs of ends need
@@ -83,22 +84,17 @@ def end_orders(kind: str) -> tuple[int, ...]:
 
 
 @dataclass(frozen=True)
-class ComparisonBeam:
+class ComparisonBeam(Characteristic):
     """The modes of a uniform beam with given ends, in closed form.
 
-    equation: the characteristic equation in γ, Eq. (21). p, q, r: its factors as in the module's head.
-    first: m of the first root's asymptote γ₀ = m π/4 (the n-th has first + 4 (n − 1)). sine, cosine: sin γ, cos γ
-    on the roots. coefficients: of sin γx, cos γx, e^(−γx), e^(−γ(1−x)). values[end][d]: φ^(d)(end) / γ^d.
-    square: what `root` is the square root of (1 where it is not needed). rigid: the functions of γ = 0.
+    orders: of the derivatives that vanish at each end. equation: the characteristic equation in γ, Eq. (21).
+    sine, cosine: sin γ, cos γ on the roots. coefficients: of sin γx, cos γx, e^(−γx), e^(−γ(1−x)).
+    values[end][d]: φ^(d)(end) / γ^d. square: what `root` is the square root of (1 where it is not needed).
+    rigid: the functions of γ = 0.
     """
 
-    ends: tuple[str, str]
     orders: tuple[tuple[int, ...], tuple[int, ...]]
     equation: Eq
-    p: Expr
-    q: Expr
-    r: Expr
-    first: int
     sine: Expr
     cosine: Expr
     coefficients: tuple[Expr, ...]
@@ -225,7 +221,8 @@ def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
     # asymptotes: p(0) cos γ + q(0) sin γ = 0
     p_0, q_0 = p.subs(epsilon, 0), q.subs(epsilon, 0)
     offset = next(k for k in range(4) if cancel(p_0 * cos(k * pi / 4) + q_0 * sin(k * pi / 4)) == 0)
-    first = _first_asymptote(p, q, r, offset)
+    estimate = first_root(p, q, r)
+    first = int(min(range(offset, offset + 40, 4), key=lambda m: abs(m * 0.7853981633974483 - estimate)))
     s_0, c_0 = sin(first * pi / 4), cos(first * pi / 4)
 
     # sin γ and cos γ on the roots: p c + q s + r = 0 with s² + c² = 1
@@ -254,15 +251,14 @@ def comparison_beam(ends: tuple[str, str]) -> ComparisonBeam:
         sums = (sum((a * e for a, e in zip(vector, row, strict=True)), _FIELD.zero) for row in rows)
         return tuple(_written(_reduced(value, square)) for value in sums)
 
-    equation = _classical(*split)
     beam = ComparisonBeam(
         ends,
-        orders,
-        equation,
         p,
         q,
         r,
         first,
+        orders,
+        _classical(*split),
         sine,
         cosine,
         tuple(map(_written, vector)),
@@ -385,14 +381,6 @@ def admissibility(beam: ComparisonBeam) -> tuple[Step, ...]:
         Step(STAGE, "Check that the functions are admissible", why, before, after, "section 3.1", proof)
         for why, before, after, proof in conditions
     )
-
-
-def _first_asymptote(p: Expr, q: Expr, r: Expr, offset: int) -> int:
-    """The integer m of the first positive root's asymptote m π/4 (roots.py isolates the roots themselves)."""
-    from freebeam_derive.roots import first_root
-
-    estimate = first_root(p, q, r)
-    return int(min(range(offset, offset + 40, 4), key=lambda k: abs(k * 0.7853981633974483 - estimate)))
 
 
 def _null_vector(rows: list[list[Any]], square: Expr) -> list[Any]:
