@@ -69,3 +69,11 @@ def test_files_of_tests_exist_and_cite_their_equation(row: list[str]) -> None:
     assert files
     for file in files:
         assert number in cited((ROOT / file).read_text(encoding="utf-8")), f"{file} does not cite Eq. ({number})"
+
+
+def test_what_the_architecture_names_is_there() -> None:
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    names = set(re.findall(r"`(freebeam(?:_\w+)?\.[\w.]+)`", page))
+    assert len(names) > 15
+    for name in names:
+        assert resolved(name) is not None, name
