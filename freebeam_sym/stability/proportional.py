@@ -317,7 +317,7 @@ class _Krylov:
             while not self.done and len(self._basis) <= self._look:
                 self._step()
             k = len(self._basis) - 1
-            self._look = int(1.25 * k) + 1
+            self._look = int(1.25 * k) + 1  # to look costs k³, a step k: a quarter more steps each time
             theta, s = np.linalg.eig(self._h[:k, :k])
             size, left = np.abs(theta), self._h[k, k - 1] * np.abs(s[-1])
             real = (np.abs(theta.imag) <= NEAR * size) & (theta.real > floor) & (theta.real < after)
