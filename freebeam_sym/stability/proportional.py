@@ -293,14 +293,15 @@ class _Krylov:
     def __init__(self, apply: Callable[[Real], Real], order: int) -> None:
         self._apply, self.most = apply, min(order, STEPS)
         start = np.cos(np.arange(order) + 0.3)  # any vector
-        self._basis, self._h = [start / np.linalg.norm(start)], np.zeros((self.most + 1, self.most))
-        self._look = 9
+        self._basis, self._h = np.empty((self.most + 1, order)), np.zeros((self.most + 1, self.most))
+        self._basis[0] = start / np.linalg.norm(start)
+        self.steps, self._look = 0, 12
         self.done = False
 
     def _step(self) -> None:
         """One more vector of the basis."""
-        k = len(self._basis) - 1
-        Q = np.asarray(self._basis)
+        k = self.steps
+        Q = self._basis[: k + 1]
         w = self._apply(Q[k])
         for _ in range(2):  # once more, so that the basis stays orthogonal to rounding
             c = Q @ w
@@ -308,15 +309,16 @@ class _Krylov:
             self._h[: k + 1, k] += c
         b = self._h[k + 1, k] = float(np.linalg.norm(w))
         self.done = k == self.most - 1 or b < 1e-14 * np.abs(self._h[: k + 1, : k + 1]).max()
-        self._basis.append(w / b if b else w)
+        self._basis[k + 1] = w / b if b else w
+        self.steps += 1
 
     def values(self, floor: float, after: float) -> tuple[Complex, Complex]:
         """Eigenvalues of positive real part and modulus above `floor`, descending, (m,), and their vectors (m, order):
         among them the greatest real one below `after`, and all of greater modulus than it."""
         while True:
-            while not self.done and len(self._basis) <= self._look:
+            while not self.done and self.steps < self._look:
                 self._step()
-            k = len(self._basis) - 1
+            k = self.steps
             self._look = int(1.25 * k) + 1  # to look costs k³, a step k: a quarter more steps each time
             theta, s = np.linalg.eig(self._h[:k, :k])
             size, left = np.abs(theta), self._h[k, k - 1] * np.abs(s[-1])
@@ -329,7 +331,7 @@ class _Krylov:
                 break
         found = np.flatnonzero(need & (theta.real > floor))
         found = found[np.argsort(-theta.real[found])]
-        return theta[found], s[:, found].T @ np.asarray(self._basis[:k])
+        return theta[found], s[:, found].T @ self._basis[:k]
 
 
 def _flutters(problem: Proportional, bound: float) -> Iterator[Event]:
