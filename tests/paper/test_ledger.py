@@ -17,9 +17,9 @@ from freebeam import cli
 from freebeam.ledger import book as books
 from freebeam.ledger import loads, proven, responses
 from freebeam.ledger.book import CLAIM_VERDICTS, Ledger, judged
+from freebeam.ledger.claims import Claim, claims
 from freebeam.ledger.finding import CHECKS, Finding, enclosure
 from freebeam.ledger.page import page
-from freebeam.ledger.quotes import QUOTES
 
 PAGE = Path(__file__).parents[2] / "docs" / "ledger.md"
 
@@ -45,7 +45,7 @@ def test_every_section_has_its_claims(book: Ledger) -> None:
 
 
 def test_what_was_not_checked_says_why(book: Ledger) -> None:
-    for row, quote in zip(book.claims, QUOTES, strict=True):
+    for row, quote in zip(book.claims, claims(), strict=True):
         assert row.quote == quote.text and row.computed
         assert (row.verdict == "not checkable") == (not quote.check) == (not row.by)
         assert quote.check or quote.note
@@ -53,8 +53,14 @@ def test_what_was_not_checked_says_why(book: Ledger) -> None:
         assert (row.verdict == "confirmed to the printed digits") == (row.verdict != "erratum" and bool(row.rule))
 
 
+@pytest.mark.parametrize("entry", [{"check": "scan", "verdict": "not checkable"}, {"verdict": "not checkable"}, {}])
+def test_an_incomplete_claim_is_refused(entry: dict[str, str]) -> None:
+    with pytest.raises(ValueError, match=r"claim 4\.1-new"):
+        Claim("4.1-new", "words", **entry)
+
+
 def test_no_check_is_idle() -> None:
-    assert {quote.check for quote in QUOTES if quote.check} == set(CHECKS)
+    assert {quote.check for quote in claims() if quote.check} == set(CHECKS)
 
 
 def test_judgement() -> None:
@@ -86,7 +92,7 @@ def test_judgement() -> None:
     ],
 )
 def test_a_claim_with_another_number_fails(id_: str, change: dict[str, object]) -> None:
-    (quote,) = (quote for quote in QUOTES if quote.id == id_)
+    (quote,) = (quote for quote in claims() if quote.id == id_)
     wrong = dataclasses.replace(quote, given={**quote.given, **change})
     row = books._claim(wrong, lambda _: None)
     assert not row.passed and row.verdict in ("erratum", "failed")

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from freebeam.ledger import loads, model, responses
+from freebeam.ledger.claims import CONFIRMED, DIGITS, ERRATUM, OPEN, Claim, claims
 from freebeam.ledger.finding import CHECKS, Finding
 from freebeam.ledger.proven import equations
-from freebeam.ledger.quotes import CONFIRMED, DIGITS, ERRATUM, OPEN, QUOTES, Quote
+
+if TYPE_CHECKING:
+    from freebeam.paper.compare import Comparison
 
 __all__ = ["CLAIM_VERDICTS", "ClaimRow", "EquationRow", "Ledger", "ledger"]
 
@@ -69,54 +73,32 @@ def ledger(progress: Callable[[str], None] | None = None) -> Ledger:
     """Compute every row, once in a process. progress: told what is being done."""
     if not _kept:
         say = progress or (lambda _: None)
-        rows = _equations(say)
-        _kept.append(Ledger(rows, tuple(_claim(quote, say) for quote in QUOTES)))
+        rows = tuple(_equation(found) for found in equations(say))
+        _kept.append(Ledger(rows, tuple(_claim(claim, say) for claim in claims())))
     return _kept[0]
 
 
-def _equations(say: Callable[[str], None]) -> tuple[EquationRow, ...]:
-    rows = []
-    for found in equations(say):
-        printed = found.printed
-        rows.append(
-            EquationRow(
-                f"({printed.number})",
-                printed.section,
-                printed.latex,
-                found.derived_latex,
-                found.difference_latex,
-                found.check,
-                found.verdict,
-                found.passed,
-                printed.misprint,
-                printed.affects,
-                printed.repairs,
-            )
-        )
-    return tuple(rows)
+def _equation(found: Comparison) -> EquationRow:
+    p = found.printed
+    derived, difference = found.derived_latex, found.difference_latex
+    return EquationRow(
+        f"({p.number})", p.section, p.latex, derived, difference, found.check, found.verdict, found.passed, p.misprint,
+        p.affects, p.repairs,
+    )  # fmt: skip
 
 
-def _claim(quote: Quote, say: Callable[[str], None]) -> ClaimRow:
-    if not quote.check:
-        return ClaimRow(
-            quote.id, quote.section, quote.text, f"not computed: {quote.note}", "", "", OPEN, quote.verdict == OPEN, ""
-        )
-    say(f"section {quote.section}: {quote.id}")
+def _claim(claim: Claim, say: Callable[[str], None]) -> ClaimRow:
+    if not claim.check:
+        return ClaimRow(claim.id, claim.section, claim.text, f"not computed: {claim.note}", "", "", OPEN, True, "")
+    say(f"section {claim.section}: {claim.id}")
     try:
-        found = CHECKS[quote.check](**quote.given)
+        found = CHECKS[claim.check](**claim.given)
         verdict = judged(found)
     except ArithmeticError as error:  # what the prover could not prove
         found, verdict = Finding(False, f"not proven: {error}", ""), FAILED
+    passed = verdict == claim.verdict
     return ClaimRow(
-        quote.id,
-        quote.section,
-        quote.text,
-        found.computed,
-        found.by,
-        found.rule,
-        verdict,
-        verdict == quote.verdict,
-        quote.note,
+        claim.id, claim.section, claim.text, found.computed, found.by, found.rule, verdict, passed, claim.note
     )
 
 

@@ -506,7 +506,7 @@ def _mode(context: Context) -> Found:
     e = modes.epsilon
     values = {sp.cos(gamma): beam.cosine, sp.sin(gamma): beam.sine}
     values |= {sp.cosh(gamma): (e + 1 / e) / 2, sp.sinh(gamma): (1 / e - e) / 2}
-    ratio = p._ratio.subs(values)
+    ratio = ((sp.cos(gamma) - sp.cosh(gamma)) / (sp.sin(gamma) + sp.sinh(gamma))).subs(values)  # as printed
     typed = (S.One, ratio, (ratio - 1) / 2, (ratio + 1) / 2 / e)  # e^(γx) = e^(−γ(1−x)) / ε
     gaps = [
         modes.canonical(a - b.subs(modes.eta, modes.sigma * e)) for a, b in zip(typed, beam.coefficients, strict=True)

@@ -189,7 +189,7 @@ class _Reader:
                 self.take("{")
                 variable = self.atom()
                 self.take("=")
-                value = _at(value, variable, self.sum())
+                value = at(value, variable, self.sum())
                 self.take("}")
             else:
                 return value
@@ -262,7 +262,7 @@ class _Reader:
             places.append(self.sum())
         self.take(")")
         for variable, place in zip(function.args, places, strict=True):
-            value = _at(value, variable, place)
+            value = at(value, variable, place)
         return value
 
     def key(self) -> tuple[str, int]:
@@ -411,7 +411,8 @@ class _Reader:
         return value.xreplace({field_: self.names.varied[field_]})
 
 
-def _at(value: Any, variable: Any, place: Any) -> Any:
+def at(value: Any, variable: Any, place: Any) -> Any:
+    """A value at a place; a derivative is taken first."""
     if place == variable:
         return value
     if value.has(Derivative):
