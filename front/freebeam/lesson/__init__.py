@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -39,9 +40,9 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     progress: told what is being done. Raises InputError for a column that is not known or has no statement, and
     AssertionError where a proof fails.
     """
-    from freebeam.lesson.blocks import Heading, Lesson, Prose
+    from freebeam.lesson.blocks import Heading, Lesson
     from freebeam.lesson.facts import Facts
-    from freebeam.lesson.phrases import n
+    from freebeam.lesson.phrases import prose
     from freebeam.lesson.physics import physics_chapters
     from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
     from freebeam.own import column as column_of
@@ -67,19 +68,17 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
     source = pipeline.columns().get(name, Path(name))
     say("proofs of the derivation")
-    blocks = [*_opening(facts), *derivation_chapters(chapter, facts.column, source)]
+    about = prose("opening.paper" if facts.column.name == PAPER else "opening.other", ends="-".join(facts.column.ends))
+    blocks = [prose("opening.lesson"), about, *derivation_chapters(chapter, facts.column, source)]
     say("physics")
     blocks += physics_chapters(chapter, facts, chapter.paper)
     say("Newmark's method")
     blocks += newmark_chapter(chapter)
     blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
     made = Lesson(facts.column.title, _subtitle(facts), stated.name, tuple(blocks))
-    count = len(made.checks)
-    closing = Prose(
-        f"*{count} checks were run when this lesson was made, and all of them passed.* Steps in exact arithmetic left "
-        f"nothing; those computed with 40 digits left at most {n(max(c.residual for c in made.checks), 1)}."
-    )
-    return Lesson(made.title, made.subtitle, made.column, (*made.blocks, closing))
+    residual = max(check.residual for check in made.checks)
+    closing = prose("opening.closing", count=len(made.checks), residual=residual)
+    return replace(made, blocks=(*made.blocks, closing))
 
 
 def _subtitle(facts: Any) -> str:
@@ -97,29 +96,6 @@ def _lost(beam: BeamLoss) -> str:
 
     assert beam.load is not None
     return f"{beam.kind} at {digits_that_hold(beam.load, beam.uncertainty, 6)}"
-
-
-def _opening(facts: Any) -> list[Any]:
-    from freebeam.lesson.blocks import Prose
-
-    column = facts.column
-    return [
-        Prose(
-            "This lesson goes from the energies of a beam to the load at which it loses its stability, and leaves "
-            "nothing out. It was not typed: a program derived the formulas in order to compute with them, kept what "
-            "it did, and printed it here. Below each result stands what proved it, by another route than the one that "
-            "led to it; those proofs were run when this page was made."
-        ),
-        Prose(
-            "Numbers in round brackets on the right are those of Kavianipour and Sadati's paper on the free-free beam, "
-            + (
-                "the column at hand. Where the paper's print differs from the derivation, a box says so."
-                if column.name == PAPER
-                else f"from which the method comes; the column at hand is another one ({'-'.join(column.ends)}), so "
-                "the formulas beside them are its own."
-            )
-        ),
-    ]
 
 
 def _rest(chapter: Any) -> tuple[Any, ...]:

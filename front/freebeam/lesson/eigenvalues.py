@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from freebeam.lesson.blocks import Block, Cell, Exercise, Heading, Prose, Table
+from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import figure, n, percent, steps
+from freebeam.lesson.phrases import exercise, figure, heading, percent, prose, steps
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -17,19 +18,14 @@ if TYPE_CHECKING:
 __all__ = ["coalescence", "divergence", "eigenvalues", "vanishing_damping"]
 
 
-# --- eigenvalues and the critical load --------------------------------------------------------------------------
-
-
 def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
+    """The eigenvalue problem, and the critical load."""
     from freebeam import figures
 
     column, found = facts.column, facts.critical
     blocks: list[Block] = [
-        Heading("From matrices to stability", 2, "stability"),
-        Prose(
-            "Leave the force away and ask which motions the beam has by itself. If one of them grows, the beam is "
-            "unstable; the smallest load beyond which one grows is the critical load."
-        ),
+        heading("stability"),
+        prose("stability.opening"),
         *steps(
             chapter,
             "Let all coordinates move alike",
@@ -41,24 +37,11 @@ def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
     ]
     own = "".join(f", ${p.latex} = {p.default:g}$" for p in column.parameters)
     if found.load is None:
-        top = found.question.load_max
-        text = f"With $N = {MODES}$ functions{own} the undamped column stays stable up to $P_0 = {top:g}$."
-        blocks.append(Prose(text))
-        return blocks
-    if facts.flutters:
-        text = (
-            f"With $N = {MODES}$ functions{own} and without damping, two frequencies meet at $P_0 = "
-            f"{found.load:.6g}$, where both are $\\omega = {facts.frequency:.6g}$. That is flutter: past it, one "
-            "motion grows while it swings."
-        )
-    else:
-        text = (
-            f"With $N = {MODES}$ functions{own} and without damping, the lowest frequency falls to zero at $P_0 = "
-            f"{found.load:.6g}$. That is divergence: the beam leaves its straight shape without swinging. No two "
-            "frequencies meet before."
-        )
+        return [*blocks, prose("stability.stable", N=MODES, own=own, top=found.question.load_max)]
+    kind = "flutter" if facts.flutters else "divergence"
+    lost = prose(f"stability.{kind}", N=MODES, own=own, load=found.load, frequency=facts.frequency)
     code = f"beam = compiled(column)\nfound = fb.critical_load(beam, modes={MODES})\nprint(found)"
-    blocks.append(Cell(code, (Prose(text),)))
+    blocks.append(Cell(code, (lost,)))
     if paper:
         blocks += _printed()
     blocks.append(
@@ -74,45 +57,25 @@ def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
 def _printed() -> list[Block]:
     from freebeam.ledger.scanned import validate
 
-    rows = validate()
-    return [
-        Prose(
-            "The paper raised the load in steps until a real part turned positive, so that it prints the first step "
-            "at or above the computed value. The program finds each printed load again, to its last digit:"
-        ),
-        Table(
-            ("section", r"$\alpha$", r"$\beta$", f"computed, $N = {MODES}$", "first step of the scan", "printed"),
-            tuple(
-                (r.section, f"{r.alpha:g}", f"{r.beta:g}", f"{r.load or 0:.6f}", str(r.explained), r.printed)
-                for r in rows
-            ),
-        ),
-    ]  # fmt: skip
-
-
-# --- coalescence, or divergence -----------------------------------------------------------------------------------
+    header = ("section", r"$\alpha$", r"$\beta$", f"computed, $N = {MODES}$", "first step of the scan", "printed")
+    rows = tuple(
+        (r.section, f"{r.alpha:g}", f"{r.beta:g}", f"{r.load or 0:.6f}", str(r.explained), r.printed)
+        for r in validate()
+    )
+    return [prose("stability.scan"), Table(header, rows)]
 
 
 def coalescence(chapter: Chapter, facts: Facts) -> list[Block]:
+    """Where two frequencies meet."""
     from freebeam import figures
 
     column, load = facts.column, facts.load
-    near = [0.9, 0.99, 0.999]
-    overlaps = [facts.overlap(load * share) for share in near]
-    blocks: list[Block] = [
-        Heading("Where two frequencies meet: an exceptional point", 2, "coalescence"),
-        Prose(
-            "Raise the load. The two lowest of the frequencies that will meet approach each other, slowly, then "
-            "faster and faster, and at the meeting the curve stands upright. It is no crossing: not only the "
-            "frequencies become one, the two shapes do too, so that at that load a mode is missing. Physicists call "
-            "it an exceptional point."
-        ),
+    first, second, third = (facts.overlap(load * share) for share in (0.9, 0.99, 0.999))
+    return [
+        heading("coalescence"),
+        prose("coalescence.opening"),
         *steps(chapter, "Look at the place where two frequencies meet", "Look at the shapes there"),
-        Prose(
-            "The square root has a practical side: near the meeting everything is infinitely sensitive. At 90, 99 "
-            f"and 99.9 % of the load the cosine of the angle between the two shapes is {n(overlaps[0], 4)}, "
-            f"{n(overlaps[1], 4)} and {n(overlaps[2], 4)}."
-        ),
+        prose("coalescence.sensitive", first=first, second=second, third=third),
         figure(
             "meeting", "The meeting", "coalescence(beam)", lambda: figures.coalescence(column),
             "The two eigenvalues near the load where they meet, less their common value there; dotted, the square "
@@ -124,41 +87,25 @@ def coalescence(chapter: Chapter, facts: Facts) -> list[Block]:
         ),
         *_gap_exercises(facts),
     ]  # fmt: skip
-    return blocks
 
 
 def _gap_exercises(facts: Facts) -> list[Block]:
     load = facts.load
     shares = (1e-2, 1e-4)
-    gaps = [abs(np.sqrt(a) - np.sqrt(b)) for a, b in (facts.pair(load * (1 - s)) for s in shares)]
-    power = math.log(gaps[0] / gaps[1]) / math.log(shares[0] / shares[1])
+    far, near = (abs(np.sqrt(a) - np.sqrt(b)) for a, b in (facts.pair(load * (1 - s)) for s in shares))
+    power = math.log(far / near) / math.log(shares[0] / shares[1])
     growth = facts.growth(1.01 * load)
     doubling = math.log(2) / growth if growth > 0 else math.inf
-    period = 2 * math.pi / facts.frequency
+    periods = doubling * facts.frequency / (2 * math.pi)
     return [
-        Exercise(
-            "How far apart are the two frequencies at 1 % and at 0.01 % below the critical load? Which power of the "
-            "distance do they follow?",
-            f"{n(gaps[0])} and {n(gaps[1])}: a hundred times closer, the gap is {n(gaps[0] / gaps[1], 3)} times "
-            f"smaller. The power is {n(power, 4)}, which tends to one half: the square root.",
-        ),
-        Exercise(
-            "The load is 1 % too large. How long does it take until the motion is twice as large, in periods?",
-            f"The growth rate is {n(growth)}, the doubling time $\\ln 2$ over that, {n(doubling)}, which is "
-            f"{n(doubling / period, 3)} periods. One per cent too much, and there is hardly time to notice.",
-        ),
-        Exercise(
-            "Why does the perturbation theory of symmetric matrices, where a change of $\\varepsilon$ moves an "
-            "eigenvalue by $\\varepsilon$, not hold here? Compute $|u^{\\mathsf{T}} M v|$, with $u$ and $v$ of "
-            "length 1 in the mass, at 99 % and at 99.99 % of the load.",
-            f"{n(_condition(facts, 0.99), 4)} and {n(_condition(facts, 0.9999), 4)}: the rate of change of $s$ is "
-            "something divided by this number, which goes to zero at the meeting. For a symmetric $K$ the two "
-            "vectors are the same and it is always 1.",
-        ),
+        exercise("coalescence.gap", far=far, near=near, ratio=far / near, power=power),
+        exercise("coalescence.doubling", growth=growth, doubling=doubling, periods=periods),
+        exercise("coalescence.perturbation", near=_condition(facts, 0.99), nearer=_condition(facts, 0.9999)),
     ]
 
 
 def _condition(facts: Facts, share: float) -> float:
+    """Cosine of the angle between the right and the left vector of the pair that meets, at a share of its load."""
     p = facts.pencil
     A = np.diag(p.e) + share * facts.load * p.H
     values, V = np.linalg.eig(A)
@@ -168,99 +115,52 @@ def _condition(facts: Facts, share: float) -> float:
 
 
 def divergence(chapter: Chapter, facts: Facts) -> list[Block]:
+    """Why no two frequencies meet."""
     load = facts.load
     symmetric = facts.circulatory < 1e-12
-    s = [float(facts.squares(load * share)[0].real) for share in (0.5, 0.9)]
-    reason = (
-        "The load has a potential, so $K$ is symmetric and every $\\omega^{2}$ is real. A squared frequency can leave "
-        "the positive numbers only through zero: there is no coalescence that would turn into flutter, no exceptional "
-        "point."
-        if symmetric
-        else "The load is not conservative here, and two frequencies could meet; but one reaches zero first."
-    )
+    unloaded, half, most = (float(facts.squares(load * share)[0].real) for share in (0.0, 0.5, 0.9))
     rate = math.sqrt(max(-float(facts.squares(1.01 * load)[0].real), 0.0))
-    blocks: list[Block] = [
-        Heading("Why no two frequencies meet", 2, "coalescence"),
-        Prose(reason),
-        Prose("A load that follows the beam could make two frequencies meet, and this is what it would look like:"),
+    curve = "answer" if symmetric else "bent"
+    return [
+        replace(heading("divergence"), key="coalescence"),
+        prose("divergence.conservative" if symmetric else "divergence.other"),
+        prose("divergence.imagined"),
         *steps(chapter, "Look at the place where two frequencies meet"),
-        Prose("At divergence the load is that of an eigenvalue problem of statics: $\\det(E + P_0 H) = 0$."),
-        Exercise(
-            "What is $\\omega^{2}$ at 50 % and at 90 % of the critical load, in units of its value without load? "
-            "Which simple curve is it?",
-            f"{n(s[0] / float(facts.squares(0.0)[0].real), 4)} and {n(s[1] / float(facts.squares(0.0)[0].real), 4)}: "
-            + ("a straight line falls to 0.5 and 0.1." if symmetric else "compare the straight line's 0.5 and 0.1."),
-        ),
-        Exercise(
-            "The load is 1 % too large. How fast does the deflection grow?",
-            f"As $\\mathrm{{e}}^{{rt}}$ with $r$ = {n(rate, 4)}, without swinging.",
-        ),
+        prose("divergence.statics"),
+        exercise("divergence.curve", curve, half=half / unloaded, most=most / unloaded),
+        exercise("divergence.growth", rate=rate),
     ]
-    return blocks
-
-
-# --- vanishing damping ------------------------------------------------------------------------------------------------
 
 
 def vanishing_damping(chapter: Chapter, facts: Facts) -> list[Block]:
-    from freebeam import figures
-
-    column = facts.column
-    blocks: list[Block] = [Heading("A little damping, a large drop", 2, "damping")]
-    if "alpha" not in column.damping:
-        blocks.append(
-            Prose(
-                "This column states no internal damping, so the question does not arise for it. Add `alpha * "
-                "y.diff(x, 2, t) * delta(y.diff(x, 2))` to its virtual work and it will."
-            )
-        )
-        return blocks
-    blocks += [
-        Prose(
-            "Damping takes energy from every motion, so it should help. Internal damping does not: the smallest "
-            "amount of it lowers the flutter load at once, by a share that does not depend on how small it is. The "
-            "reason fits on a page. Follow a branch $\\omega^{2} = s(P_0)$ of the undamped column and damp it a "
-            "little."
-            if facts.flutters
-            else "A damped column can lose its stability at another load than the undamped one, and for follower "
-            "forces it does. The rule that says when fits on a page; here it will say that nothing changes."
-        ),
+    """What a little damping does to the critical load."""
+    if "alpha" not in facts.column.damping:
+        return [heading("damping"), prose("damping.none")]
+    blocks: list[Block] = [
+        heading("damping"),
+        prose("damping.flutter" if facts.flutters else "damping.divergence"),
         *steps(chapter, "Damp it a little", "Let the damping vanish"),
     ]
     zero = facts.limit(0.0)
-    if not facts.flutters or zero.load is None or not zero.frequency:
-        blocks.append(
-            Prose(
-                "No branch of this column becomes that steep before its critical load, and the limit of vanishing "
-                f"damping is {n(zero.load or math.nan, 6)}, by {zero.kind}: the undamped load. At divergence nothing "
-                "moves, and damping has nothing to act on."
-            )
-        )
-        blocks += [
-            Exercise(
-                "What is the critical load with $\\alpha = 0.01$?",
-                f"{n(facts.damped(0.01, 0.0).load or math.nan, 6)}, by {facts.damped(0.01, 0.0).kind}; without "
-                f"damping {n(facts.load, 6)}.",
-            ),
-            Exercise(
-                "Compute $P_0 s' - s$ for the lowest branch at half the critical load. Which sign has the growth rate?",
-                f"{n(_tangent_left(facts, 0.5 * facts.load), 4)}: negative, so internal damping damps.",
-            ),
-        ]
-        return blocks
-    drop = 1 - zero.load / facts.load
-    blocks += [
-        Prose(
-            "With internal damping alone, $\\kappa = 0$, the rule reads: the logarithmic slope is one. That is where a "
-            "straight line from the origin touches the curve $\\omega^{2}(P_0)$. Before that point the branch is so "
-            "flat that "
-            f"internal damping damps it; beyond it the branch is so steep that the damping feeds it. Here the line "
-            f"touches at "
-            f"$P_0 = {zero.load:.6g}$, $\\omega = {zero.frequency:.6g}$, which is {percent(drop)} below the meeting at "
-            f"{n(facts.load, 6)}. The curve need not know that the two frequencies will meet: at the tangent point "
-            f"they are "
-            "still far apart."
-        ),
+    if facts.flutters and zero.load is not None and zero.frequency:
+        return blocks + _lowered(facts, zero.load, zero.frequency)
+    some, left = facts.damped(0.01, 0.0), _tangent_left(facts, 0.5 * facts.load)
+    return [
+        *blocks,
+        prose("damping.unchanged", load=zero.load or math.nan, kind=zero.kind),
+        exercise("damping.some", load=some.load or math.nan, kind=some.kind, undamped=facts.load),
+        exercise("damping.sign", left=left),
+    ]
+
+
+def _lowered(facts: Facts, limit: float, frequency: float) -> list[Block]:
+    """Where vanishing damping lowers the critical load, to `limit`."""
+    from freebeam import figures
+
+    column, undamped = facts.column, facts.load
+    drop = percent(1 - limit / undamped)
+    blocks: list[Block] = [
+        prose("damping.tangent", load=limit, frequency=frequency, drop=drop, meeting=undamped),
         figure(
             "tangent", "The tangent construction", "tangent(beam)", lambda: figures.tangent(column),
             "The curve of squared frequencies, and the line from the origin that touches it. Vanishing internal "
@@ -268,44 +168,21 @@ def vanishing_damping(chapter: Chapter, facts: Facts) -> list[Block]:
         ),
     ]  # fmt: skip
     if "beta" in column.damping:
-        ratio = facts.squares(0.0)[0].real
-        half = facts.limit(float(ratio))
+        ratio = float(facts.squares(0.0)[0].real)
+        load = facts.limit(ratio).load or math.nan
         blocks += [
-            Prose(
-                "External damping of the ratio $\\kappa = \\beta / \\alpha$ moves the line's foot from the origin "
-                "down to $-\\kappa$, so the tangent point moves up the curve, towards the meeting. A limit of "
-                "vanishing damping has no value until one says at which ratio it is taken."
-            ),
-            Exercise(
-                f"Take $\\beta / \\alpha = {float(ratio):.5g}$, which damps the first mode as much from outside as "
-                "from inside. Where is the limit now?",
-                f"At {n(half.load or math.nan, 6)}, {percent(1 - (half.load or math.nan) / facts.load)} below the "
-                "meeting.",
-            ),
+            prose("damping.external"),
+            exercise("damping.ratio", ratio=ratio, load=load, drop=percent(1 - load / undamped)),
         ]
-    one = facts.damped(1e-3, 0.0)
+    small = facts.damped(1e-3, 0.0).load or math.nan
     strong = facts.damped(0.05, 0.0)
-    blocks += [
-        Exercise(
-            "How good is the limit for a damping that is small and not vanishing, $\\alpha = 10^{-3}$?",
-            f"The critical load is {n(one.load or math.nan, 7)}, the limit {n(zero.load, 7)}: they differ by "
-            f"{percent((one.load or math.nan) / zero.load - 1)}.",
-        ),
-        Exercise(
-            "Does internal damping ever help? Compute the critical load at $\\alpha = 0.05$.",
-            f"{n(strong.load or math.nan, 6)}, by {strong.kind}: "
-            + (
-                "above the undamped load. Much of it helps; little of it harms."
-                if strong.load and strong.load > facts.load
-                else "above the limit of vanishing damping, below the undamped load."
-                if strong.load and strong.load > zero.load
-                else "below the limit of vanishing damping."
-                if strong.load
-                else f"none is found up to {strong.question.load_max:g}."
-            ),
-        ),
+    load = strong.load or math.nan
+    answer = "above" if load > undamped else "between" if load > limit else "below" if strong.load else "none"
+    return [
+        *blocks,
+        exercise("damping.small", load=small, limit=limit, share=percent(small / limit - 1)),
+        exercise("damping.strong", answer, load=load, kind=strong.kind, top=strong.question.load_max),
     ]
-    return blocks
 
 
 def _tangent_left(facts: Facts, load: float) -> float:

@@ -28,37 +28,7 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     here = Path(__file__).parent
     letters = b64encode((here / "font" / "math.woff2").read_bytes()).decode()
     style = (here / "page.css").read_text(encoding="utf-8").replace("math.woff2", f"data:font/woff2;base64,{letters}")
-    text = f"""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta name="color-scheme" content="light dark">
-<title>{escape(lesson.title)}</title>
-<style>
-{style}
-</style>
-</head>
-<body>
-<header>
-<p class="kicker">A lesson that derives itself</p>
-<h1>{page.plain(lesson.title)}</h1>
-<p class="subtitle">{page.plain(lesson.subtitle)}</p>
-</header>
-<nav aria-label="Contents">
-<details open>
-<summary>Contents</summary>
-<ol>
-{contents}
-</ol>
-</details>
-</nav>
-<main>
-{body}
-</main>
-</body>
-</html>
-"""
+    text = page.filled("page.html", lesson, name=escape(lesson.title), style=style, contents=contents, body=body)
     return {output: text.encode()}
 
 

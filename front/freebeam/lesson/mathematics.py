@@ -106,62 +106,67 @@ def _letter(text: str, upright: bool) -> str:
 
 
 def _typst(element: ElementTree.Element) -> str:
-    tag, text = element.tag, (element.text or "").strip()
-    if tag in ("math", "mrow", "mstyle", "mpadded"):
-        return _children(element)
-    if tag == "mi":
-        variant = element.get("mathvariant", "")
-        if variant == "sans-serif":
-            return f"sans({text})"
-        return _letter(text, variant == "normal")
-    if tag == "mn":
-        return text
-    if tag == "mtext":
-        return '"' + (element.text or "").replace("\xa0", " ").replace('"', "") + '"'
-    if tag == "mspace":
-        return {"1em": "quad", "0.167em": "thin"}.get(element.get("width", ""), "space")
-    if tag == "mo":
-        if text.strip("′") == "":
-            return "'" * len(text)
-        if text in _OPERATORS:
-            return _OPERATORS[text]
-        if text in ("(", ")", "[", "]", "{", "}", "|"):
-            return "\\" + text if text != "|" else "|"
-        if len(text) > 1 and text.isalpha():
-            return f'op("{text}")'
-        return _letter(text, False) if text in ",;:" else text
-    if tag == "mfrac":
-        above, below = element
-        return f"frac({_typst(above)}, {_typst(below)})"
-    if tag == "msqrt":
-        return f"sqrt({_children(element)})"
-    if tag == "msup":
-        base, up = element
-        if _typst(up).strip("'") == "" and _typst(up):
-            return f"{_base(base)}{_typst(up)}"
-        return f"{_base(base)}^{_group(up)}"
-    if tag == "msub":
-        base, down = element
-        return f"{_base(base)}_{_group(down)}"
-    if tag in ("msubsup", "munderover"):
-        base, down, up = element
-        raised = _typst(up)
-        if raised and raised.strip("'") == "":
-            return f"{_base(base)}{raised}_{_group(down)}"
-        return f"{_base(base)}_{_group(down)}^{_group(up)}"
-    if tag == "mover":
-        base, accent = element
-        name = _ACCENTS.get((accent.text or "").strip())
-        return f"{name}({_typst(base)})" if name else f"{_base(base)}^{_group(accent)}"
-    if tag == "munder":
-        base, down = element
-        return f"{_base(base)}_{_group(down)}"
-    if tag == "mtable":
-        rows = [[_children(cell) for cell in row] for row in element]
-        if element.get("columnspacing") == "0em":  # lines that are aligned
-            return " \\ ".join(" & ".join(cells) for cells in rows)
-        return "mat(delim: #none, " + "; ".join(", ".join(cell or '""' for cell in cells) for cells in rows) + ")"
+    text = (element.text or "").strip()
+    match element.tag:
+        case "mi" | "mo" | "mn" | "mtext" | "mspace":
+            return _sign(element, text)
+        case "mfrac":
+            above, below = element
+            return f"frac({_typst(above)}, {_typst(below)})"
+        case "msqrt":
+            return f"sqrt({_children(element)})"
+        case "msup" | "msub" | "munder" | "msubsup" | "munderover":
+            return _indexed(element)
+        case "mover":
+            base, accent = element
+            name = _ACCENTS.get((accent.text or "").strip())
+            return f"{name}({_typst(base)})" if name else f"{_base(base)}^{_group(accent)}"
+        case "mtable":
+            rows = [[_children(cell) for cell in row] for row in element]
+            if element.get("columnspacing") == "0em":  # lines that are aligned
+                return " \\ ".join(" & ".join(cells) for cells in rows)
+            return "mat(delim: #none, " + "; ".join(", ".join(cell or '""' for cell in cells) for cells in rows) + ")"
     return _children(element)
+
+
+def _sign(element: ElementTree.Element, text: str) -> str:
+    """A letter, a number, an operator, words or a space."""
+    match element.tag:
+        case "mi" if element.get("mathvariant") == "sans-serif":
+            return f"sans({text})"
+        case "mi":
+            return _letter(text, element.get("mathvariant") == "normal")
+        case "mtext":
+            return '"' + (element.text or "").replace("\xa0", " ").replace('"', "") + '"'
+        case "mspace":
+            return {"1em": "quad", "0.167em": "thin"}.get(element.get("width", ""), "space")
+        case "mo":
+            return _operator(text)
+    return text
+
+
+def _operator(text: str) -> str:
+    if text.strip("′") == "":
+        return "'" * len(text)
+    if text in _OPERATORS:
+        return _OPERATORS[text]
+    if text in ("(", ")", "[", "]", "{", "}"):
+        return "\\" + text
+    if len(text) > 1 and text.isalpha():
+        return f'op("{text}")'
+    return _letter(text, False) if text in ",;:" else text
+
+
+def _indexed(element: ElementTree.Element) -> str:
+    """A base with what stands below and above it; primes stand for themselves."""
+    base, *scripts = element
+    below = scripts[0] if element.tag != "msup" else None
+    above = scripts[-1] if element.tag not in ("msub", "munder") else None
+    down = f"_{_group(below)}" if below is not None else ""
+    raised = _typst(above) if above is not None else ""
+    if raised and raised.strip("'") == "":
+        return f"{_base(base)}{raised}{down}"
+    return f"{_base(base)}{down}" + (f"^{_group(above)}" if above is not None else "")
 
 
 def _base(element: ElementTree.Element) -> str:

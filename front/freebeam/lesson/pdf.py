@@ -14,33 +14,6 @@ from freebeam_sym.checks import InputError
 
 __all__ = ["files", "source"]
 
-HEAD = r"""
-#set page(paper: "a4", margin: (x: 2.6cm, y: 2.4cm), numbering: "1")
-#set text(font: ("Libertinus Serif", "New Computer Modern"), size: 10.5pt, lang: "en")
-#set par(justify: true, leading: 0.68em, spacing: 1.05em)
-#set heading(numbering: "1")
-#show heading.where(level: 1): it => block(above: 2.2em, below: 0.9em, text(size: 15pt, it))
-#show raw: set text(size: 7.6pt)
-#show link: set text(fill: rgb("#00609b"))
-#let grey = rgb("#5c666e")
-#let formula(number, body) = block(above: 0.9em, below: 0.7em, width: 100%, layout(size => {
-  let room = size.width - if number == none { 0pt } else { 32pt }
-  let wide = measure(body).width
-  let shown = if wide > room { scale(x: room / wide * 100%, y: room / wide * 100%, reflow: true, body) } else { body }
-  if number == none { align(center, shown) } else {
-    grid(columns: (1fr, 30pt), align: (center + horizon, right + horizon), shown, text(fill: grey)[(#number)])
-  }
-}))
-#let checked(body) = block(above: 0.5em, below: 1.3em,
-  text(size: 8.5pt, fill: grey)[#text(fill: rgb("#00815e"))[✓ *checked:*] #body])
-#let aside(title, body) = block(fill: rgb("#fff6ec"), stroke: (left: 2pt + rgb("#e0a566")), inset: 9pt, width: 100%,
-  breakable: true, text(size: 9.3pt)[#text(size: 7.5pt, fill: rgb("#c24e00"))[ERRATUM OF THE PAPER] \ *#title*
-
-#body])
-#let folded(title, body) = block(inset: (left: 8pt), stroke: (left: 0.7pt + rgb("#cfd5d9")),
-  text(size: 9pt)[#text(fill: grey)[_#(title)_] #body])
-"""
-
 
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The PDF. Raises InputError without typst."""
@@ -62,9 +35,7 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
 def source(lesson: blocks.Lesson) -> tuple[str, dict[Path, bytes]]:
     """Typst's source, and the drawings that it needs by name."""
     page = _Page()
-    title = f'#text(size: 9pt, fill: grey)[A LESSON THAT DERIVES ITSELF]\n\n#text(size: 22pt, weight: "bold")[{page.plain(lesson.title)}]\n\n#text(fill: grey)[{page.plain(lesson.subtitle)}]\n\n#v(0.5em)\n#outline(depth: 1, title: none)\n#pagebreak()\n'  # noqa: E501
-    document = f"#set document(title: {_quoted(lesson.title)}, date: none)\n"
-    return document + HEAD + title + page.joined(lesson.blocks) + "\n", page.pictures
+    return page.filled("page.typ", lesson, name=_quoted(lesson.title), body=page.joined(lesson.blocks)), page.pictures
 
 
 def _quoted(text: str) -> str:

@@ -1,16 +1,59 @@
-"""Numbers in sentences, and the pieces that the chapters of physics are made of."""
+"""The lesson's words, from text.toml, with numbers put in; and the pieces that its chapters are made of."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+import tomllib
+from collections.abc import Callable, Mapping
+from functools import lru_cache
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
-from freebeam.lesson.blocks import Block, Cell, Figure
+from freebeam.lesson.blocks import Block, Cell, Exercise, Figure, Heading, Prose
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
 
-__all__ = ["figure", "n", "percent", "steps"]
+__all__ = ["data", "exercise", "figure", "heading", "n", "percent", "prose", "steps", "text"]
+
+
+@lru_cache(maxsize=4)
+def data(name: str) -> Mapping[str, Any]:
+    """A file of this package, text.toml or record.toml."""
+    return tomllib.loads((files("freebeam.lesson") / name).read_text(encoding="utf-8"))
+
+
+def text(key: str, **values: Any) -> str:
+    """A text by its place in text.toml, such as "work.opening", with its values; how they are written stands there.
+
+    Raises KeyError for a place that there is not, and for a value that is missing.
+    """
+    found: Any = data("text.toml")
+    for part in key.split("."):
+        found = found[part]
+
+    def written(place: re.Match[str]) -> str:
+        value = values[place[1]]
+        if place[3]:
+            return format(value, place[3])
+        return n(value, int(place[2] or 5)) if isinstance(value, float) else str(value)
+
+    return re.sub(r"«(\w+)(?: (\d+)|:([^»]+))?»", written, " ".join(found.split()))
+
+
+def prose(key: str, **values: Any) -> Prose:
+    """A paragraph of text.toml."""
+    return Prose(text(key, **values))
+
+
+def heading(chapter: str) -> Heading:
+    """The heading of a chapter of text.toml, with its name as the key."""
+    return Heading(text(f"{chapter}.title"), 2, chapter)
+
+
+def exercise(key: str, answer: str = "answer", **values: Any) -> Exercise:
+    """An exercise of text.toml; answer: which of its answers, where it has several."""
+    return Exercise(text(f"{key}.question", **values), text(f"{key}.{answer}", **values))
 
 
 def n(value: float, digits: int = 5) -> str:
@@ -23,6 +66,7 @@ def n(value: float, digits: int = 5) -> str:
 
 
 def percent(share: float) -> str:
+    """A share's size in per cent."""
     size = abs(100 * share)
     if size < 1e-11:
         return "0 %"
@@ -30,6 +74,7 @@ def percent(share: float) -> str:
 
 
 def steps(chapter: Chapter, *names: str) -> list[Block]:
+    """The steps of the record with these names, as blocks; those that this column's record lacks are left out."""
     found: list[Block] = []
     for name in names:
         step = chapter.find(name)

@@ -6,8 +6,9 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Heading, Listing, Prose
+from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Listing, Prose
 from freebeam.lesson.errata import entries
+from freebeam.lesson.phrases import data, heading, prose, text
 
 if TYPE_CHECKING:
     from freebeam_derive.pipeline import Derived
@@ -16,86 +17,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Chapter", "derivation_chapters", "newmark_chapter"]
 
-# What the parts of a result are called, where the record holds expressions without a left side.
-NAMES: dict[str, tuple[str, ...]] = {
-    "Solve for the eigenvalues": (r"\lambda_{0}^{(1)}", r"\lambda_{0}^{(2)}"),
-    "Integrate products of two modes": tuple(
-        rf"\int_{{0}}^{{1}} \varphi_{{i}}{primes} \varphi_{{{j}}}{primes}\,dx"
-        for j in "ji"
-        for primes in ("", r"^{\prime\prime}")
-    ),
-    "Integrate their squares": (r"\int_{0}^{1} \varphi_{d}^{2}\,dx",),
-    "Newmark's two assumptions": (r"q_{+}", r"\dot{q}_{+}"),
-    "the equation of motion at the end of the step": ("0",),
-    "solved for the new acceleration": ("S", "r", r"\ddot{q}_{+}"),
-    "a change of coordinates": ("0",),
-    "the amplification matrix": ("A",),
-    "characteristic polynomial and spectral radius": ("0",),
-    "growth in any system": ("m", "c", "k", ""),
-    "stability conditions": ("f_{2}", "f_{1}", "f_{0}"),
-    "unconditional stability": ("f_{2}", "f_{1}", "f_{0}"),
-    "the largest stable step": (r"\Omega_{\mathrm{crit}}",),
-    "order of accuracy": ("e_{2}", "e_{3}", r"\text{order}"),
-    "errors of period and damping": ("c_{2}", "c_{3}", r"\xi_{\mathrm{num}}", r"\Delta T / T"),
-    "energy": (r"\Delta_{\mathrm{sym}}", r"\Delta"),
-}  # fmt: skip
-# Of some results only a part is shown: its other forms are for the program.
-SHOWN = {"characteristic polynomial and spectral radius": 0, "the largest stable step": 1}
 RIGID = "Keep what the ends let move as a rigid body"
 LONG = 420
 """Characters of LaTeX beyond which a formula is folded."""
-
-# The cells of a notebook that do a step themselves; every other one shows it from the record.
-CODE: dict[str, str] = {
-    "Take the first variation of the energies and add the virtual work": """\
-T, V, W_c, dW_nc = (column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc"))
-varied = [variation.first_variation(work) for work in (T, V.scaled(-1), W_c)]
-action = varied[0] + varied[1] + varied[2] + dW_nc
-show(Eq(display(action), 0, evaluate=False))""",
-    "Integrate the kinetic term by parts in time": """\
-show(display(varied[0]), display(variation.off_the_rates(varied[0])))""",
-    "Read off the weak form": """\
-weak = variation.off_the_rates(action).scaled(-1)
-show(Eq(display(weak), 0, evaluate=False))""",
-    "Integrate by parts along the beam until δy stands bare": """\
-strong, bracket = variation.by_parts(weak.density)
-show(statement.show(strong), statement.show(bracket))""",
-    "State the equation of motion": """\
-motion = variation.derive_column(column)
-show(motion.equation)""",
-    "State the natural end conditions": """\
-show(*(motion.condition(*place) for place in sorted(motion.natural)))""",
-    "Substitute it into the weak form": """\
-system = ritz.derive(motion)
-for name in "MCK":
-    show(Eq(Symbol(f"{name}_ij"), getattr(system, name).expression, evaluate=False))""",
-    "Split the geometric stiffness off": """\
-show(Eq(Symbol("H_ij"), system.H.expression, evaluate=False))""",
-    "Compare the damping with mass and elastic stiffness": """\
-print("C = c_M M + c_E E with c_M =", system.c_M, "and c_E =", system.c_E)""",
-    "Name the factor of χ": """\
-damped = comparison.damped_modes(motion)
-show(damped.quartic if damped else Symbol("none"))""",
-    "Set the determinant to zero": """\
-unloaded = comparison.comparison_beam(column.ends)
-for n in (1, 2, 3):
-    print(f"gamma_{n} =", roots.root(unloaded, n))""",
-    "Solve for the coefficients": """\
-show(unloaded.mode())""",
-    RIGID: """\
-show(*unloaded.rigid)""",
-    "Integrate products of two modes": """\
-for order in (0, 2):
-    different = integrals.assembled(integrals.integral_modes(unloaded, 0, order, order))
-    show(different, integrals.integral_same(unloaded, 0, order, order))""",
-    "Write the load's matrix in closed form": """\
-for (k, p, q), factor in system.H.along.items():
-    show(factor * integrals.assembled(integrals.integral_modes(unloaded, k, p, q)))""",
-    "Integrate their squares": """\
-polynomials = legendre.polynomials(column.ends)
-show(polynomials.norm)""",
-}
-
 
 LOUD = {
     "Compare the damping with mass and elastic stiffness", "Name the factor of χ", "Set the determinant to zero",
@@ -128,9 +52,10 @@ class Chapter:
         self.printer.own.pop("lambda", None)
         if step.stage == "modes":
             self.printer.own["lambda"] = r"\lambda_{0}"
-        if part is step.after and step.what in NAMES:
-            part = part[SHOWN[step.what]] if step.what in SHOWN else part
-            return tuple(self.printer.labelled(part, NAMES[step.what]))
+        record = data("record.toml")
+        if part is step.after and step.what in record["names"]:
+            part = part[record["shown"][step.what]] if step.what in record["shown"] else part
+            return tuple(self.printer.labelled(part, tuple(record["names"][step.what])))
         if part is step.after and step.what == RIGID:
             names = tuple(rf"r_{{{k + 1}}}" for k in range(len(part)))
             return tuple(self.printer.labelled(part, names))
@@ -162,15 +87,16 @@ class Chapter:
             shown.append(Folded("The formula, which is long", (result,)) if long else result)
             self.shown.add(result.lines)
         shown.append(Check(written(step.check), self.residual(step)))
-        code = CODE.get(step.what, "")
+        code = data("record.toml")["cells"].get(step.what, "")
         quiet = ", shown=True" if code and step.what not in LOUD else ""
         cell = Cell((code + "\n" if code else "") + f"proven(derived, {step.what!r}{quiet})", tuple(shown))
         text = f"**{what}.** {_sentence(step.why)}" if said else f"**{what}.**"
         return (Prose(text), cell, *self.errata(step.equation))
 
-    def section(self, stage: str, title: str, opening: str, key: str = "", said: bool = True) -> list[Block]:
-        """A heading, what it is about, and the steps of a stage without those that are numbered."""
-        found: list[Block] = [Heading(title, 2, key or stage), Prose(opening)]
+    def section(self, stage: str, chapter: str = "", said: bool = True, **values: str) -> list[Block]:
+        """A chapter of text.toml, by default named as the stage: its opening, then the stage's steps without the
+        conditions that are numbered. said: whether each step tells why it is taken."""
+        found: list[Block] = [heading(chapter or stage), prose(f"{chapter or stage}.opening", **values)]
         for step in self.of(stage):
             if not _numbered(step):
                 found += self.step(step, said)
@@ -244,15 +170,8 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
 
     column = chapter.derived.column
     blocks: list[Block] = [
-        Heading("The statement", 2, "statement"),
-        Prose(
-            "Everything below follows from four lines: the kinetic energy $T$, the strain energy $V$, the work "
-            "$W_{c}$ of "
-            "the forces that have a potential, and the virtual work $\\delta W_{\\mathrm{nc}}$ of those that have "
-            "none; and "
-            f"from the ends, {column.ends[0]} at $x = 0$ and {column.ends[1]} at $x = 1$. A prime is a derivative "
-            "along the beam, a dot one in time, and $y'(1)$ is the slope at the end."
-        ),
+        heading("statement"),
+        prose("statement.opening", left=column.ends[0], right=column.ends[1]),
     ]
     blocks.append(
         Cell("", (Figure("beam", lambda: figures.beam(kernels), "Deflected as in its lowest mode.", "The column"),))
@@ -270,63 +189,19 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
     )
     blocks += chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)")
     if chapter.derived.scaling:
-        blocks += chapter.section(
-            "scaling",
-            "Away with the units",
-            "A beam has three dimensional quantities, $EI$, $m$ and $L$; they serve as units. Lengths are "
-            "measured in $L$, time in $(m L^{4} / EI)^{1/2}$, forces in $EI / L^{2}$ and energies in $EI / L$. "
-            "What is left has no units, and one solution serves every beam.",
-            said=False,
-        )
-    blocks += chapter.section(
-        "variation",
-        "Hamilton's principle",
-        "Imagine the true motion displaced a little, by $\\delta y$, at every place and instant between two "
-        "instants at which it is given. Hamilton's principle says that energies and work balance to first order, "
-        "whatever $\\delta y$ is. One equation for all $\\delta y$ is an equation of motion and its end "
-        "conditions at once: integration by parts pulls them apart.",
+        blocks += chapter.section("scaling", said=False)
+    varies = chapter.derived.motion.strong.coeff(P).has(x)
+    return (
+        *blocks,
+        *chapter.section("variation"),
+        *chapter.section("Ritz series", "ritz", reason=text(f"ritz.{'varying' if varies else 'constant'}_load")),
+        *chapter.section("modes"),
+        *_admissible(chapter, "modes"),
+        *chapter.errata("Section 3.1"),
+        *chapter.section("integrals"),
+        *chapter.section("polynomials"),
+        *_admissible(chapter, "polynomials"),
     )
-    blocks += chapter.section(
-        "Ritz series",
-        "Ritz's series",
-        (
-            "The load's part of the equation of motion varies along the beam, and no solution in elementary "
-            "functions is known. "
-            if chapter.derived.motion.strong.coeff(P).has(x)
-            else "This equation could be solved as it stands, for each load anew; a series needs the load's part once. "
-        )
-        + "Ritz's way is to let the beam move only in shapes $\\varphi_{j}$ chosen beforehand, and to ask the "
-        "weak form to hold for $\\delta y = \\varphi_{i}$ alone. Row $i$ of every matrix then belongs to the test "
-        "function and column $j$ to the motion: with a follower force the two must not be confused.",
-        "ritz",
-    )
-    blocks += chapter.section(
-        "modes",
-        "Shapes to build with: the comparison beam",
-        "Which shapes? Those of a uniform beam with the same ends, without load and with nothing attached to it: they "
-        "meet its end conditions, are orthogonal, and there is one for every frequency. Damping changes their "
-        "frequencies and leaves the shapes alone.",
-    )
-    blocks += _admissible(chapter, "modes", "section 3.1 asks four things of a trial function; the modes meet each:")
-    blocks += chapter.errata("Section 3.1")
-    blocks += chapter.section(
-        "integrals",
-        "Integrals without integrating",
-        "The matrices hold integrals of $x^{k} \\varphi_{i}^{(p)} \\varphi_{j}^{(q)}$. The sixteen products of "
-        "the first four derivatives of two modes go over into one another when differentiated, because the fourth "
-        "derivative is $\\gamma^{4}$ times the mode. Differentiation is thus a matrix of sixteen rows, and an "
-        "antiderivative is the solution of linear equations, exact. The end conditions strike out most of what is "
-        "left.",
-    )
-    blocks += chapter.section(
-        "polynomials",
-        "A second set of shapes: polynomials",
-        "Natural end conditions are the energies' own, and trial functions need not meet them. So polynomials "
-        "will do, as long as they meet the geometric ones. Every integral is then a rational number, and the "
-        "series converges far faster, as the last chapter of the physics shows.",
-    )
-    blocks += _admissible(chapter, "polynomials", "The same four conditions, for the polynomials:")
-    return tuple(blocks)
 
 
 def _statement(chapter: Chapter) -> tuple[Block, ...]:
@@ -338,8 +213,9 @@ def _statement(chapter: Chapter) -> tuple[Block, ...]:
     return (Equation(lines, "8"), Check(text, chapter.residual(step)), *chapter.errata("Eq. (8)"))
 
 
-def _admissible(chapter: Chapter, stage: str, opening: str) -> tuple[Block, ...]:
-    blocks: list[Block] = [Prose(opening[0].upper() + opening[1:])]
+def _admissible(chapter: Chapter, stage: str) -> tuple[Block, ...]:
+    """The four conditions on trial functions."""
+    blocks: list[Block] = [prose(f"{stage}.admissible")]
     for step in chapter.of(stage):
         if not _numbered(step):
             continue
@@ -356,13 +232,4 @@ def _admissible(chapter: Chapter, stage: str, opening: str) -> tuple[Block, ...]
 
 def newmark_chapter(chapter: Chapter) -> tuple[Block, ...]:
     """Newmark's method, which the paper uses and does not print."""
-    return (
-        *chapter.section(
-            "newmark",
-            "Marching in time",
-            "To see what a sensor sees, Eq. (10) is marched in time by Newmark's method. The paper names the method "
-            "and prints none of it; here it is, from two assumptions. $h$ is the step, $\\Omega = \\omega h$, $\\xi$ "
-            "a damping ratio, $\\rho$ the growth in one step, and a plus marks the end of the step.",
-        ),
-        *chapter.errata("Section 4.5", "Abstract"),
-    )
+    return (*chapter.section("newmark"), *chapter.errata("Section 4.5", "Abstract"))

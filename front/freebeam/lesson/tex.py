@@ -46,29 +46,7 @@ def text_of(text: str) -> str:
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The source, and its drawings in a folder named after it."""
     page = _Page(output.with_name(f"{output.stem}_files"))
-    text = rf"""\documentclass[11pt,a4paper]{{article}}
-\usepackage[utf8]{{inputenc}}
-\usepackage[T1]{{fontenc}}
-\usepackage{{amsmath,amssymb,graphicx}}
-\usepackage[hidelinks]{{hyperref}}
-\allowdisplaybreaks
-\setlength{{\parindent}}{{0pt}}
-\setlength{{\parskip}}{{0.6em}}
-\emergencystretch=3em
-% a formula that is wider than the text is shrunk to it
-\newsavebox{{\formula}}
-\newcommand{{\fitted}}[1]{{\sbox{{\formula}}{{$\displaystyle #1$}}%
-  \ifdim\wd\formula>0.9\linewidth\resizebox{{0.9\linewidth}}{{!}}{{\usebox{{\formula}}}}\else\usebox{{\formula}}\fi}}
-\title{{{page.plain(lesson.title)}}}
-\author{{}}
-\date{{{page.plain(lesson.subtitle)}}}
-\begin{{document}}
-\maketitle
-\tableofcontents
-
-{page.joined(lesson.blocks)}
-\end{{document}}
-"""
+    text = page.filled("page.tex", lesson, body=page.joined(lesson.blocks))
     return {output: text.encode(), **page.pictures}
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from importlib.resources import files
 from pathlib import Path
 from typing import ClassVar
 
@@ -53,6 +55,12 @@ class Writer(ABC):
         path = self.folder / f"{figure.key}.{format}"
         self.pictures[path] = image(figure, format)
         return path
+
+    def filled(self, template: str, lesson: blocks.Lesson, **values: str) -> str:
+        """A file of this package with what stands for «title», «subtitle» and other names in it."""
+        values |= {"title": self.plain(lesson.title), "subtitle": self.plain(lesson.subtitle)}
+        text = (files("freebeam.lesson") / template).read_text(encoding="utf-8")
+        return re.sub("«([a-z]+)»", lambda place: values[place[1]], text)
 
     def prose(self, block: blocks.Prose) -> str:
         return self.inline(block.text)
