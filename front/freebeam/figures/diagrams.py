@@ -6,6 +6,7 @@ Each takes a column and its parameters, draws in the axes `ax` or in new ones, a
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MAP, MUTED, drawing
-from freebeam.figures.marks import branch, colour, dashes, digits, key, legend, mark, note, symbol
+from freebeam.figures.marks import branch, colour, dashes, digits, dot, key, legend, mark, note, symbol
 from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
@@ -106,16 +107,9 @@ def tangent(
         middle = (found.load + critical.load) / 2
         note(ax, middle, bottom / 2, f"{-100 * found.drop:+.1f} %".replace("-", "−"), (0, 3), ha="center", va="bottom")
         ax.plot([0.0], [-found.kappa], "o", color=ACCENT, ms=4.5, zorder=6, clip_on=False)
-        mark(
-            ax,
-            found.load,
-            found.square,
-            f"tangent: {letter} = {digits(found.load)}",
-            (6, 19),
-            ha="right",
-            va="bottom",
-        )
-        ax.plot([critical.load], [meeting], "o", color=INK, mec="white", mew=1.1, ms=7.5, zorder=6)
+        text = f"tangent: {letter} = {digits(found.load)}"
+        mark(ax, found.load, found.square, text, (6, 19), ha="right", va="bottom")
+        dot(ax, critical.load, meeting, INK)
         note(ax, critical.load, meeting, f"coalescence: {letter} = {digits(critical.load)}", (-11, 0))
         if low < 0:
             note(ax, 0.0, -found.kappa, rf"$-\kappa$ = {-found.kappa:.4g}".replace("-", "−"), (9, -2), color=ACCENT)
@@ -144,7 +138,7 @@ def coalescence(
             ax.plot(found.loads[before], away[before, k].imag, color=colour(1 - k))
             lines = dashes() if k == 0 else "-"
             ax.plot(found.loads[after], away[after, k].real, color=ACCENT if k == 0 else MUTED, ls=lines)
-        ax.plot([found.load], [0.0], "o", color=ACCENT, mec="white", mew=1.1, ms=7.5, zorder=6)
+        dot(ax, found.load, 0.0)
         note(
             ax, found.load, 0.0, f"{letter} = {digits(found.load)}\n$\\omega$ = {digits(found.frequency)}",
             (-10, 0), color=ACCENT,
@@ -212,7 +206,7 @@ def draw_locus(ax: Axes, column: Column, found: curves.Locus, normalised: bool) 
             continue
         for k in range(values.shape[1]):
             point = complex(np.interp(load, P, values[:, k]))
-            ax.plot([point.real], [point.imag], "o", color=colour(k), mec="white", mew=0.8, ms=5, zorder=5)
+            dot(ax, point.real, point.imag, colour(k), mew=0.8, ms=5, zorder=5)
             place = ax.transData.transform((point.real, point.imag))
             if all(np.hypot(*(place - other)) > 15 for other in taken):
                 taken.append(place)
@@ -346,22 +340,67 @@ def stability_map(
     NaN, no critical load, stays grey. A map that is even to six digits, which the labels have, shows one value.
     Raises InputError where that does not fit together.
     """
-    kinds, units = None, [""] * 3
+    shown = _map_of(loads, x, y)
+    values, across, up = shown.values, shown.across, shown.up
+    own = [GREEK.get(name, name) + unit for name, unit in zip(shown.names, shown.units[:2], strict=True)]
+    size, unit = 1.0, shown.units[2]
+    if unit == ", N":  # newtons by thousands, so that the lines' labels are short
+        power = min(3, max(0, math.floor(math.log10(float(np.nanmax(np.abs(values)))) / 3)))
+        size, unit = 1000.0**power, f", {('', 'k', 'M', 'G')[power]}N"
+        values = values / size
+    mean = float(np.nanmean(values))
+    flat = not np.ndim(levels) and np.nanmax(np.abs(values - mean)) <= FLAT * abs(mean)
+    with drawing(ax, (5.4, 4.0)) as ax:
+        ax.set_facecolor(NONE)
+        for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
+            if geometric(where):
+                scale("log")  # before the labels, which are placed on what is seen
+        steps = mean + np.array([-0.5, 0.5]) * abs(mean or 1.0) if flat else _steps(levels, values, size)
+        filled = ax.contourf(across, up, np.ma.masked_invalid(values.T), steps, cmap=MAP, extend="neither")
+        _equal_loads(ax, across, up, values, steps)
+        _map_key(ax, shown)
+        ax.grid(False)
+        ax.set_xlabel(xlabel or own[0])
+        ax.set_ylabel(ylabel or own[1])
+        bar = ax.figure.colorbar(filled, ax=ax, pad=0.02)
+        if flat:
+            bar.set_ticks([mean], labels=[digits(mean)])
+        bar.set_label(r"critical load $P_{\mathrm{cr}}$" + unit)
+        bar.outline.set_visible(False)
+    return ax
+
+
+@dataclass(frozen=True)
+class _Map:
+    """A map to draw: `values` (len(across), len(up)); `divergence`, where the loss is one, or None where no kinds are
+    known; names and units of the two parameters, and the unit of the load, as labels have them."""
+
+    values: Any
+    across: Any
+    up: Any
+    divergence: Any
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+
+
+def _map_of(loads: Any, x: ArrayLike | None, y: ArrayLike | None) -> _Map:
+    """What `stability_map` is given, checked."""
+    kinds = None
     if hasattr(loads, "data_vars"):
         if "load" not in loads:
             raise InputError(f"map: the Dataset has no variable 'load', only {', '.join(map(str, loads.data_vars))}")
         kinds, loads = (loads["kind"] if "kind" in loads else None), loads["load"]
         if kinds is not None and "flag_meanings" in kinds.attrs:
             kinds = np.array(kinds.attrs["flag_meanings"].split())[np.asarray(kinds)]
-    names: tuple[str, ...] = ()
+    names, units = ("", ""), ("", "", "")
     if hasattr(loads, "dims"):
         names = tuple(map(str, loads.dims))
         if len(names) != 2:
             raise InputError(f"map: has the dimensions {', '.join(names) or '()'}; select two of them to draw")
         x = loads[names[0]].values if x is None else x
         y = loads[names[1]].values if y is None else y
-        given = [array.attrs.get("units", "1") for array in (loads[names[0]], loads[names[1]], loads)]
-        units = [f", {unit}" if unit != "1" else "" for unit in given]
+        given = (array.attrs.get("units", "1") for array in (loads[names[0]], loads[names[1]], loads))
+        units = tuple(f", {unit}" if unit != "1" else "" for unit in given)
     values = np.asarray(loads, dtype=float)
     if x is None or y is None:
         raise InputError("x, y: are needed with a plain array, the values of its two parameters")
@@ -372,56 +411,38 @@ def stability_map(
         )
     if not np.isfinite(values).any():
         raise InputError("map: holds no critical load, only NaN")
-    size = 1.0
-    if units[2] == ", N":  # newtons by thousands, so that the lines' labels are short
-        power = min(3, max(0, math.floor(math.log10(float(np.nanmax(np.abs(values)))) / 3)))
-        size, units[2] = 1000.0**power, f", {('', 'k', 'M', 'G')[power]}N"
-        values = values / size
-    with drawing(ax, (5.4, 4.0)) as ax:
-        from matplotlib.patches import Patch
-        from matplotlib.ticker import MaxNLocator
+    divergence = None if kinds is None else np.asarray(np.asarray(kinds) == "divergence")
+    return _Map(values, across, up, divergence, names, units)
 
-        steps: Any = levels
-        mean = float(np.nanmean(values))
-        flat = not np.ndim(levels) and np.nanmax(np.abs(values - mean)) <= FLAT * abs(mean)
-        if np.ndim(levels):
-            steps = np.asarray(levels) / size
-        elif flat:
-            steps = mean + np.array([-0.5, 0.5]) * abs(mean or 1.0)
-        else:
-            steps = MaxNLocator(steps).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
-        ax.set_facecolor(NONE)
-        shown = np.ma.masked_invalid(values.T)
-        for scale, where in ((ax.set_xscale, across), (ax.set_yscale, up)):
-            if geometric(where):
-                scale("log")  # before the labels, which are placed on what is seen
-        filled = ax.contourf(across, up, shown, steps, cmap=MAP, extend="neither")
-        light = len(steps) * 0.6
-        inks = ["white" if k < light else INK for k in range(len(steps))]
-        lines = ax.contour(across, up, shown, steps, colors=inks, linewidths=0.6)
-        texts_on_lines = ax.clabel(lines, fontsize=8, fmt="%g")
-        keys = []
-        if kinds is not None:
-            still = np.asarray(np.asarray(kinds) == "divergence").T
-            if still.any():
-                ax.contourf(across, up, still.astype(float), [0.5, 1.5], colors="none", hatches=["////"])
-                keys.append(Patch(facecolor="none", edgecolor=INK, hatch="////", label="divergence"))
-        if not np.isfinite(values).all():
-            keys.append(Patch(facecolor=NONE, edgecolor=MUTED, label="none found"))
-        if keys:
-            legend(ax, handles=keys, loc="upper left")
-        for text in texts_on_lines:  # none that the frame would cut
-            spot = ax.transAxes.inverted().transform(ax.transData.transform(text.get_position()))
-            text.set_visible(bool((np.abs(spot - 0.5) < 0.45).all()))
-        ax.grid(False)
-        texts = [xlabel, ylabel]
-        for k, name in enumerate(names):
-            texts[k] = texts[k] or GREEK.get(name, name) + units[k]
-        ax.set_xlabel(texts[0] or "")
-        ax.set_ylabel(texts[1] or "")
-        bar = ax.figure.colorbar(filled, ax=ax, pad=0.02)
-        if flat:
-            bar.set_ticks([mean], labels=[digits(mean)])
-        bar.set_label(r"critical load $P_{\mathrm{cr}}$" + units[2])
-        bar.outline.set_visible(False)
-    return ax
+
+def _steps(levels: int | ArrayLike, values: Any, size: float) -> Any:
+    """The loads between two shades: about so many, or those given, in units of `size`."""
+    from matplotlib.ticker import MaxNLocator
+
+    if np.ndim(levels):
+        return np.asarray(levels) / size
+    return MaxNLocator(levels).tick_values(float(np.nanmin(values)), float(np.nanmax(values)))
+
+
+def _equal_loads(ax: Axes, across: Any, up: Any, values: Any, steps: Any) -> None:
+    """Lines of equal load with their labels, but for labels that the frame would cut."""
+    inks = ["white" if k < len(steps) * 0.6 else INK for k in range(len(steps))]
+    lines = ax.contour(across, up, np.ma.masked_invalid(values.T), steps, colors=inks, linewidths=0.6)
+    for text in ax.clabel(lines, fontsize=8, fmt="%g"):
+        spot = ax.transAxes.inverted().transform(ax.transData.transform(text.get_position()))
+        text.set_visible(bool((np.abs(spot - 0.5) < 0.45).all()))
+
+
+def _map_key(ax: Axes, shown: _Map) -> None:
+    """Hatches where the loss is divergence, and what they and the places without a load mean."""
+    from matplotlib.patches import Patch
+
+    keys = []
+    if shown.divergence is not None and shown.divergence.any():
+        still = shown.divergence.T.astype(float)
+        ax.contourf(shown.across, shown.up, still, [0.5, 1.5], colors="none", hatches=["////"])
+        keys.append(Patch(facecolor="none", edgecolor=INK, hatch="////", label="divergence"))
+    if not np.isfinite(shown.values).all():
+        keys.append(Patch(facecolor=NONE, edgecolor=MUTED, label="none found"))
+    if keys:
+        legend(ax, handles=keys, loc="upper left")

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from freebeam_sym.columns import Column
 
-__all__ = ["branch", "colour", "dashes", "digits", "key", "legend", "mark", "note", "plain", "symbol"]
+__all__ = ["branch", "colour", "dashes", "digits", "dot", "key", "legend", "mark", "note", "plain", "symbol"]
 
 DASHES = (2.6, 3.4)
 """What is unstable: length of a dash and of a gap, in widths of the line."""
@@ -74,9 +74,14 @@ def branch(
         label = None
 
 
+def dot(ax: Axes, x: float, y: float, color: str = ACCENT, **more: Any) -> None:
+    """A dot with a rim of the background's colour."""
+    ax.plot([x], [y], "o", color=color, **{"mec": HALO, "mew": 1.1, "ms": 7.5, "zorder": 6, **more})
+
+
 def mark(ax: Axes, x: float, y: float, text: str = "", at: tuple[float, float] = (8, 8), **more: Any) -> None:
     """A critical point, and its value beside it, `at` so many points away."""
-    ax.plot([x], [y], "o", color=ACCENT, mec=HALO, mew=1.1, ms=7.5, zorder=6, clip_on=False)
+    dot(ax, x, y, clip_on=False)
     if text:
         note(ax, x, y, text, at, color=ACCENT, **more)
 

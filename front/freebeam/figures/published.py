@@ -15,7 +15,7 @@ import numpy as np
 from freebeam.figures import curves
 from freebeam.figures.diagrams import draw_critical, draw_locus, draw_part, stability_map
 from freebeam.figures.look import INK, MUTED, figure, shades, style
-from freebeam.figures.marks import colour, digits, key, legend, mark, note, plain
+from freebeam.figures.marks import colour, digits, dot, key, legend, mark, note, plain
 from freebeam.figures.shapes import history, trajectory
 from freebeam.figures.sketch import beam, centre_line
 from freebeam_sym.checks import InputError
@@ -239,7 +239,7 @@ def _fig_6(column: Column, s: dict[str, Any]) -> _Parts:
             draw_critical(left, column, family[k], rf"$\beta$ = {betas[k]:.2g}", tone)
             if k:
                 least = int(loads[k].argmin())
-                left.plot(alphas[least], loads[k, least], "o", color=tone, mec="white", mew=0.8, ms=5, zorder=5)
+                dot(left, alphas[least], loads[k, least], tone, mew=0.8, ms=5, zorder=5)
                 falls = int(np.argmax(loads[k] < middle))
                 text, ha = (rf"$\beta$ = {betas[k]:.2g}", "right") if k == 1 else (f"{betas[k]:.2g}", "center")
                 at = (-6 if k == 1 else 0, 0)

@@ -11,7 +11,7 @@ import numpy as np
 
 from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing, shades
-from freebeam.figures.marks import colour, digits, legend, note, plain, symbol
+from freebeam.figures.marks import colour, digits, dot, legend, note, plain, symbol
 from freebeam_sym.checks import InputError, count
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def work(
         ax.set_xlim(0.0, 1.0)
         ends = [(given, ACCENT)] if even else [(given, colour(0)), (taken, colour(1))]
         for value, tone in ends:
-            ax.plot([1.0], [value], "o", color=tone, mec="white", mew=1.1, ms=7.5, zorder=6, clip_on=False)
+            dot(ax, 1.0, value, tone, clip_on=False)
             note(ax, 1.0, value, f"{plain(value)}{' each' if even else ''}", (9, 0), color=tone)
         low, high = ax.get_ylim()
         ax.set_ylim(0.0 if low > -0.1 * high else low, high + 0.2 * (high - max(low, 0.0)))
@@ -192,7 +192,7 @@ def trajectory(response: Response, *, sensor: int = 0, color: str | None = None,
         ax.axhline(0.0, color=MUTED, lw=0.7, zorder=1)
         ax.axvline(0.0, color=MUTED, lw=0.7, zorder=1)
         ax.plot(y, dy, color=colour(0) if color is None else color, lw=0.8)
-        ax.plot(y[:1], dy[:1], "o", color=INK, mec="white", mew=1.1, ms=7, zorder=6, label="$t = 0$")
+        dot(ax, y[0], dy[0], INK, ms=7, label="$t = 0$")
         legend(ax, loc="upper right", handlelength=1.0)
         ax.margins(0.1)
         ax.set_xlabel(QUANTITIES["y"])
