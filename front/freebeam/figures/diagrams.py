@@ -392,7 +392,8 @@ def _map_of(loads: Any, x: ArrayLike | None, y: ArrayLike | None) -> _Map:
         kinds, loads = (loads["kind"] if "kind" in loads else None), loads["load"]
         if kinds is not None and "flag_meanings" in kinds.attrs:
             kinds = np.array(kinds.attrs["flag_meanings"].split())[np.asarray(kinds)]
-    names, units = ("", ""), ("", "", "")
+    names: tuple[str, ...] = ("", "")
+    units: tuple[str, ...] = ("", "", "")
     if hasattr(loads, "dims"):
         names = tuple(map(str, loads.dims))
         if len(names) != 2:
@@ -415,7 +416,7 @@ def _map_of(loads: Any, x: ArrayLike | None, y: ArrayLike | None) -> _Map:
     return _Map(values, across, up, divergence, names, units)
 
 
-def _steps(levels: int | ArrayLike, values: Any, size: float) -> Any:
+def _steps(levels: Any, values: Any, size: float) -> Any:
     """The loads between two shades: about so many, or those given, in units of `size`."""
     from matplotlib.ticker import MaxNLocator
 

@@ -106,15 +106,15 @@ def style() -> Iterator[None]:
         raise InputError("pictures need matplotlib, which is not installed: pip install 'freebeam[pictures]'") from None
     settings: dict[Any, Any] = {k: value for k, value in matplotlib.rcParamsDefault.items() if k.startswith(_LOOK)}
     settings |= {**_STYLE, "axes.prop_cycle": cycler(color=COLOURS)}
-    alive = matplotlib.is_interactive()
+    interactive = matplotlib.is_interactive()
     try:
         with matplotlib.rc_context(settings):
             try:
                 yield
             finally:  # a notebook's first picture turns this on, and it is to stay on
-                alive = matplotlib.is_interactive()
+                interactive = matplotlib.is_interactive()
     finally:
-        matplotlib.interactive(alive)
+        matplotlib.interactive(interactive)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
-__all__ = ["CONFIRMED", "DIGITS", "ERRATUM", "OPEN", "Claim", "claims"]
+__all__ = ["CONFIRMED", "DIGITS", "ERRATUM", "OPEN", "Claim", "claims", "sections"]
 
 CONFIRMED, DIGITS = "confirmed", "confirmed to the printed digits"
 ERRATUM, OPEN = "erratum", "not checkable"
@@ -41,13 +41,23 @@ class Claim:
 
 
 @lru_cache(maxsize=1)
+def _data() -> Mapping[str, Any]:
+    return tomllib.loads((files("freebeam.ledger") / "claims.toml").read_text(encoding="utf-8"))
+
+
+def sections() -> Mapping[str, str]:
+    """The headings of the paper's sections."""
+    return dict(_data()["sections"])
+
+
+@lru_cache(maxsize=1)
 def claims() -> tuple[Claim, ...]:
     """All claims, in the order of the paper."""
-    data = tomllib.loads((files("freebeam.ledger") / "claims.toml").read_text(encoding="utf-8"))
     found = []
-    for entry in data["claim"]:
+    for entry in _data()["claim"]:
+        given = {name: value for name, value in entry.items() if name != "unchecked"}
         if "unchecked" in entry:
-            why = entry.pop("unchecked")
-            entry |= {"verdict": OPEN, "note": data["reasons"].get(why, why)}
-        found.append(Claim(**entry))
+            why = entry["unchecked"]
+            given |= {"verdict": OPEN, "note": _data()["reasons"].get(why, why)}
+        found.append(Claim(**given))
     return tuple(found)

@@ -18,6 +18,8 @@ from freebeam.ledger.scanned import MODES, PRINTED, scanned, step_of
 from freebeam_sym.columns import column
 from freebeam_sym.stability.critical import critical_load
 
+__all__ = ["map_of_loads", "truncations"]
+
 CLOSE = Fraction(1, 100)  # "very closely comparable": within one per cent
 NEGLIGIBLE = Fraction(1, 100)  # of the change it is compared with
 SIGNIFICANT = Fraction(1, 10)
@@ -27,19 +29,22 @@ def _scan_rule(step: str) -> str:
     return f"the first step of {step} at or above the load"
 
 
+def _prints(load: Interval, printed: str) -> bool:
+    """Whether a scan prints these digits, wherever the load lies between its bounds."""
+    return {scanned(end, step_of(printed)) for end in load} == {printed}
+
+
 @check
 def scan(printed: str, alpha: str = "0", beta: str = "0") -> Finding:
     """A printed critical load: the first step of a scan at or above the proven value."""
-    step = step_of(printed)
     found, beam = ritz(alpha, beta), exact(alpha, beta)
     load, whole = interval(found.load), interval(beam.load)
-    digits = {scanned(end, step) for end in load}
     return Finding(
-        digits == {printed} and found.kind == "flutter" and all(found.proof.values()),
+        _prints(load, printed) and found.kind == "flutter" and all(found.proof.values()),
         f"N = {MODES}: {enclosure(load)}, {found.kind}, first, stable below; the beam itself: {enclosure(whole)}, "
         f"truncation {number(float(load[0] - whole[0]), 3)}",
         PROVEN,
-        _scan_rule(step),
+        _scan_rule(step_of(printed)),
     )
 
 
@@ -48,10 +53,7 @@ def scans(first: str, second: str, alpha: str) -> Finding:
     """Two printed loads and the fall from one to the other: without damping, and at a small internal damping."""
     one, two, limit = ritz(), ritz(alpha), ritz(kappa="0")
     loads = interval(one.load), interval(two.load)
-    good = all(
-        {scanned(end, step_of(printed)) for end in load} == {printed}
-        for load, printed in zip(loads, (first, second), strict=True)
-    )
+    good = _prints(loads[0], first) and _prints(loads[1], second)
     drop = 1 - loads[1][0] / loads[0][0]
     return Finding(
         good and drop > SIGNIFICANT,
@@ -149,9 +151,8 @@ def coalescence(printed: str, below: str) -> Finding:
     pairs = [imaginary for _, imaginary in eigenvalues(below) if imaginary[0] > 0]
     first, second, third = pairs[:3]
     between = first[1] < frequency[0] and frequency[1] < second[0] and second[1] < third[0]
-    digits = {scanned(end, step_of(printed)) for end in interval(found.load)}
     return Finding(
-        found.kind == "flutter" and all(found.proof.values()) and between and digits == {printed},
+        found.kind == "flutter" and all(found.proof.values()) and between and _prints(interval(found.load), printed),
         f"at P = {below} ω₁ = {enclosure(first, 7)}, ω₂ = {enclosure(second, 7)}, ω₃ = {enclosure(third, 7)}; they "
         f"meet at P = {enclosure(interval(found.load))}, ω = {enclosure(frequency)}",
         PROVEN,
@@ -164,9 +165,8 @@ def equal_real_parts(load: str) -> Finding:
     """Whether the real parts of the two that met are equal; they are opposite."""
     real = [part for part, imaginary in eigenvalues(load) if imaginary[0] > 0][:2]
     low, high = sorted(real, key=lambda part: float(part[0]))
-    equal = low[1] >= high[0]
     return Finding(
-        equal,
+        low[1] >= high[0],
         f"at P = {load} the two real parts are {enclosure(low, 8)} and {enclosure(high, 8)}: opposite, for without "
         "damping −λ is an eigenvalue with λ",
         PROVEN,
@@ -201,7 +201,7 @@ def moves_right(loads: Sequence[str], alpha: str = "0", beta: str = "0", printed
     good &= all(a[1] < b[0] for a, b in pairwise(past))
     rule = ""
     if printed:
-        good &= {scanned(end, step_of(printed)) for end in critical} == {printed}
+        good &= _prints(critical, printed)
         rule = _scan_rule(step_of(printed))
     listed = ", ".join(
         f"{load}: {'0' if rate[0] <= 0 <= rate[1] else enclosure(rate, 6)}"
@@ -467,6 +467,3 @@ def cantilever(which: str) -> Finding:
         )
     more = rises("external", "0.01", "1", name="beck", above_undamped=True)
     return Finding(more.holds, f"Beck's column: {more.computed}", RANGE)
-
-
-__all__ = ["map_of_loads", "proven", "truncations"]

@@ -95,16 +95,8 @@ class Amplitude:
     def __init__(self, x_s: str, frequency: str, transposed: bool) -> None:
         from freebeam_derive.certify.forced_motion import amplitude as found
 
-        self._found = found(
-            beam().kernel,
-            MODES,
-            Fraction("0.001"),
-            Fraction("0.1"),
-            Fraction(frequency),
-            Fraction(1),
-            Fraction(x_s),
-            transposed,
-        )
+        alpha, beta, w, x_F, x = map(Fraction, ("0.001", "0.1", frequency, "1", x_s))
+        self._found = found(beam().kernel, MODES, alpha, beta, w, x_F, x, transposed)
 
     def at(self, load: str) -> Interval:
         """The amplitude at a load."""
@@ -128,16 +120,13 @@ def amplitude(x_s: str = "0.1", frequency: str = "3", transposed: bool = False) 
     return Amplitude(x_s, frequency, transposed)
 
 
-@lru_cache(maxsize=1)
-def _equations() -> list[Comparison]:
-    return []
+_compared: list[Comparison] = []
 
 
 def equations(progress: Callable[[str], None] | None = None) -> Sequence[Comparison]:
     """The 26 equations, printed against derived."""
-    kept = _equations()
-    if not kept:
+    if not _compared:
         from freebeam.paper.compare import compare
 
-        kept += compare(progress)
-    return kept
+        _compared.extend(compare(progress))
+    return _compared

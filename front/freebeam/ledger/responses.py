@@ -10,10 +10,12 @@ from typing import Any
 import numpy as np
 
 from freebeam.ledger.finding import FLOATS, IDENTITY, PROVEN, RANGE, Finding, Interval, check, enclosure, number
-from freebeam.ledger.proven import amplitude, eigenvalues, exact, interval, ritz
+from freebeam.ledger.proven import amplitude, eigenvalues, interval, ritz
 from freebeam.ledger.scanned import MODES
 from freebeam_sym.columns import System, column
 from freebeam_sym.response import respond
+
+__all__ = ["drift"]
 
 ALPHA, BETA = "0.001", "0.1"  # section 4.5
 
@@ -233,6 +235,3 @@ def dies_and_persists(loads: Sequence[str]) -> Finding:
         "; ".join(f"{name}: {one.computed}" for name, one in found.items()) + f"; without damping {still.computed}",
         PROVEN,
     )
-
-
-__all__ = ["drift", "exact"]

@@ -41,7 +41,7 @@ def unexecuted(lesson: Lesson) -> list[tuple[str, str]]:
             if text:
                 cells.append(("markdown", "\n\n".join(text)))
             cells.append(("code", block.code))
-            text = [page.block(b) for b in block.blocks if not isinstance(b, _DONE) and not _folds_formula(b)]
+            text = [page.block(b) for b in block.blocks if not isinstance(b, _SHOWN_BY_CELL) and not _folds_formula(b)]
         else:
             text.append(page.block(block))
     if text:
@@ -49,7 +49,7 @@ def unexecuted(lesson: Lesson) -> list[tuple[str, str]]:
     return cells
 
 
-_DONE = Equation | Check | Figure | Table  # what the cell's own output shows
+_SHOWN_BY_CELL = Equation | Check | Figure | Table  # what the cell's own output shows
 
 
 def _folds_formula(block: Block) -> bool:
@@ -70,7 +70,7 @@ def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
     makers: dict[str, Any] = {"markdown": nbformat.v4.new_markdown_cell, "code": nbformat.v4.new_code_cell}
     book.cells = [makers[kind](source) for kind, source in unexecuted(lesson)]
     for k, cell in enumerate(book.cells):
-        cell["id"] = f"cell-{k}"  # random ones would make every notebook another
+        cell["id"] = f"cell-{k}"  # random ids, too, would make every notebook another
     book.metadata.update(kernelspec={"name": "python3", "display_name": "Python 3", "language": "python"})
     try:
         NotebookClient(
@@ -83,5 +83,5 @@ def files(lesson: Lesson, output: Path) -> dict[Path, bytes]:
     except CellExecutionError as error:
         raise InputError(f"{output}: a cell of the notebook fails: {' '.join(str(error.evalue).split())}") from error
     for cell in book.cells:
-        cell.metadata.pop("execution", None)  # when it ran is nobody's business
+        cell.metadata.pop("execution", None)  # the times when it ran, which would make every notebook another
     return {output: nbformat.writes(book).encode()}

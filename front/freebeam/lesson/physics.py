@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -55,7 +55,7 @@ def work(chapter: Chapter, facts: Facts) -> list[Block]:
     return [*blocks, *_balance(facts, damping), *_work_exercises(facts, damping)]
 
 
-def _balance(facts: Facts, damping: dict[str, float]) -> list[Block]:
+def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     """One period of the least stable motion below, at and above the critical load of some damping."""
     from freebeam import figures
     from freebeam.figures import curves
@@ -63,7 +63,7 @@ def _balance(facts: Facts, damping: dict[str, float]) -> list[Block]:
     if not damping:
         return []
     column = facts.column
-    whole = {"alpha": 0.0, "beta": 0.0, **damping}
+    whole: dict[str, Any] = {"alpha": 0.0, "beta": 0.0, **damping}
     critical = facts.damped(**whole).load or facts.load
     rows = []
     for share in (0.9, 1.0, 1.1):
@@ -90,7 +90,7 @@ def _balance(facts: Facts, damping: dict[str, float]) -> list[Block]:
     return blocks
 
 
-def _work_exercises(facts: Facts, damping: dict[str, float]) -> list[Block]:
+def _work_exercises(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     from freebeam.figures import curves
 
     past = curves.cycle(facts.column, 1.02 * facts.load, modes=MODES)
@@ -180,7 +180,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
         return f"{load:.9g}", f"{error:+.1e}" if abs(error) > 1e-13 else "rounding"
 
     rows = tuple((str(k), *cell(loads["modes"][k]), *cell(loads["legendre"][k])) for k in counts)
-    needed = {
+    needed: dict[str, Any] = {
         basis: next((k for k in range(1, 33) if _within(ritz, k, basis, reference, 1e-3)), ">32") for basis in loads
     }
     error = facts.load / reference - 1

@@ -36,7 +36,7 @@ def image(figure: Figure, format: str) -> bytes:
     from freebeam.figures.saving import image_of
 
     drawn = _drawn(figure)
-    fonts = logging.getLogger("fontTools")  # it tells of each font's dates when a PDF takes some of its letters
+    fonts = logging.getLogger("fontTools")  # it logs the dates of each font that a PDF takes letters from
     level = fonts.level
     fonts.setLevel(logging.ERROR)
     try:

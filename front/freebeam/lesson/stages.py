@@ -21,11 +21,11 @@ RIGID = "Keep what the ends let move as a rigid body"
 LONG = 420
 """Characters of LaTeX beyond which a formula is folded."""
 
-LOUD = {
+SHOWS_MORE = {
     "Compare the damping with mass and elastic stiffness", "Name the factor of χ", "Set the determinant to zero",
     "Write the load's matrix in closed form",
 }  # fmt: skip
-"""Steps whose cell shows something else than the record does."""
+"""Steps whose cell shows something else than the record does, so that the record's result is shown too."""
 
 
 class Chapter:
@@ -88,7 +88,7 @@ class Chapter:
             self.shown.add(result.lines)
         shown.append(Check(written(step.check), self.residual(step)))
         code = data("record.toml")["cells"].get(step.what, "")
-        quiet = ", shown=True" if code and step.what not in LOUD else ""
+        quiet = ", shown=True" if code and step.what not in SHOWS_MORE else ""
         cell = Cell((code + "\n" if code else "") + f"proven(derived, {step.what!r}{quiet})", tuple(shown))
         text = f"**{what}.** {_sentence(step.why)}" if said else f"**{what}.**"
         return (Prose(text), cell, *self.errata(step.equation))
