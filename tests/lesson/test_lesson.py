@@ -7,6 +7,7 @@ import dataclasses
 import json
 import re
 import unicodedata
+from fnmatch import fnmatch
 from functools import cache
 from pathlib import Path
 from types import SimpleNamespace
@@ -21,7 +22,7 @@ from matplotlib.mathtext import MathTextParser
 
 import freebeam as fb
 from freebeam.cli import main
-from freebeam.lesson import FORMATS, lesson, printed
+from freebeam.lesson import FORMATS, lesson, phrases, printed
 from freebeam.lesson.blocks import (
     Block,
     Cell,
@@ -263,6 +264,58 @@ def test_errata_stand_where_they_arise() -> None:
     assert not [b for b in made("euler-pinned").all_blocks if isinstance(b, Erratum)]
     source = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
     assert all(f"## {title}" in source for title in told)
+
+
+# --- words --------------------------------------------------------------------------------------------------------
+
+
+def calls() -> list[tuple[str, set[str]]]:
+    """Keys of text.toml that the chapters ask for, in the branches that no column here takes too, and the values that
+    they give; a part of a key that is computed is a star."""
+    found = []
+    for path in (ROOT / "front" / "freebeam" / "lesson").glob("*.py"):
+        if path.stem == "phrases":
+            continue
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            name = node.func if isinstance(node, ast.Call) else None
+            if not isinstance(node, ast.Call) or getattr(name, "id", "") not in ("prose", "text", "exercise"):
+                continue
+            values = {word.arg for word in node.keywords if word.arg}
+            if any(word.arg is None for word in node.keywords):  # needed functions, by basis
+                values |= {"modes", "legendre"}
+            first = node.args[0]
+            for key in (first.body, first.orelse) if isinstance(first, ast.IfExp) else (first,):
+                parts = key.values if isinstance(key, ast.JoinedStr) else [key]
+                found.append(("".join(str(getattr(part, "value", "*")) if isinstance(part, ast.Constant) else "*"
+                                      for part in parts), values))  # fmt: skip
+    return found
+
+
+def texts(table: Any, place: str = "") -> dict[str, str]:
+    if isinstance(table, str):
+        return {place: table}
+    return {k: text for name, part in table.items() for k, text in texts(part, f"{place}.{name}".strip(".")).items()}
+
+
+def test_every_text_is_asked_for_with_its_values() -> None:
+    asked = calls()
+    written = texts(phrases.data("text.toml"))
+    for key, values in asked:
+        meant = [text for place, text in written.items() if fnmatch(place, key) or place.startswith(f"{key}.")]
+        assert meant, key
+        if "*" not in key:
+            for text in meant:
+                assert set(re.findall(r"«(\w+)", text)) <= values, key
+    for place in written:
+        chapter, _, last = place.rpartition(".")
+        assert last in ("title", "opening") or any(fnmatch(place, key) or chapter == key for key, _ in asked), place
+
+
+def test_numbers_in_a_text() -> None:
+    words = phrases.text("coalescence.gap.answer", far=0.5, near=1e-7, ratio=12.3456, power=0.50004)
+    assert words.startswith(r"$0.5$ and $1.00 \cdot 10^{-7}$: a hundred times closer, the gap is $12.3$ times")
+    with pytest.raises(KeyError):
+        phrases.text("coalescence.gap.answer", far=0.5)
 
 
 # --- physics ------------------------------------------------------------------------------------------------------

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MAP, MUTED, drawing
-from freebeam.figures.marks import branch, colour, dashes, digits, dot, key, legend, mark, note, symbol
+from freebeam.figures.marks import arrow, branch, colour, dashes, digits, dot, key, legend, mark, note, symbol
 from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
@@ -102,8 +102,7 @@ def tangent(
         ax.plot(ends, found.line(ends), color=ACCENT, lw=1.2, zorder=4)
         for load, square in ((found.load, found.square), (critical.load, meeting)):
             ax.plot([load, load], [bottom, square], color=MUTED, lw=0.8, ls=(0, (1, 2)), zorder=1)
-        arrow = {"arrowstyle": "-|>", "color": INK, "lw": 0.9, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 8}
-        ax.annotate("", (found.load, bottom / 2), (critical.load, bottom / 2), arrowprops=arrow, zorder=5)
+        arrow(ax, (critical.load, bottom / 2), (found.load, bottom / 2), INK, 0.9, 8, zorder=5)
         middle = (found.load + critical.load) / 2
         note(ax, middle, bottom / 2, f"{-100 * found.drop:+.1f} %".replace("-", "−"), (0, 3), ha="center", va="bottom")
         ax.plot([0.0], [-found.kappa], "o", color=ACCENT, ms=4.5, zorder=6, clip_on=False)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from freebeam_sym.columns import Column
 
-__all__ = ["branch", "colour", "dashes", "digits", "dot", "key", "legend", "mark", "note", "plain", "symbol"]
+__all__ = ["arrow", "branch", "colour", "dashes", "digits", "dot", "key", "legend", "mark", "note", "plain", "symbol"]
 
 DASHES = (2.6, 3.4)
 """What is unstable: length of a dash and of a gap, in widths of the line."""
@@ -77,6 +77,15 @@ def branch(
 def dot(ax: Axes, x: float, y: float, color: str = ACCENT, **more: Any) -> None:
     """A dot with a rim of the background's colour."""
     ax.plot([x], [y], "o", color=color, **{"mec": HALO, "mew": 1.1, "ms": 7.5, "zorder": 6, **more})
+
+
+def arrow(
+    ax: Axes, tail: tuple[float, float], head: tuple[float, float], color: str, lw: float, size: float,
+    style: str = "-|>", **more: Any,
+) -> None:  # fmt: skip
+    """An arrow from point to point, with a head of a size in points."""
+    look = {"arrowstyle": style, "color": color, "lw": lw, "shrinkA": 0, "shrinkB": 0, "mutation_scale": size}
+    ax.annotate("", head, tail, arrowprops=look, **more)
 
 
 def mark(ax: Axes, x: float, y: float, text: str = "", at: tuple[float, float] = (8, 8), **more: Any) -> None:

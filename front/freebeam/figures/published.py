@@ -1,13 +1,15 @@
 """The paper's figures, Figs. 1 to 10: what each shows, with which settings, its numbers and its drawing.
 
-The settings are the paper's. `CHOSEN` says what it leaves unstated.
+Words and settings are in published.toml.
 """
 
 from __future__ import annotations
 
 import math
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,34 +34,24 @@ if TYPE_CHECKING:
 __all__ = ["NUMBERS", "Picture", "as_printed", "paper", "picture"]
 
 COLUMN, MODES = "free-free", 8
-DAMPED = {"alpha": 1e-3, "beta": 0.1}
-SETTINGS: dict[int, dict[str, Any]] = {
-    1: {"x_s": 0.15, "x_F": 0.7},
-    2: {"load_max": 120.0, "alpha": 0.0, "beta": 0.0, "scan_step": 0.1},
-    3: {"load_max": 120.0, "alpha": 0.0, "beta": 0.0, "scan_step": 0.01},
-    4: {"alpha": (1e-6, 1e-1, 101), "beta": 0.0},
-    5: {"alpha": 0.0, "beta": (1e-2, 1e0, 61)},
-    6: {"alpha": (1e-6, 1e-1, 51), "beta": (1e-2, 1e0, 17), "beta_also": 0.0},
-    7: {"load_max": 120.0, **DAMPED, "scan_step": 0.1},
-    8: {"load": 9.0, **DAMPED, "x_s": 0.1, "q_1": 0.001, "duration": 10.0, "step": 0.002},
-    9: {"load": 112.0, **DAMPED, "x_s": 0.1, "q_1": 0.001, "duration": 1.5, "step": 0.001},
-    10: {
-        "loads": (5.0, 50.0), "amplitudes": (0.001, 0.002), "frequency": 3.0, **DAMPED,
-        "x_s": 0.1, "x_F": 1.0, "duration": 20.0, "step": 0.005,
-    },
-}  # fmt: skip
-CHOSEN: dict[int, str] = {
-    1: "x_s and x_F are drawn at places where they can be seen; the deflection is the lowest mode, turned a little.",
-    2: "The range of the load is chosen here.",
-    3: "The range of the load is chosen here.",
-    6: "The values of β are chosen here, over the range of Fig. 5.",
-    7: "The range of the load is chosen here.",
-    8: "The paper does not state its initial condition: here the first mode at rest, q₁ = 0.001 in Eq. (9) with the "
-    "modes of Eq. (22). Elastic motion only; the duration is chosen here.",
-    9: "The paper does not state its initial condition: here the first mode at rest, q₁ = 0.001 in Eq. (9) with the "
-    "modes of Eq. (22). Elastic motion only; the duration is chosen here.",
-    10: "The beam starts at rest; the duration is chosen here.",
-}
+
+
+def _data() -> dict[int, dict[str, Any]]:
+    """The figures of published.toml by their numbers."""
+    found = tomllib.loads((files("freebeam.figures") / "published.toml").read_text(encoding="utf-8"))
+    for entry in found.values():
+        for words in ("title", "caption", "chosen"):
+            text = entry.get(words, "")
+            text = found[text[1:]][words] if text.startswith("@") else text
+            entry[words] = " ".join(text.split())
+        entry["settings"] = {
+            name: tuple(value) if isinstance(value, list) else value for name, value in entry["settings"].items()
+        }
+    return {int(number): entry for number, entry in found.items()}
+
+
+FIGURES = _data()
+SETTINGS: dict[int, dict[str, Any]] = {number: entry["settings"] for number, entry in FIGURES.items()}
 NUMBERS = tuple(SETTINGS)
 
 
@@ -83,11 +75,11 @@ def picture(number: int) -> Picture:
     """The data of a figure of the paper and how to draw it. Raises InputError for a number that it does not have."""
     if number not in SETTINGS or isinstance(number, bool):
         raise InputError(f"figure {number}: there is none; the paper's figures are {NUMBERS[0]} to {NUMBERS[-1]}")
-    settings = {"column": COLUMN, "modes": MODES, **SETTINGS[number]}
-    title, text, marks, table, draw = _FIGURES[number](column_of(COLUMN), SETTINGS[number])
-    caption = f"{title}. {text}"
-    if number in CHOSEN:
-        caption += f" {CHOSEN[number]}"
+    entry, settings = FIGURES[number], {"column": COLUMN, "modes": MODES, **SETTINGS[number]}
+    words, marks, table, draw = _DRAWN[number](column_of(COLUMN), SETTINGS[number])
+    values = {**settings, **marks, **words}
+    title = entry["title"].format(**values)
+    caption = f"{title}. {entry['caption'].format(**values)} {entry['chosen']}".rstrip()
     return Picture(number, title, caption, settings, marks, table, draw)
 
 
@@ -105,7 +97,8 @@ def as_printed(system: System) -> System:
     return replace(system, K=system.K + system.load * (end.T - end), H=system.H + end.T - end)
 
 
-_Parts = tuple[str, str, dict[str, Any], dict[str, Any], Callable[[], "Figure"]]
+_Parts = tuple[dict[str, Any], dict[str, Any], dict[str, Any], Callable[[], "Figure"]]
+"""What the words of a figure need beside its settings and marks; marks, table and drawing as in `Picture`."""
 
 
 def _fig_1(column: Column, s: dict[str, Any]) -> _Parts:
@@ -116,8 +109,7 @@ def _fig_1(column: Column, s: dict[str, Any]) -> _Parts:
         beam(column, x_s=s["x_s"], x_F=s["x_F"], ax=fig.subplots())
         return fig
 
-    text = "The follower force P₀ stays normal to the cross-section at x = L; F₀(t) stays transversal."
-    return "A free-free beam subjected to follower and transversal forces", text, {}, {"x": x, "y": y}, draw
+    return {}, {}, {"x": x, "y": y}, draw
 
 
 def _scanned(load: float, step: float) -> str:
@@ -125,22 +117,17 @@ def _scanned(load: float, step: float) -> str:
     return f"{math.ceil(load / step) * step:.{max(0, -math.floor(math.log10(step)))}f}"
 
 
-def _locus(column: Column, s: dict[str, Any]) -> tuple[curves.Locus, str, dict[str, Any]]:
+def _locus(column: Column, s: dict[str, Any]) -> tuple[curves.Locus, dict[str, Any], dict[str, Any]]:
     found = curves.locus(column, s["load_max"], modes=MODES, alpha=s["alpha"], beta=s["beta"])
     critical = found.critical
     assert critical.load is not None and critical.frequency is not None
-    text = (
-        f"α = {s['alpha']:g}, β = {s['beta']:g}, N = {MODES}; eigenvalues divided by λ₀ = {found.scale(True):.6g} as "
-        f"in Eq. (26). Critical load {critical.load:.4f} ({critical.kind}, ω = {critical.frequency:.4f}); a scan in "
-        f"steps of {s['scan_step']:g}, which the paper used, prints {_scanned(critical.load, s['scan_step'])}. "
-        "Solid: stable; dashed: growing."
-    )
+    words = {"kind": critical.kind, "scanned": _scanned(critical.load, s["scan_step"])}
     marks = {"critical_load": critical.load, "critical_frequency": critical.frequency, "lambda_0": found.scale(True)}
-    return found, text, marks
+    return found, words, marks
 
 
 def _fig_2(column: Column, s: dict[str, Any]) -> _Parts:
-    found, text, marks = _locus(column, s)
+    found, words, marks = _locus(column, s)
 
     def draw() -> Figure:
         fig = figure((7.6, 3.1))
@@ -151,20 +138,18 @@ def _fig_2(column: Column, s: dict[str, Any]) -> _Parts:
                 key(ax, loc="lower left")
         return fig
 
-    title = "Variation of the first two eigenvalues of matrix A due to the changes in P₀"
-    return title, text, marks, found.table(True), draw
+    return words, marks, found.table(True), draw
 
 
 def _fig_in_the_plane(column: Column, s: dict[str, Any]) -> _Parts:
-    found, text, marks = _locus(column, s)
+    found, words, marks = _locus(column, s)
 
     def draw() -> Figure:
         fig = figure((5.4, 4.2))
         draw_locus(fig.subplots(), column, found, True)
         return fig
 
-    title = "Variation of the first two eigenvalues of matrix A due to the changes in P₀ in the complex plane"
-    return title, text, marks, found.table(True), draw
+    return words, marks, found.table(True), draw
 
 
 def _range(limits: tuple[float, float, int]) -> Any:
@@ -189,13 +174,8 @@ def _fig_4(column: Column, s: dict[str, Any]) -> _Parts:
         ax.set_ylim(limit - 3, undamped + 3)
         return fig
 
-    text = (
-        f"β = 0, N = {MODES}. Without damping the load is {undamped:.4f}; the least α takes it at once to "
-        f"{first:.4f} (α → 0⁺: {limit:.4f}, the tangent rule), and more α raises it, to {last:.4f} at "
-        f"α = {found.values[-1]:g}. All are flutter."
-    )
     marks = {"undamped": undamped, "vanishing_alpha": limit, "least_alpha": first, "greatest_alpha": last}
-    return "Effect of α on the value of P₀cr (assuming β = 0)", text, marks, found.table(), draw
+    return {}, marks, found.table(), draw
 
 
 def _fig_5(column: Column, s: dict[str, Any]) -> _Parts:
@@ -214,12 +194,8 @@ def _fig_5(column: Column, s: dict[str, Any]) -> _Parts:
         ax.margins(y=0.15)
         return fig
 
-    text = (
-        f"α = 0, N = {MODES}. From {first:.5f} at β = {found.values[0]:g} to {last:.5f} at β = {found.values[-1]:g}; "
-        f"{undamped:.5f} without damping. The whole range of the axis is {last - first:.2g}. All are flutter."
-    )
     marks = {"undamped": undamped, "least_beta": first, "greatest_beta": last}
-    return "Effect of β on the value of P₀cr (assuming α = 0)", text, marks, found.table(), draw
+    return {"range": last - first}, marks, found.table(), draw
 
 
 def _fig_6(column: Column, s: dict[str, Any]) -> _Parts:
@@ -254,16 +230,12 @@ def _fig_6(column: Column, s: dict[str, Any]) -> _Parts:
         right.set_title(r"(b) over both")
         return fig
 
-    least = "; ".join(f"β = {beta}: {load:.2f} at α = {alpha:.2g}" for beta, (alpha, load) in lowest.items())
-    text = (
-        f"N = {MODES}. At a given α, more β raises the load. At a given β, more α first lowers it and then raises it; "
-        f"least among the values of α computed: {least}. Dotted: no damping, {undamped:.4f}. All are flutter."
-    )
+    words = {"lowest": "; ".join(f"β = {b}: {load:.2f} at α = {a:.2g}" for b, (a, load) in lowest.items())}
     grid = np.meshgrid(betas, alphas, indexing="ij")
     table = {"alpha": grid[1].ravel(), "beta": grid[0].ravel(), "P_cr": loads.ravel()}
     table["omega"] = np.concatenate([found.frequencies for found in family])
     marks = {"undamped": undamped, "least": {beta: {"alpha": a, "load": load} for beta, (a, load) in lowest.items()}}
-    return "Effect of α and β on the value of P₀cr", text, marks, table, draw
+    return words, marks, table, draw
 
 
 def _fig_in_time(column: Column, s: dict[str, Any]) -> _Parts:
@@ -282,17 +254,10 @@ def _fig_in_time(column: Column, s: dict[str, Any]) -> _Parts:
         axes[1, 1].set_title("(d) trajectory")
         return fig
 
-    text = (
-        f"N = {MODES}. The slowest motion goes as exp({plain(rate)} t): {'it grows' if rate > 0 else 'it decays'}. "
-        f"Newmark's average acceleration, step {s['step']:g}, relative error of the first period "
-        f"{found.period_error:.1e}."
-    )
-    title = (
-        f"Vibrational properties for the case of P₀ = {s['load']:g}, α = {s['alpha']:g}, β = {s['beta']:g} and F₀ = 0 "
-        f"at point x_s = {s['x_s']:g}"
-    )
+    fate = "it grows" if rate > 0 else "it decays"
+    words = {"rate": plain(rate), "fate": fate, "period_error": found.period_error}
     table = {"t": found.t, "y": found.y[:, 0], "dy": found.dy[:, 0], "ddy": found.ddy[:, 0]}
-    return title, text, {"growth_rate": rate}, table, draw
+    return words, {"growth_rate": rate}, table, draw
 
 
 def _steady(system: System, s: dict[str, Any], amplitude: float) -> float:
@@ -366,13 +331,8 @@ def _fig_10(column: Column, s: dict[str, Any]) -> _Parts:
 
     drift = max(float(np.abs(runs["rigid", *case].y_rigid[:, 0]).max()) for case in cases)
     largest = max(steady["derived", *case] for case in cases)
-    text = (
-        f"F₀ sin({s['frequency']:g} t) at x_F = {s['x_F']:g}, N = {MODES}. (a) to (d): the elastic part, which tends "
-        f"to a steady amplitude; from P₀ = {low:g} to {high:g} that grows by {100 * (growth['derived'] - 1):.0f} % "
-        f"with the equation as derived and by {100 * (growth['printed'] - 1):.0f} % with the end term of Eq. (11) as "
-        "printed, transposed. (e): the rigid motion that the free beam adds at the sensor: at the end more than "
-        f"10^{math.floor(math.log10(drift / largest))} times the elastic amplitude, and far beyond small motion."
-    )
+    words = {kind: 100 * (factor - 1) for kind, factor in growth.items()}
+    words["power"] = math.floor(math.log10(drift / largest))
     table = {"t": runs["derived", low, size].t}
     for (kind, load, amplitude), run in runs.items():
         values = run.y_rigid if kind == "rigid" else run.y_elastic
@@ -381,11 +341,7 @@ def _fig_10(column: Column, s: dict[str, Any]) -> _Parts:
         "growth_derived": growth["derived"], "growth_printed": growth["printed"],
         "steady": {f"{kind}_P{load:g}_F{size:g}": value for (kind, load, size), value in steady.items()},
     }  # fmt: skip
-    title = (
-        f"Increase in the displacement of point x_s = {s['x_s']:g} due to the increase in the follower and transversal "
-        f"forces for the case of β = {s['beta']:g}, α = {s['alpha']:g}, x_F = {s['x_F']:g}"
-    )
-    return title, text, marks, table, draw
+    return words, marks, table, draw
 
 
 def _power(value: float) -> str:
@@ -394,7 +350,7 @@ def _power(value: float) -> str:
     return rf"${mantissa}\cdot 10^{{{int(exponent)}}}$"
 
 
-_FIGURES: dict[int, Callable[[Column, dict[str, Any]], _Parts]] = {
+_DRAWN: dict[int, Callable[[Column, dict[str, Any]], _Parts]] = {
     1: _fig_1, 2: _fig_2, 3: _fig_in_the_plane, 4: _fig_4, 5: _fig_5, 6: _fig_6, 7: _fig_in_the_plane,
     8: _fig_in_time, 9: _fig_in_time, 10: _fig_10,
 }  # fmt: skip

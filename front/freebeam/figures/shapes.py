@@ -11,7 +11,7 @@ import numpy as np
 
 from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing, shades
-from freebeam.figures.marks import colour, digits, dot, legend, note, plain, symbol
+from freebeam.figures.marks import arrow, colour, digits, dot, legend, note, plain, symbol
 from freebeam_sym.checks import InputError, count
 
 if TYPE_CHECKING:
@@ -127,9 +127,8 @@ def work_loop(
     with drawing(ax) as ax:
         ax.fill(y, F, color=colour(0), alpha=0.1, lw=0, zorder=1)
         ax.plot(y, F, color=colour(0))
-        arrow = {"arrowstyle": "-|>", "color": colour(0), "lw": 0, "mutation_scale": 14, "shrinkA": 0, "shrinkB": 0}
         for k in range(len(y) // 8, len(y) - 3, len(y) // 4):
-            ax.annotate("", (y[k + 2], F[k + 2]), (y[k], F[k]), arrowprops=arrow, zorder=5)
+            arrow(ax, (y[k], F[k]), (y[k + 2], F[k + 2]), colour(0), 0, 14, zorder=5)
         ax.axhline(0.0, color=MUTED, lw=0.8, zorder=0)
         ax.axvline(0.0, color=MUTED, lw=0.8, zorder=0)
         words = f"work of the force\n= area = {plain(area)}"

@@ -9,7 +9,7 @@ import numpy as np
 
 from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing
-from freebeam.figures.marks import colour, symbol
+from freebeam.figures.marks import arrow, colour, symbol
 from freebeam_sym.checks import positions
 
 if TYPE_CHECKING:
@@ -89,15 +89,7 @@ def beam(
 
 
 def _arrow(ax: Axes, tail: tuple[float, float], head: tuple[float, float], tone: str, width: float = 1.8) -> None:
-    style = {
-        "arrowstyle": "-|>",
-        "color": tone,
-        "lw": width,
-        "shrinkA": 0,
-        "shrinkB": 0,
-        "mutation_scale": 9 * width**0.5,
-    }
-    ax.annotate("", head, tail, arrowprops=style, zorder=6)
+    arrow(ax, tail, head, tone, width, 9 * width**0.5, zorder=6)
 
 
 def _force(ax: Axes, end: Any, angle: float, letter: str, follows: float, slope: float) -> None:
@@ -145,8 +137,7 @@ def _measures(ax: Axes, column: Column, places: dict[str, float | None], lowest:
     levels = [lowest - 0.1 - 0.06 * k for k in range(3)]
     for level, (place, name) in zip(levels, [*sorted(rows), (1.0, "1")], strict=False):
         label = "$L$" if name == "1" else {"x_s": "$x_s$", "x_F": "$x_F$"}[name]
-        style = {"arrowstyle": "<|-|>", "color": MUTED, "lw": 0.8, "shrinkA": 0, "shrinkB": 0, "mutation_scale": 7}
-        ax.annotate("", (0.0, level), (place, level), arrowprops=style)
+        arrow(ax, (place, level), (0.0, level), MUTED, 0.8, 7, "<|-|>")
         ax.plot([place, place], [level - 0.012, 0.0], color=MUTED, lw=0.6, ls=(0, (1, 2)), zorder=0)
         ax.plot([0.0, 0.0], [level - 0.012, 0.0], color=MUTED, lw=0.6, ls=(0, (1, 2)), zorder=0)
         ax.text(place / 2, level + 0.008, label, ha="center", va="bottom", fontsize=10.5)

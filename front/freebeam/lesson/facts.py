@@ -8,12 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebeam.proofs import exact_load
 from freebeam_sym.checks import InputError
+from freebeam_sym.spectra import spectrum
+from freebeam_sym.stability.critical import CriticalLoad, critical_load
+from freebeam_sym.stability.pencil import pencil_of
 
 if TYPE_CHECKING:
     from freebeam.proofs import Certified
     from freebeam_sym.columns import Column
-    from freebeam_sym.stability.critical import CriticalLoad
     from freebeam_sym.stability.pencil import Pencil
 
 __all__ = ["MODES", "Facts"]
@@ -32,8 +35,6 @@ class Facts:
     @cached_property
     def critical(self) -> CriticalLoad:
         """Without damping."""
-        from freebeam_sym.stability.critical import critical_load
-
         return critical_load(self.column, MODES)
 
     @property
@@ -53,22 +54,16 @@ class Facts:
 
     def limit(self, kappa: float) -> CriticalLoad:
         """The limit of vanishing damping at β = κα."""
-        from freebeam_sym.stability.critical import critical_load
-
         return critical_load(self.column, MODES, kappa=kappa)
 
     def damped(self, alpha: float, beta: float) -> CriticalLoad:
         """With damping; a damping that the column does not state is left at zero."""
-        from freebeam_sym.stability.critical import critical_load
-
         known = self.column.damping
         return critical_load(self.column, MODES, alpha if "alpha" in known else 0.0, beta if "beta" in known else 0.0)
 
     @cached_property
     def exact(self) -> Certified | str:
         """The beam itself, undamped, or why it is not enclosed."""
-        from freebeam.proofs import exact_load
-
         try:
             return exact_load(self.column, digits=12)
         except InputError as error:
@@ -76,8 +71,6 @@ class Facts:
 
     @cached_property
     def pencil(self) -> Pencil:
-        from freebeam_sym.stability.pencil import pencil_of
-
         return pencil_of(*self.column.matrices(MODES))
 
     def squares(self, load: float) -> Any:
@@ -103,14 +96,10 @@ class Facts:
 
     def growth(self, load: float, alpha: float = 0.0, beta: float = 0.0) -> float:
         """Largest real part of an eigenvalue at a load."""
-        from freebeam_sym.spectra import spectrum
-
         return spectrum(self.column.system(MODES, load, alpha, beta)).growth_rate
 
     def ritz(self, modes: int, basis: str = "modes") -> float | None:
         """The undamped critical load at a number of functions; None where another kind of loss comes first."""
-        from freebeam_sym.stability.critical import critical_load
-
         try:
             found = critical_load(self.column if basis == "modes" else self.polynomials, modes)
         except InputError:
