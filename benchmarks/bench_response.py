@@ -51,6 +51,13 @@ def generator() -> tuple[Any, Any]:
     return A, B
 
 
+def trapezoidal() -> tuple[Any, Any]:
+    """The matrix of a step, and what the force after it adds, in floats."""
+    A, B = generator()
+    left = np.linalg.inv(np.eye(16) - STEP / 2 * A)
+    return left @ (np.eye(16) + STEP / 2 * A), STEP / 2 * left @ B[:, 0]
+
+
 @cache
 def reference(kind: str, method: str = "newmark") -> Any:
     """The recurrence in long doubles. Average acceleration is the trapezoidal rule, (1 − hG/2) x⁺ = (1 + hG/2) x + …;
@@ -253,9 +260,7 @@ def bench_numba_modes(contender: Any, kind: str) -> None:
     force, start = history(kind)
 
     def run(force: Any = force) -> Any:
-        A, B = generator()
-        left = np.linalg.inv(np.eye(16) - STEP / 2 * A)
-        step, after = left @ (np.eye(16) + STEP / 2 * A), STEP / 2 * left @ B[:, 0]
+        step, after = trapezoidal()
         roots, vectors = np.linalg.eig(step)
         half = np.flatnonzero(roots.imag > 0)
         into = 2 * np.linalg.inv(vectors)[half]
@@ -276,9 +281,7 @@ def bench_blocked(contender: Any, kind: str) -> None:
     length = 32
 
     def run() -> Any:
-        A, B = generator()
-        left = np.linalg.inv(np.eye(16) - STEP / 2 * A)
-        step, after = left @ (np.eye(16) + STEP / 2 * A), STEP / 2 * left @ B[:, 0]
+        step, after = trapezoidal()
         push, row = step @ after + after, np.concatenate([SHAPE, np.zeros(8)])
         powers = [np.linalg.matrix_power(step, k) for k in range(length + 1)]
         free = np.array([row @ power for power in powers[:-1]])
