@@ -331,7 +331,7 @@ class _Krylov:
                 break
         found = np.flatnonzero(need & (theta.real > floor))
         found = found[np.argsort(-theta.real[found])]
-        return theta[found], s[:, found].T @ self._basis[:k]
+        return theta[found], np.asarray(s[:, found].T @ self._basis[:k], dtype=complex)
 
 
 def _flutters(problem: Proportional, bound: float) -> Iterator[Event]:
