@@ -10,7 +10,7 @@ import numpy as np
 
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import exercise, figure, heading, percent, prose, steps
+from freebeam.lesson.phrases import exercise, figure, heading, percent, prose
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -26,8 +26,7 @@ def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
     blocks: list[Block] = [
         heading("stability"),
         prose("stability.opening"),
-        *steps(
-            chapter,
+        *chapter.named(
             "Let all coordinates move alike",
             "Write it as an eigenvalue problem of the first order",
             "Measure eigenvalues in units of the first frequency",
@@ -74,7 +73,7 @@ def coalescence(chapter: Chapter, facts: Facts) -> list[Block]:
     return [
         heading("coalescence"),
         prose("coalescence.opening"),
-        *steps(chapter, "Look at the place where two frequencies meet", "Look at the shapes there"),
+        *chapter.named("Look at the place where two frequencies meet", "Look at the shapes there"),
         prose("coalescence.sensitive", first=first, second=second, third=third),
         figure(
             "meeting", "The meeting", "coalescence(beam)", lambda: figures.coalescence(column),
@@ -125,7 +124,7 @@ def divergence(chapter: Chapter, facts: Facts) -> list[Block]:
         replace(heading("divergence"), key="coalescence"),
         prose("divergence.conservative" if symmetric else "divergence.other"),
         prose("divergence.imagined"),
-        *steps(chapter, "Look at the place where two frequencies meet"),
+        *chapter.named("Look at the place where two frequencies meet"),
         prose("divergence.statics"),
         exercise("divergence.curve", curve, half=half / unloaded, most=most / unloaded),
         exercise("divergence.growth", rate=rate),
@@ -139,7 +138,7 @@ def vanishing_damping(chapter: Chapter, facts: Facts) -> list[Block]:
     blocks: list[Block] = [
         heading("damping"),
         prose("damping.flutter" if facts.flutters else "damping.divergence"),
-        *steps(chapter, "Damp it a little", "Let the damping vanish"),
+        *chapter.named("Damp it a little", "Let the damping vanish"),
     ]
     zero = facts.limit(0.0)
     if facts.flutters and zero.load is not None and zero.frequency:

@@ -7,14 +7,11 @@ import tomllib
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from importlib.resources import files
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from freebeam.lesson.blocks import Block, Cell, Exercise, Figure, Heading, Prose
+from freebeam.lesson.blocks import Cell, Exercise, Figure, Heading, Prose
 
-if TYPE_CHECKING:
-    from freebeam.lesson.stages import Chapter
-
-__all__ = ["data", "exercise", "figure", "heading", "n", "percent", "prose", "steps", "text"]
+__all__ = ["data", "exercise", "figure", "heading", "n", "percent", "prose", "text"]
 
 
 @lru_cache(maxsize=4)
@@ -71,16 +68,6 @@ def percent(share: float) -> str:
     if size < 1e-11:
         return "0 %"
     return f"{size:.2g} %" if size < 10 else f"{size:.0f} %"
-
-
-def steps(chapter: Chapter, *names: str) -> list[Block]:
-    """The steps of the record with these names, as blocks; those that this column's record lacks are left out."""
-    found: list[Block] = []
-    for name in names:
-        step = chapter.find(name)
-        if step is not None:
-            found += chapter.step(step)
-    return found
 
 
 def figure(key: str, name: str, call: str, draw: Callable[[], Any], caption: str) -> Cell:

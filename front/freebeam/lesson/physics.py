@@ -12,7 +12,7 @@ import numpy as np
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, vanishing_damping
 from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, steps, text
+from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, text
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -39,7 +39,7 @@ def work(chapter: Chapter, facts: Facts) -> list[Block]:
     blocks: list[Block] = [
         heading("work"),
         prose("work.opening"),
-        *steps(chapter, "Add up the work over one cycle", "Keep what does not cancel"),
+        *chapter.named("Add up the work over one cycle", "Keep what does not cancel"),
     ]
     if facts.circulatory < 1e-12:
         share, rate = facts.circulatory, _swinging(facts, 2 * facts.load)
@@ -137,7 +137,7 @@ def rigid(chapter: Chapter, facts: Facts) -> list[Block]:
     blocks: list[Block] = [
         heading("rigid"),
         prose("rigid.opening"),
-        *steps(chapter, "Put the rigid functions in front"),
+        *chapter.named("Put the rigid functions in front"),
         prose("rigid.theorem", tumbles=text("rigid.tumbles") + " " if tumbles else ""),
         exercise("rigid.spectra", "rounding" if difference < 1e-6 else "answer", load=load, difference=difference),
         exercise("rigid.coupling", forth=forth or "Zero", back=back),
@@ -188,7 +188,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     return [
         heading("truncation"),
         prose("truncation.opening"),
-        *steps(chapter, "Leave the series out"),
+        *chapter.named("Leave the series out"),
         _enclosed(facts),
         prose("truncation.table"),
         Table(("$N$", "modes", "error", "polynomials", "error"), rows),

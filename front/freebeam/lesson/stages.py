@@ -47,6 +47,11 @@ class Chapter:
     def find(self, what: str) -> Step | None:
         return next((step for step in self.steps if step.what == what), None)
 
+    def named(self, *names: str) -> list[Block]:
+        """The steps with these names as blocks; those that this column's record lacks are left out."""
+        found = (self.find(name) for name in names)
+        return [block for step in found if step is not None for block in self.step(step)]
+
     def lines(self, step: Step, part: Any) -> tuple[str, ...]:
         """LaTeX of what a step has before or after it."""
         self.printer.own.pop("lambda", None)
