@@ -93,10 +93,8 @@ with fb.figures.style():
     for ax, load in zip(axes, (70.0, damped.load, 95.0), strict=True):
         fb.figures.work(column, load, ax=ax, **damping)
 
-balance = {
-    load: curves.cycle(column, load, **damping).work[-1] - curves.cycle(column, load, **damping).dissipated[-1]
-    for load in (70.0, damped.load, 95.0)
-}
+cycles = {load: curves.cycle(damped.question, load) for load in (70.0, damped.load, 95.0)}
+balance = {load: cycle.work[-1] - cycle.dissipated[-1] for load, cycle in cycles.items()}
 balance
 
 # %% [markdown]

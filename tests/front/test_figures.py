@@ -302,7 +302,7 @@ def test_svg_stands_alone(drawn):
 
 @pytest.mark.parametrize(("column", "own", "kappa"), [(FREE, {}, 0.0), (BECK, {}, 0.0), (BECK, {"eta": 0.8}, 5.0)])
 def test_the_tangent_touches_the_curve(column, own, kappa):
-    found = curves.tangent(column, kappa=kappa, **own)
+    found = curves.tangent(fb.Question.of(column, kappa=kappa, **own))
     M, E, H = column.matrices(8, **own)
 
     def s(P):
@@ -321,7 +321,7 @@ def test_the_tangent_touches_the_curve(column, own, kappa):
 
 @pytest.mark.parametrize("column", [FREE, BECK])
 def test_frequencies_meet_by_a_square_root(column):
-    found = curves.coalescence(column)
+    found = curves.coalescence(fb.Question.of(column))
     away = found.eigenvalues - 1j * found.frequency
     law = found.law(found.loads)[:, None] * [1, -1]
     share = np.abs(found.loads / found.load - 1)
@@ -333,7 +333,7 @@ def test_frequencies_meet_by_a_square_root(column):
 
 @pytest.mark.parametrize("column", [FREE, BECK, EULER])
 def test_squared_frequencies_add_up_to_the_trace(column):
-    found = curves.frequency_load(column, 15.0, count=8)
+    found = curves.frequency_load(fb.Question.of(column), 15.0, count=8)
     M, E, H = column.matrices(8)
     trace = [np.trace(np.linalg.solve(M, E + P * H)) for P in found.loads]
     np.testing.assert_allclose(found.squares.sum(axis=1).real, trace, rtol=1e-9)
@@ -341,7 +341,7 @@ def test_squared_frequencies_add_up_to_the_trace(column):
 
 
 def test_overdamped_modes_do_not_take_a_branchs_place():
-    found = curves.locus(BECK, 10.0, alpha=0.01, count=3)
+    found = curves.locus(fb.Question.of(BECK, alpha=0.01), 10.0, count=3)
     assert (found.eigenvalues[0].imag > 0).all()
     np.testing.assert_allclose(np.abs(found.eigenvalues[0]), BECK.system(8).gamma[:3] ** 2, rtol=1e-9)
 
@@ -351,7 +351,7 @@ def test_overdamped_modes_do_not_take_a_branchs_place():
     [(FREE, None, {}), (FREE, 70.0, {}), (FREE, 112.0, {}), (BECK, None, {}), (BECK, 15.0, {"eta": 0.9})],
 )
 def test_energy_is_what_the_load_gives_less_what_damping_takes(column, load, own):
-    found = curves.cycle(column, load, alpha=1e-3, beta=0.1, **own)
+    found = curves.cycle(fb.Question.of(column, alpha=1e-3, beta=0.1, **own), load)
     balance = found.energy - found.energy[0] - found.work + found.dissipated
     assert np.abs(balance).max() < 1e-10 * max(found.energy)
     rate = found.eigenvalue.real
@@ -364,9 +364,9 @@ def test_energy_is_what_the_load_gives_less_what_damping_takes(column, load, own
 @pytest.mark.parametrize(("column", "own"), [(FREE, {}), (BECK, {}), (BECK, {"eta": 0.8})])
 def test_the_work_is_that_of_the_force_at_the_end(column, own, ax):
     """∮ −η P y′(1) dy(1), by quadrature, and the area that the loop is drawn with."""
-    found = curves.cycle(column, alpha=1e-3, beta=0.1, points=2001, **own)
+    found = curves.cycle(fb.Question.of(column, alpha=1e-3, beta=0.1, **own), points=2001)
     share, s = own.get("eta", 1.0), found.system
-    assert curves.follower_share(column, **own) == pytest.approx(share)
+    assert curves.follower_share(fb.Question.of(column, **own)) == pytest.approx(share)
     turn = np.exp(1j * found.phase)
     y, slope = (np.real(turn * (found.vector @ s.shapes(1.0, k))) for k in (0, 1))
     F = -share * s.load * slope
@@ -383,7 +383,9 @@ def test_the_work_is_that_of_the_force_at_the_end(column, own, ax):
 
 
 def test_what_follows_the_slope():
-    found = [curves.follower_share(FREE), curves.follower_share(EULER), curves.follower_share(BECK, eta=0.0)]
+    found = [
+        curves.follower_share(fb.Question.of(c, **own)) for c, own in ((FREE, {}), (EULER, {}), (BECK, {"eta": 0}))
+    ]
     assert found == [1.0, 0.0, 0.0]
     with pytest.raises(fb.InputError, match="does not follow the slope"):
         fb.figures.work_loop(BECK, eta=0.0)

@@ -1,23 +1,24 @@
 """What the pictures show, as numbers: branches along the load, the tangent construction, a cycle of a motion.
 
-Everything is nondimensional. Each result has a `table()`, the columns of its data by name.
+Each function takes a question. Everything is nondimensional. Each result has a `table()`: its data by name.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, count, positive
+from freebeam_sym.question import Question
 from freebeam_sym.spectra import ROUNDING, branches, spectrum
-from freebeam_sym.stability.critical import CriticalLoad, critical_load
+from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
-    from freebeam_sym.columns import Column, System
+    from freebeam_sym.columns import System
 
 __all__ = [
     "Coalescence", "CriticalCurve", "Cycle", "FrequencyLoad", "Locus", "Tangent",
@@ -75,33 +76,25 @@ class Locus:
         return found
 
 
-def locus(
-    column: Column,
-    loads: ArrayLike | None = None,
-    *,
-    modes: int | None = None,
-    alpha: float = 0.0,
-    beta: float = 0.0,
-    count: int = 2,
-    points: int = 240,
-    **parameters: Any,
-) -> Locus:
+def locus(question: Question, loads: ArrayLike | None = None, *, count: int = 2, points: int = 240) -> Locus:
     """The first `count` eigenvalues along the load, each followed by continuity. Eqs. (24), (25).
 
     loads: (m,), or the largest load, or None for a quarter beyond the critical load, with damping or without; where
     no sequence is given the loads lie closer near the critical one, which has a root there. Raises InputError for bad
     values.
     """
-    critical = critical_load(column, modes, alpha, beta, **parameters)
-    undamped = critical_load(column, modes, **parameters) if loads is None and (alpha or beta) else critical
+    q = question
+    critical = answer(q)
+    undamped = answer(q.at(alpha=0.0, beta=0.0)) if loads is None and (q.alpha or q.beta) else critical
     P = _loads(loads, critical, points, max(x.load or 0.0 for x in (critical, undamped)))
-    followed = branches(column, P, modes, alpha, beta, **parameters)
+    values: dict[str, Any] = q.values
+    followed = branches(q.column, P, q.modes, **values)
     start = followed.eigenvalues[0]
     # those that swing, by |λ|, which is the mode's undamped frequency; then the overdamped, whose Im λ is 0
     still = np.abs(start.imag) <= 1e-12 * np.abs(start)
     order = np.lexsort((np.abs(start), still))
-    kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, column.number(modes))]
-    reference = spectrum(column.system(modes, 0.0, alpha, beta, **parameters)).reference_frequency
+    kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, q.modes)]
+    reference = spectrum(q.system(0.0)).reference_frequency
     return Locus(P, followed.eigenvalues[:, kept], critical, reference)
 
 
@@ -155,16 +148,10 @@ class FrequencyLoad:
 
 
 def frequency_load(
-    column: Column,
-    loads: ArrayLike | None = None,
-    *,
-    modes: int | None = None,
-    count: int = 2,
-    points: int = 240,
-    **parameters: Any,
+    question: Question, loads: ArrayLike | None = None, *, count: int = 2, points: int = 240
 ) -> FrequencyLoad:
-    """ω²(P) of the first `count` frequencies of the undamped column. `loads` as `locus` has them."""
-    found = locus(column, loads, modes=modes, count=count, points=points, **parameters)
+    """ω²(P) of the first `count` frequencies of a question without damping. `loads` as `locus` has them."""
+    found = locus(question, loads, count=count, points=points)
     return FrequencyLoad(found.loads, -(found.eigenvalues**2), found.critical)
 
 
@@ -196,20 +183,19 @@ class Tangent:
         return {**self.curves.table(), "tangent": self.line(self.curves.loads)}
 
 
-def tangent(
-    column: Column, *, kappa: float = 0.0, modes: int | None = None, points: int = 240, **parameters: Any
-) -> Tangent:
-    """The construction of the critical load of vanishing damping on the undamped curve ω²(P), β/α = `kappa`.
+def tangent(question: Question, points: int = 240) -> Tangent:
+    """The construction of the critical load of vanishing damping, a question with kappa, on the undamped curve ω²(P).
 
     Raises InputError where the column does not flutter, and for κ = ∞, whose point is the coalescence itself.
     """
+    column, kappa = question.column, question.kappa or 0.0
     if not kappa < math.inf:
         raise InputError(f"kappa = {kappa}: must be finite (external damping alone leaves the coalescence where it is)")
-    curves = frequency_load(column, modes=modes, points=points, **parameters)
-    limit = critical_load(column, modes, kappa=kappa, **parameters)
+    curves = frequency_load(replace(question, kappa=None), points=points)
+    limit = answer(question)
     if curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
         raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
-    c_M, c_E = column.damping_factors(1.0, kappa, **parameters)
+    c_M, c_E = column.damping_factors(1.0, kappa, **question.parameters)
     if not c_E:
         raise InputError(f"{column.name}: states no internal damping, so there is no limit of it to construct")
     square = limit.frequency**2
@@ -239,23 +225,21 @@ class Coalescence:
         return dict(zip(names, (self.loads, a.real, a.imag, b.real, b.imag, law.real, law.imag), strict=True))
 
 
-def coalescence(
-    column: Column, *, modes: int | None = None, width: float = 0.04, points: int = 201, **parameters: Any
-) -> Coalescence:
-    """The pair that flutters, without damping, at loads within a share `width` of its meeting.
+def coalescence(question: Question, *, width: float = 0.04, points: int = 201) -> Coalescence:
+    """The pair that flutters, in a question without damping, at loads within a share `width` of its meeting.
 
     Raises InputError where the first loss of stability is not a coalescence.
     """
-    critical = critical_load(column, modes, **parameters)
+    critical = answer(question)
     if critical.kind != "flutter" or critical.load is None or critical.frequency is None:
-        raise InputError(f"{column.name}: does not flutter without damping, so no two frequencies meet")
+        raise InputError(f"{question.column.name}: does not flutter without damping, so no two frequencies meet")
     if not 0 < width < 1:
         raise InputError(f"width = {width}: must lie between 0 and 1, a share of the load where the frequencies meet")
     P_c, target = critical.load, 1j * critical.frequency
     # squares of u on both sides make the square root of the load a straight line
     u = np.linspace(-1.0, 1.0, points)
     P = np.unique(np.append(P_c * (1 + width * u * np.abs(u)), P_c))
-    M, E, H = column.matrices(modes, False, **parameters)
+    M, E, H = question.column.matrices(question.modes, False, **question.parameters)
 
     def pair(load: float) -> Complex:
         s = np.linalg.eigvals(np.linalg.solve(M, E + load * H)).astype(complex)
@@ -290,20 +274,15 @@ class CriticalCurve:
         return {self.name: self.values, "P_cr": self.loads, "omega": self.frequencies, "kind": list(self.kinds)}
 
 
-def critical_curve(
-    column: Column, name: str, values: ArrayLike, *, modes: int | None = None, load_max: float = 1000.0, **fixed: Any
-) -> CriticalCurve:
+def critical_curve(question: Question, name: str, values: ArrayLike) -> CriticalCurve:
     """The critical load along `name`, "alpha", "beta" or a parameter of the column's own, at `values` (m,).
 
-    fixed: the other parameters. Raises InputError for an unknown name and bad values.
+    Raises InputError for an unknown name and bad values.
     """
-    known = ["alpha", "beta", *(p.name for p in column.parameters)]
-    if name not in known:
-        raise InputError(f"{name!r}: is no parameter of {column.name}; it has {', '.join(known)}")
-    if name in fixed:
-        raise InputError(f"{name} = {fixed[name]}: is what the curve runs along; leave it out")
+    if name not in question.values:
+        raise InputError(f"{name!r}: is no parameter of {question.column.name}; it has {', '.join(question.values)}")
     given = np.atleast_1d(np.asarray(values, dtype=float))
-    found = [critical_load(column, modes, load_max=load_max, **{**fixed, name: value}) for value in given.tolist()]
+    found = [answer(question.at(**{name: value})) for value in given.tolist()]
     loads, frequencies = (
         np.array([math.nan if x is None else x for x in part])
         for part in zip(*((f.load, f.frequency) for f in found), strict=True)
@@ -338,38 +317,28 @@ class Cycle:
         return {"phase": self.phase, "work": self.work, "dissipated": self.dissipated, "energy": self.energy}
 
 
-def cycle(
-    column: Column,
-    load: float | None = None,
-    *,
-    modes: int | None = None,
-    alpha: float = 0.0,
-    beta: float = 0.0,
-    rigid: bool = False,
-    points: int = 361,
-    **parameters: Any,
-) -> Cycle:
+def cycle(question: Question, load: float | None = None, *, rigid: bool = False, points: int = 361) -> Cycle:
     """The least stable motion at a load, by default the critical one, over one period.
 
     rigid: with the rigid motion that the elastic one drives. Raises InputError where the least stable motion does not
     oscillate, and where there is no critical load and none is given.
     """
+    name, damped = question.column.name, bool(question.alpha or question.beta)
     if load is None:
-        critical = critical_load(column, modes, alpha, beta, **parameters)
-        if critical.load is None:
-            raise InputError(f"load: {column.name} is stable up to P = {critical.question.load_max:g}; give a load")
-        load = critical.load
-    system = column.system(modes, load, alpha, beta, rigid, **parameters)
+        load = answer(question).load
+        if load is None:
+            raise InputError(f"load: {name} is stable up to P = {question.load_max:g}; give a load")
+    system = question.system(load, rigid)
     found = spectrum(system)
     elastic = found.elastic
     tiny = 1e-6 * np.abs(elastic).max()
     above, still = elastic[elastic.imag > tiny], elastic[np.abs(elastic.imag) <= tiny]
     worst = above[above.real.argmax()] if len(above) else 0j
     if not len(above) or still.real.max(initial=-np.inf) > worst.real - tiny:
-        raise InputError(f"load = {load:g}: the least stable motion of {column.name} there does not oscillate")
-    if not alpha and not beta and abs(worst.real) < 1e-3 * abs(worst):
+        raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
+    if not damped and abs(worst.real) < 1e-3 * abs(worst):
         # all decay alike: the pair that flutters is the one that the load brings together
-        target = critical_load(column, modes, **parameters).frequency or above.imag.min()
+        target = answer(question).frequency or above.imag.min()
         worst = above[np.abs(above.imag - target).argmin()]
     k = int(np.abs(found.eigenvalues - worst).argmin())
     lam, v = complex(found.eigenvalues[k]), found.vectors[:, k]
@@ -398,15 +367,15 @@ def cycle(
     return Cycle(system, lam, v, phase, given / size, taken / size, energy / size)
 
 
-def follower_share(column: Column, **parameters: Any) -> float:
+def follower_share(question: Question) -> float:
     """η, the share of the force at x = 1 that follows the slope there: 1 a follower, 0 a dead load or no force.
 
     From the equation of motion, whose axial force at the end is P a(1), and the end's condition, in which the
     shear takes up the rest, P (a(1) − η) y′.
     """
-    own = column.own_parameters(parameters)
-    axial = sum(column.kernel.equation(1.0, **own).get((2, 0), ()))
-    for condition in column.kernel.end_conditions(1.0, **own)[1]:
+    kernel = question.column.kernel
+    axial = sum(kernel.equation(1.0, **question.parameters).get((2, 0), ()))
+    for condition in kernel.end_conditions(1.0, **question.parameters)[1]:
         if (3, 0) in condition:
             return float(axial + condition.get((1, 0), 0.0) / condition[3, 0] * -1)
     return 0.0

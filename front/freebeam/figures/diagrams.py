@@ -16,6 +16,7 @@ from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MAP, MUTED, drawing
 from freebeam.figures.marks import arrow, branch, colour, dashes, digits, dot, key, legend, mark, note, symbol
 from freebeam_sym.checks import InputError
+from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -49,7 +50,7 @@ def frequency_load(
     Solid while a branch is a vibration; dashed, where a pair has met, the real part that both then share.
     Raises InputError for bad values, and without a critical load where no loads are given.
     """
-    found = curves.frequency_load(column, loads, modes=modes, count=count, **parameters)
+    found = curves.frequency_load(Question.of(column, modes, **parameters), loads, count=count)
     with drawing(ax) as ax:
         _squares(ax, column, found)
         critical = found.critical
@@ -84,7 +85,7 @@ def tangent(
 
     Raises InputError where the column does not flutter, and for κ = ∞.
     """
-    found = curves.tangent(column, kappa=kappa, modes=modes, **parameters)
+    found = curves.tangent(Question.of(column, modes, kappa=kappa, **parameters))
     critical = found.curves.critical
     assert critical.load is not None and critical.frequency is not None
     letter, meeting = symbol(column, "P"), critical.frequency**2
@@ -124,7 +125,7 @@ def coalescence(
     λ = iω ± √(c (P − P_cr)) to first order: the exceptional point, at which no power series in the load begins.
     width: what is shown on either side, a share of the load. Raises InputError where no two frequencies meet.
     """
-    found = curves.coalescence(column, modes=modes, width=width, **parameters)
+    found = curves.coalescence(Question.of(column, modes, **parameters), width=width)
     before, after = found.loads <= found.load, found.loads >= found.load
     away = found.eigenvalues - 1j * found.frequency
     letter = symbol(column, "P")
@@ -172,7 +173,7 @@ def root_locus(
     loads: a sequence, the largest load, or None for a quarter beyond the critical load. normalised: divided by λ₀ of
     Eq. (26). Each branch keeps its colour; dots stand at round loads. Raises InputError for bad values.
     """
-    found = curves.locus(column, loads, modes=modes, alpha=alpha, beta=beta, count=count, **parameters)
+    found = curves.locus(Question.of(column, modes, alpha, beta, **parameters), loads, count=count)
     with drawing(ax, (5.2, 4.2)) as ax:
         draw_locus(ax, column, found, normalised)
     return ax
@@ -237,7 +238,7 @@ def eigenvalues(
     """
     if part not in ("real", "imaginary"):
         raise InputError(f"part = {part!r}: must be 'real' or 'imaginary'")
-    found = curves.locus(column, loads, modes=modes, alpha=alpha, beta=beta, count=count, **parameters)
+    found = curves.locus(Question.of(column, modes, alpha, beta, **parameters), loads, count=count)
     with drawing(ax) as ax:
         draw_part(ax, column, found, part, normalised)
     return ax
@@ -286,7 +287,9 @@ def critical_curve(
     name: "alpha", "beta" or a parameter of the column's own; values: (m,), on a logarithmic axis where they grow by
     a factor; fixed: the other parameters. Flutter is solid, divergence dashed. Raises InputError for bad values.
     """
-    found = curves.critical_curve(column, name, values, modes=modes, load_max=load_max, **fixed)
+    if name in fixed:
+        raise InputError(f"{name} = {fixed[name]}: is what the curve runs along; leave it out")
+    found = curves.critical_curve(Question.of(column, modes, load_max=load_max, **fixed), name, values)
     with drawing(ax) as ax:
         draw_critical(ax, column, found, label, color)
     return ax

@@ -22,6 +22,7 @@ from freebeam.figures.shapes import history, trajectory
 from freebeam.figures.sketch import beam, centre_line
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import column as column_of
+from freebeam_sym.question import Question
 from freebeam_sym.response import Response, respond
 from freebeam_sym.spectra import spectrum
 from freebeam_sym.stability.critical import critical_load
@@ -118,7 +119,7 @@ def _scanned(load: float, step: float) -> str:
 
 
 def _locus(column: Column, s: dict[str, Any]) -> tuple[curves.Locus, dict[str, Any], dict[str, Any]]:
-    found = curves.locus(column, s["load_max"], modes=MODES, alpha=s["alpha"], beta=s["beta"])
+    found = curves.locus(Question.of(column, MODES, s["alpha"], s["beta"]), s["load_max"])
     critical = found.critical
     assert critical.load is not None and critical.frequency is not None
     words = {"kind": critical.kind, "scanned": _scanned(critical.load, s["scan_step"])}
@@ -157,7 +158,7 @@ def _range(limits: tuple[float, float, int]) -> Any:
 
 
 def _fig_4(column: Column, s: dict[str, Any]) -> _Parts:
-    found = curves.critical_curve(column, "alpha", _range(s["alpha"]), modes=MODES, beta=s["beta"])
+    found = curves.critical_curve(Question.of(column, MODES, beta=s["beta"]), "alpha", _range(s["alpha"]))
     undamped = critical_load(column, MODES).load
     limit = critical_load(column, MODES, kappa=0.0).load
     assert undamped is not None and limit is not None
@@ -179,7 +180,7 @@ def _fig_4(column: Column, s: dict[str, Any]) -> _Parts:
 
 
 def _fig_5(column: Column, s: dict[str, Any]) -> _Parts:
-    found = curves.critical_curve(column, "beta", _range(s["beta"]), modes=MODES, alpha=s["alpha"])
+    found = curves.critical_curve(Question.of(column, MODES, s["alpha"]), "beta", _range(s["beta"]))
     undamped = critical_load(column, MODES).load
     assert undamped is not None
     first, last = float(found.loads[0]), float(found.loads[-1])
@@ -200,7 +201,7 @@ def _fig_5(column: Column, s: dict[str, Any]) -> _Parts:
 
 def _fig_6(column: Column, s: dict[str, Any]) -> _Parts:
     alphas, betas = _range(s["alpha"]), np.append(s["beta_also"], _range(s["beta"]))
-    family = [curves.critical_curve(column, "alpha", alphas, modes=MODES, beta=beta) for beta in betas.tolist()]
+    family = [curves.critical_curve(Question.of(column, MODES, beta=beta), "alpha", alphas) for beta in betas.tolist()]
     loads = np.array([found.loads for found in family])
     undamped = critical_load(column, MODES).load
     assert undamped is not None

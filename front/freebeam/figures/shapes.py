@@ -13,6 +13,7 @@ from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing, shades
 from freebeam.figures.marks import arrow, colour, digits, dot, legend, note, plain, symbol
 from freebeam_sym.checks import InputError, count
+from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -40,7 +41,7 @@ def mode_shape(
 
     rigid: with the rigid motion that the elastic one drives. Raises InputError where that motion does not oscillate.
     """
-    found = curves.cycle(column, load, modes=modes, alpha=alpha, beta=beta, rigid=rigid, **parameters)
+    found = curves.cycle(Question.of(column, modes, alpha, beta, **parameters), load, rigid=rigid)
     x = np.linspace(0.0, 1.0, 201)
     Y = found.shape(x)
     Y = Y * np.exp(-1j * np.angle(Y[np.abs(Y).argmax()]))
@@ -77,7 +78,7 @@ def work(
 
     In shares of twice the mean kinetic energy. Raises InputError where that motion does not oscillate.
     """
-    found = curves.cycle(column, load, modes=modes, alpha=alpha, beta=beta, **parameters)
+    found = curves.cycle(Question.of(column, modes, alpha, beta, **parameters), load)
     turn = found.phase / (2 * np.pi)
     given, taken = float(found.work[-1]), float(found.dissipated[-1])
     even = abs(given - taken) <= 1e-9 * max(abs(given), abs(taken))
@@ -115,10 +116,11 @@ def work_loop(
 
     By default at the critical load. Largest |y| on the beam is 1. Raises InputError where no force follows the end.
     """
-    follows = curves.follower_share(column, **parameters)
+    question = Question.of(column, modes, alpha, beta, **parameters)
+    follows = curves.follower_share(question)
     if not follows:
         raise InputError(f"{column.name}: its end force does not follow the slope, so it does no work over a cycle")
-    found = curves.cycle(column, load, modes=modes, alpha=alpha, beta=beta, **parameters)
+    found = curves.cycle(question, load)
     turn = np.exp(1j * found.phase)
     end, force = found.shape(1.0), -follows * found.system.load * found.shape(1.0, 1)
     across = 1j * end * float((force / end).imag)

@@ -11,6 +11,7 @@ from freebeam.figures import curves
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing
 from freebeam.figures.marks import arrow, colour, symbol
 from freebeam_sym.checks import positions
+from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,7 +45,7 @@ def beam(
     cross-section). Raises InputError for places off the beam and unknown parameters.
     """
     x, y, slope = centre_line(column)
-    follows = curves.follower_share(column, **parameters)
+    follows = curves.follower_share(Question.of(column, **parameters))
     axial = column.kernel.equation(1.0, **column.own_parameters(parameters)).get((2, 0), ())
     places = {"x_s": x_s, "x_F": x_F if column.forced else None}
     for name, place in places.items():

@@ -13,6 +13,7 @@ from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, vanishing_damping
 from freebeam.lesson.facts import MODES, Facts
 from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, text
+from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -67,7 +68,7 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     critical = facts.damped(**whole).load or facts.load
     rows = []
     for share in (0.9, 1.0, 1.1):
-        c = curves.cycle(column, share * critical, modes=MODES, **damping)
+        c = curves.cycle(Question.of(column, MODES, **damping), share * critical)
         rate = c.eigenvalue.real if abs(c.eigenvalue.real) > 1e-9 * abs(c.eigenvalue) else 0.0
         rows.append((f"{share * critical:.5g}", f"{c.work[-1]:.4g}", f"{c.dissipated[-1]:.4g}", f"{rate:.3g}"))
     named = " and ".join(f"$\\{name} = {size:g}$" for name, size in damping.items())
@@ -80,7 +81,7 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
             "Energy given by the load and taken by damping through one period at the critical load.",
         ),
     ]  # fmt: skip
-    if curves.follower_share(column):
+    if curves.follower_share(Question.of(column)):
         caption = (
             "The follower force's transversal part against the deflection of its end: the loop's area is the work."
         )
@@ -93,14 +94,14 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
 def _work_exercises(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     from freebeam.figures import curves
 
-    past = curves.cycle(facts.column, 1.02 * facts.load, modes=MODES)
+    past = curves.cycle(Question.of(facts.column, MODES), 1.02 * facts.load)
     found: list[Block] = [
         exercise("work.past", given=float(past.work[-1]), rate=past.eigenvalue.real),
         exercise("work.circulatory", share=facts.circulatory),
     ]
     if damping:
         load = 0.5 * facts.load
-        c = curves.cycle(facts.column, load, modes=MODES, **damping)
+        c = curves.cycle(Question.of(facts.column, MODES, **damping), load)
         given, taken = float(c.work[-1]), float(c.dissipated[-1])
         gives = "gives" if given > 0 else "takes"
         found.append(
