@@ -141,6 +141,8 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2) -> int:
                     alive.append({"file": mutant.file, "operator": mutant.operator, "change": change})
                 state = "survives" if left else "killed"
                 print(f"{number}/{count} {state} {seconds:5.1f} s  {mutant.file}  {mutant.operator}", flush=True)
+                if left:
+                    print(change, flush=True)
     (ROOT / "build").mkdir(exist_ok=True)
     record = {"count": count, "seed": seed, "killed": count - len(alive), "survivors": alive}
     (ROOT / "build" / "mutants.json").write_text(json.dumps(record, indent=1, ensure_ascii=False), encoding="utf-8")
