@@ -553,7 +553,7 @@ def test_interrupt_is_one_line_and_status_130(freebeam, monkeypatch):
     def interrupt(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(fb, "critical_load", interrupt)
+    monkeypatch.setattr(fb, "column", interrupt)
     run = freebeam("critical")
     assert (run.status, run.out) == (130, "") and run.err.strip() == "freebeam: interrupted"
 

@@ -4,221 +4,153 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from dataclasses import MISSING, dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from freebeam.cli.application import app
+from freebeam.cli.application import command
 from freebeam.cli.options import (
-    ZERO,
-    AlphaOption,
-    BasisOption,
-    BetaOption,
-    ColumnOption,
-    JsonOption,
-    LengthOption,
-    LoadOption,
-    MassOption,
-    ModesOption,
+    Case,
+    CaseOptions,
+    FileOptions,
     Number,
-    RigidOption,
-    SetOption,
-    StiffnessOption,
-    assignments,
-    case_of,
-    nondimensional,
+    Options,
+    argument,
+    flag,
+    load_max_option,
     number,
+    option,
+    quantity,
+    refuse,
     vanishing_or_number,
 )
 from freebeam.cli.output import print_json, print_table, working, written
 
 if TYPE_CHECKING:
-    from freebeam.proofs import CertifiedCrossing, Truncation
+    from freebeam.proofs import Certified, CertifiedCrossing
+    from freebeam_sym.stability.critical import CriticalLoad
+
+Rows = list[list[str]]
+
+# --- critical ---------------------------------------------------------------------------------------------------
 
 
-@app.command(epilog="Example: freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
-def critical(
-    column: ColumnOption = "free-free",
-    basis: BasisOption = None,
-    modes: ModesOption = None,
-    alpha: Annotated[
-        Number,
-        typer.Option(parser=vanishing_or_number, metavar="X", help="Internal damping; 0+ for its vanishing limit."),
-    ] = ZERO,
-    beta: BetaOption = ZERO,
-    load_max: Annotated[Number | None, typer.Option(parser=number, metavar="P", help="Search up to this load.")] = None,
-    own: SetOption = None,
-    digits: Annotated[int | None, typer.Option(metavar="D", help="Prove the load to D digits.")] = None,
-    exact: Annotated[bool, typer.Option("--exact", help="Of the beam itself, with no series.")] = False,
-    every: Annotated[
-        bool, typer.Option("--all", help="With --digits: every crossing up to --load-max, and that there is no other.")
-    ] = False,
-    truncation: Annotated[
-        bool, typer.Option("--truncation", help="The series' error: its load less the beam's own, proven.")
-    ] = False,
-    kappa: Annotated[
-        Number | None, typer.Option(parser=number, metavar="K", help="With --alpha 0+: the limit at beta = K alpha.")
-    ] = None,
-    certificate: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write what was proven, and the data that prove it.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a certificate that exists.")] = False,
-    bending_stiffness: StiffnessOption = None,
-    mass_per_length: MassOption = None,
-    length: LengthOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Find the lowest load at which the column flutters or diverges."""
-    import freebeam as fb
-    from freebeam_sym.checks import InputError
-    from freebeam_sym.stability.convergence import digits_that_hold
+@dataclass(frozen=True, kw_only=True)
+class Critical(FileOptions, CaseOptions):
+    """The question, and what is to be proven."""
 
-    vanishing = alpha.text == "0+"
-    if kappa is not None and not vanishing:
-        raise InputError(f"kappa = {kappa}: is the ratio of vanishing dampings; give --alpha 0+ with it")
-    if vanishing and float(beta):
-        raise InputError(f"beta = {beta}: vanishes with alpha 0+; give --kappa for the ratio beta/alpha instead")
-    if digits is None and (exact or certificate or every):
-        option = "--exact" if exact else "--certificate" if certificate else "--all"
-        raise InputError(f"{option}: belongs to a proof; give --digits, such as --digits 20")
-    if certificate and (bending_stiffness or mass_per_length or length):
-        raise InputError("--certificate: is nondimensional; leave the beam in SI units out")
-    for option, given in (("--certificate", certificate), ("--all", every), ("--truncation", truncation)):
-        if exact and given:
-            raise InputError(f"{option}: is of a Ritz series; leave --exact out")
-    if certificate and certificate.exists() and not force:
-        raise InputError(f"{certificate} exists; choose another file, or --force to replace it")
-    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
-    units = case.units
-    if vanishing:
-        case.typed["kappa"] = kappa or ZERO
-    limit = {} if load_max is None else {"load_max": units.into("load", load_max)}
-    if vanishing:
-        limit["kappa"] = units.into("kappa", kappa or ZERO)
-    proven, crossings, off = None, None, None
-    if digits is not None or truncation:
-        asked: dict[str, Any] = {} if load_max is None else {"load_max": load_max.exact}
-        asked |= {"kappa": (kappa or ZERO).exact} if vanishing else {}
-        asked |= {name: value.exact for name, value in assignments(own).items()}
-        if bending_stiffness and mass_per_length and length:
-            asked["beam"] = bending_stiffness.exact, mass_per_length.exact, length.exact
-        of_series = (case.column, case.modes, alpha.exact, beta.exact)
-        with working("proof") as report, nondimensional(units):
-            if digits is not None and exact:
-                proven = fb.exact_load(case.column, alpha.exact, beta.exact, digits=digits, **asked)
-            elif digits is not None:
-                proven = fb.certified_load(*of_series, digits=digits, progress=report, **asked)
-            if digits is not None and every:
-                report("all crossings")
-                crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **asked)
-            if not exact and (truncation or (proven is not None and proven.load)):
-                off = _truncation(lambda: fb.truncation_error(*of_series, series=proven, **asked))
-        if certificate and proven is not None:
-            with written(certificate, force) as file:
-                file.write((json.dumps(proven.certificate, indent=1) + "\n").encode())
-    with working("critical load") as report, nondimensional(units):
-        found = fb.critical_load(case.column, modes=case.modes, alpha=case.alpha, beta=case.beta, **limit, **case.own)
-        report("the beam itself")
-        beam = found.beam
-    record = case.record(
-        load=units.out("load", found.load),
-        kind=found.kind,
-        frequency=units.out("frequency", found.frequency),
-        error=found.error,
-        converged=found.converged,
-        beam=None
-        if beam is None
-        else {"load": units.out("load", beam.load), "kind": beam.kind, "uncertainty": beam.uncertainty},
-        touches=[[units.out("load", touch.load), units.out("frequency", touch.frequency)] for touch in found.touches],
-        load_max=units.out("load", found.question.load_max),
+    alpha: Number = option(
+        "X", "Internal damping alpha; 0+ is the limit of ever smaller damping.", default="0", parser=vanishing_or_number
     )
-    if proven is not None:
-        load, frequency = proven.load or (None, None), proven.frequency or (None, None)
-        record |= {"load_lower": load[0], "load_upper": load[1]}
-        record |= {"frequency_lower": frequency[0], "frequency_upper": frequency[1]}
-        record |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
-        if proven.load and proven.frequency and not exact:
-            first = float(proven.load[0])
-            if not math.isclose(first, record["load"] or math.inf, rel_tol=1e-6):
-                # what floats take for a touch, or do not see, is a loss of stability of the series
-                touches = [touch for touch in record["touches"] if not math.isclose(first, touch[0], rel_tol=1e-6)]
-                record |= {"error": None, "converged": False, "touches": touches}
-            record |= {"load": first, "frequency": float(proven.frequency[0])}
-    if crossings is not None:
-        record |= {"crossings": [_crossing(crossing) for crossing in crossings]}
-    if off is not None:
-        record |= {"truncation": off}
-    if as_json:
+    kappa: Number | None = quantity("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
+    load_max: Number | None = load_max_option()
+    digits: int | None = option("D", "Prove the critical load to D digits.")
+    exact: bool = flag("With --digits: prove the load of the beam itself, not of the series.")
+    every: bool = flag("With --digits: prove each crossing up to --load-max, and that there is no other.", "--all")
+    truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
+    certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
+
+    @property
+    def ratio(self) -> Number | None:
+        """β/α in the limit of vanishing damping; None where damping does not vanish."""
+        return (self.kappa or number("0")) if self.alpha.text == "0+" else None
+
+    def exactly(self) -> dict[str, Any]:
+        """The question as the provers take it: exact numbers by name, in the units in which they were typed."""
+        given = {"alpha": self.alpha, "beta": self.beta, "kappa": self.ratio, "load_max": self.load_max}
+        numbers: dict[str, Any] = {name: x.exact for name, x in given.items() if x is not None}
+        if self.beam:
+            numbers["beam"] = tuple(x.exact for x in self.beam.values())
+        return numbers | {name: x.exact for name, x in self.assigned.items()}
+
+
+@dataclass(frozen=True)
+class Found:
+    """What is found for a question: the first loss of stability in floats, and what was proven, None where it was not
+    asked for."""
+
+    case: Case
+    loss: CriticalLoad
+    exact: bool
+    proven: Certified | None
+    crossings: tuple[CertifiedCrossing, ...] | None
+    truncation: dict[str, Any] | None
+
+
+@command(Critical, "freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
+def critical(asked: Critical) -> None:
+    """Find the lowest load at which the column loses stability, by flutter or by divergence."""
+    case = _ask(asked)
+    found = _compute(asked, case)
+    if asked.certificate and found.proven is not None:
+        with written(asked.certificate, asked.force) as file:
+            file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
+    record = _record(found)
+    if asked.as_json:
         print_json(record)
         return
-    load_unit = units.of("load")
-    none = f"none up to {record['load_max']:.10g}{load_unit}"
-    kind = found.kind if exact else record["kind"]  # of the series
-    if record["load"] is None:
-        rows = [["critical load", none]]
-    else:
-        rows = [["critical load", digits_that_hold(record["load"], found.rounding) + load_unit]]
-        rows += [["kind", kind]]
-        rows += [["frequency", f"{record['frequency']:.10g}{units.of('frequency')}"]]
-    rows += [["touches", f"{load:.10g}{load_unit}: stability is not lost"] for load, _ in record["touches"]]
-    if beam is None:
-        rows += [["the beam itself", "not known: series of polynomials do not agree"]]
-    elif beam.load is None:
-        rows += [["the beam itself", none]]
-    else:
-        its = digits_that_hold(record["beam"]["load"], beam.uncertainty) + load_unit
-        rows += [["the beam itself", its if beam.kind == kind else f"{beam.kind} at {its}"]]
-    if record["load"] is not None:
-        error = "" if record["error"] is None else f" (error {record['error']:.1e})"
-        rows += [["converged", ("yes" if record["converged"] else "no") + error]]
-    if proven is not None:
-        what = "the beam itself" if exact else f"N = {case.modes}"
-        up_to = none.removeprefix("none ")
-        rows += [[f"proven, {what}", f"{' to '.join(proven.load)}{load_unit}" if proven.load else none]]
-        if proven.frequency:
-            omega = f"{' to '.join(dict.fromkeys(proven.frequency))}{units.of('frequency')}"
-            rows += [["kind", proven.kind]] if proven.kind != kind else []
-            rows += [["frequency", omega]]
-        rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
-        names = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
-        rows += [["proven is", ", ".join(names) if proven.load else f"stable {up_to}"]]
-        missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
-        if missing and proven.load:
-            rows += [["not proven", ", ".join(missing)]]
-    if off is not None:
-        rows += [["truncation error", off.get("unknown") or _off(off, load_unit)]]
-    print_table(rows, title=case.title())
-    if crossings:
-        header = [f"load{load_unit}", "kind", f"frequency{units.of('frequency')}", "unstable eigenvalues", "stability"]
-        lines = [
-            [
-                " to ".join(c.load),
-                c.kind,
-                " to ".join(dict.fromkeys(c.frequency)),
-                f"{c.unstable_below}, then {c.unstable_above}",
-                c.stability,
-            ]
-            for c in crossings
-        ]
-        print_table(lines, header, f"All crossings {up_to}: proven that there is no other")
+    print_table(_rows(found, record), title=case.title())
+    if found.crossings:
+        load, frequency = (case.units.of(quantity) for quantity in ("load", "frequency"))
+        header = [f"load{load}", "kind", f"frequency{frequency}", "unstable eigenvalues", "stability"]
+        title = f"All crossings up to {record['load_max']:.10g}{load}: proven that there is no other"
+        print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
 
-def _part(part: float, size: float, rounding: float) -> str:
-    """Real or imaginary part of a number of this size, to the digits that its relative rounding leaves."""
-    from freebeam_sym.stability.convergence import digits_that_hold
+def _ask(asked: Critical) -> Case:
+    """The question; options that contradict one another are refused. Raises InputError."""
+    limit, file = asked.ratio is not None, asked.certificate
+    refuse(asked.kappa and not limit, f"kappa = {asked.kappa}: is the ratio of vanishing dampings; give --alpha 0+ too")
+    refuse(
+        limit and float(asked.beta),
+        f"beta = {asked.beta}: vanishes with --alpha 0+; give the ratio beta/alpha by --kappa instead",
+    )
+    for name, given in (("--exact", asked.exact), ("--certificate", file), ("--all", asked.every)):
+        refuse(given and asked.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
+    refuse(file and asked.beam, "--certificate: is nondimensional; leave out the beam in SI units")
+    for name, given in (("--certificate", file), ("--all", asked.every), ("--truncation", asked.truncation)):
+        refuse(given and asked.exact, f"{name}: is about the Ritz series; leave out --exact")
+    there = file and file.exists() and not asked.force
+    refuse(there, f"{file} exists; choose another file, or --force to replace it")
+    return asked.case(asked.load_max, asked.ratio)
 
-    return "0" if abs(part) <= rounding * size else digits_that_hold(part, rounding * size / abs(part))
+
+def _compute(asked: Critical, case: Case) -> Found:
+    """The proofs that are asked for, then the answer in floats. Raises InputError where something is not proven."""
+    import freebeam as fb
+    from freebeam_sym.stability.critical import answer
+
+    proven, crossings, truncation = None, None, None
+    column, modes = case.question.column, case.question.modes
+    if asked.digits is not None or asked.truncation:
+        exactly, digits = asked.exactly(), asked.digits
+        with working("proof") as report, case.units.in_errors():
+            if digits is not None and asked.exact:
+                proven = fb.exact_load(column, digits=digits, **exactly)
+            elif digits is not None:
+                proven = fb.certified_load(column, modes, digits=digits, progress=report, **exactly)
+            if digits is not None and asked.every:
+                report("all crossings")
+                crossings = fb.certified_crossings(column, modes, digits=digits, progress=report, **exactly)
+            if asked.truncation or (proven and proven.load and not asked.exact):
+                truncation = _truncation(case, proven, exactly)
+    with working("critical load") as report, case.units.in_errors():
+        loss = answer(case.question)
+        report("the beam itself")
+        _ = loss.beam  # computed when it is first asked for
+    return Found(case, loss, asked.exact, proven, crossings, truncation)
 
 
-def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
+def _truncation(case: Case, series: Certified | None, exactly: dict[str, Any]) -> dict[str, Any]:
     """The truncation error as a record; where it is not known, why."""
+    import freebeam as fb
     from freebeam_sym.checks import InputError
 
     try:
-        found = ask()
+        found = fb.truncation_error(case.question.column, case.question.modes, series=series, **exactly)
     except InputError as error:
         return {"unknown": str(error)}
     exact = found.beam.load or (None, None)
@@ -226,100 +158,196 @@ def _truncation(ask: Callable[[], Truncation]) -> dict[str, Any]:
     return {**difference, "relative": found.relative, "exact_lower": exact[0], "exact_upper": exact[1]}
 
 
-def _off(record: dict[str, Any], unit: str) -> str:
-    low, high = (Decimal(record[name]) for name in ("difference_lower", "difference_upper"))
-    own = record["exact_lower"][:17] + unit
-    if low <= 0 <= high:
-        return f"none that 60 digits show, by the beam's own load {own}"
-    small = "E" if max(abs(low), abs(high)) < Decimal("1e-4") else ""
-    return f"{low:{small}} to {high:{small}}{unit}, {record['relative']:.1e} of the beam's own load {own}"
+def _record(found: Found) -> dict[str, Any]:
+    """All of it for JSON."""
+    loss, out = found.loss, found.case.units.out
+    beam = loss.beam and {
+        "load": out("load", loss.beam.load), "kind": loss.beam.kind, "uncertainty": loss.beam.uncertainty,
+    }  # fmt: skip
+    record = found.case.record(
+        load=out("load", loss.load),
+        kind=loss.kind,
+        frequency=out("frequency", loss.frequency),
+        error=loss.error,
+        converged=loss.converged,
+        beam=beam,
+        touches=[[out("load", touch.load), out("frequency", touch.frequency)] for touch in loss.touches],
+        load_max=out("load", loss.question.load_max),
+    )
+    if found.proven is not None:
+        record |= _proof(found.proven, record, found.exact)
+    if found.crossings is not None:
+        record["crossings"] = [_crossing(crossing) for crossing in found.crossings]
+    if found.truncation is not None:
+        record["truncation"] = found.truncation
+    return record
+
+
+def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, Any]:
+    """What a proof adds to the record, and what it changes there."""
+    added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
+    added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+    if proven.load and proven.frequency and not exact:
+        load = float(proven.load[0])
+        if not math.isclose(load, record["load"] or math.inf, rel_tol=1e-6):
+            # what floats take for a touch, or do not see, is a loss of stability of the series
+            touches = [touch for touch in record["touches"] if not math.isclose(load, touch[0], rel_tol=1e-6)]
+            added |= {"error": None, "converged": False, "touches": touches}
+        added |= {"load": load, "frequency": float(proven.frequency[0])}
+    return added
+
+
+def _ends(name: str, interval: tuple[str, str] | None) -> dict[str, str | None]:
+    lower, upper = interval or (None, None)
+    return {f"{name}_lower": lower, f"{name}_upper": upper}
 
 
 def _crossing(found: CertifiedCrossing) -> dict[str, Any]:
     return {
         "kind": found.kind,
-        "load_lower": found.load[0],
-        "load_upper": found.load[1],
-        "frequency_lower": found.frequency[0],
-        "frequency_upper": found.frequency[1],
+        **_ends("load", found.load),
+        **_ends("frequency", found.frequency),
         "unstable_below": found.unstable_below,
         "unstable_above": found.unstable_above,
         "stability": found.stability,
     }
 
 
-@app.command(epilog="Example: freebeam verify certificate.json")
-def verify(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A certificate of `critical --certificate`.")],
-    as_json: JsonOption = False,
-) -> None:
-    """Check a certificate with a program that shares no code with the one that wrote it."""
+def _crossing_row(found: CertifiedCrossing) -> list[str]:
+    unstable = f"{found.unstable_below}, then {found.unstable_above}"
+    return [" to ".join(found.load), found.kind, _interval(found.frequency), unstable, found.stability]
+
+
+def _interval(ends: tuple[str, str]) -> str:
+    return " to ".join(dict.fromkeys(ends))  # one number where the ends are the same
+
+
+def _rows(found: Found, record: dict[str, Any]) -> Rows:
+    """All of it as a table."""
+    units, loss = found.case.units, found.loss
+    unit = units.of("load")
+    none = f"none up to {record['load_max']:.10g}{unit}"
+    kind = loss.kind if found.exact else record["kind"]  # of the series
+    if record["load"] is None:
+        rows = [["critical load", none]]
+    else:
+        rows = [["critical load", _digits(record["load"], loss.rounding) + unit], ["kind", kind]]
+        rows += [["frequency", f"{record['frequency']:.10g}{units.of('frequency')}"]]
+    rows += [["touches", f"{load:.10g}{unit}: stability is not lost"] for load, _ in record["touches"]]
+    rows += [["the beam itself", _beam(record["beam"], kind, none, unit)]]
+    if record["load"] is not None:
+        error = "" if record["error"] is None else f" (error {record['error']:.1e})"
+        rows += [["converged", ("yes" if record["converged"] else "no") + error]]
+    if found.proven is not None:
+        rows += _proof_rows(found, found.proven, kind, none)
+    if found.truncation is not None:
+        rows += [["truncation error", found.truncation.get("unknown") or _difference(found.truncation, unit)]]
+    return rows
+
+
+def _beam(beam: dict[str, Any] | None, kind: str, none: str, unit: str) -> str:
+    """The load of the beam itself, with its kind where that is another than that of the series."""
+    if beam is None:
+        return "not known: series of polynomials do not agree"
+    if beam["load"] is None:
+        return none
+    load = _digits(beam["load"], beam["uncertainty"]) + unit
+    return load if beam["kind"] == kind else f"{beam['kind']} at {load}"
+
+
+def _proof_rows(found: Found, proven: Certified, kind: str, none: str) -> Rows:
+    units = found.case.units
+    of = "the beam itself" if found.exact else f"N = {found.case.question.modes}"
+    rows = [[f"proven, {of}", f"{' to '.join(proven.load)}{units.of('load')}" if proven.load else none]]
+    if proven.frequency:
+        rows += [["kind", proven.kind]] if proven.kind != kind else []
+        rows += [["frequency", _interval(proven.frequency) + units.of("frequency")]]
+    rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
+    if not proven.load:
+        return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
+    shown, missing = (
+        ", ".join(name.replace("_", " ") for name, yes in proven.proof.items() if yes is wanted)
+        for wanted in (True, False)
+    )
+    return [*rows, ["proven is", shown], *([["not proven", missing]] if missing else [])]
+
+
+def _difference(record: dict[str, Any], unit: str) -> str:
+    """The truncation error, for print."""
+    low, high = (Decimal(record[name]) for name in ("difference_lower", "difference_upper"))
+    load = record["exact_lower"][:17] + unit
+    if low <= 0 <= high:
+        return f"none within 60 digits of the load of the beam itself, {load}"
+    small = "E" if max(abs(low), abs(high)) < Decimal("1e-4") else ""
+    return f"{low:{small}} to {high:{small}}{unit}, {record['relative']:.1e} of the load of the beam itself, {load}"
+
+
+def _digits(value: float, error: float) -> str:
+    """A number to the digits that its relative error leaves."""
+    from freebeam_sym.stability.convergence import digits_that_hold
+
+    return digits_that_hold(value, error)
+
+
+# --- verify -----------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class Verify(Options):
+    file: Path = argument(MISSING, metavar="FILE", help="A certificate of `freebeam critical --certificate`.")
+
+
+@command(Verify, "freebeam verify certificate.json")
+def verify(asked: Verify) -> None:
+    """Check a certificate by a program that shares no code with the one that wrote it."""
     import freebeam as fb
 
     with working("verify"):
-        found = fb.verify_certificate(str(file))
-    if as_json:
-        print_json({"file": str(file), "verified": True, **found.record(), "proves": str(found)})
+        found = fb.verify_certificate(str(asked.file))
+    if asked.as_json:
+        print_json({"file": str(asked.file), "verified": True, **found.record(), "proves": str(found)})
         return
-    typer.echo(f"{file}: {found}")
+    typer.echo(f"{asked.file}: {found}")
 
 
-@app.command(epilog="Example: freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
-def spectrum(
-    load: LoadOption,
-    column: ColumnOption = "free-free",
-    basis: BasisOption = None,
-    modes: ModesOption = None,
-    alpha: AlphaOption = ZERO,
-    beta: BetaOption = ZERO,
-    rigid: RigidOption = False,
-    own: SetOption = None,
-    digits: Annotated[int | None, typer.Option(metavar="D", help="With --exact: enclose to D digits.")] = None,
-    exact: Annotated[
-        bool, typer.Option("--exact", help="Of the beam itself, with no series, each eigenvalue proven.")
-    ] = False,
-    bending_stiffness: StiffnessOption = None,
-    mass_per_length: MassOption = None,
-    length: LengthOption = None,
-    as_json: JsonOption = False,
-) -> None:
-    """Print the eigenvalues at a load, sorted by |Im|, then Re."""
+# --- spectrum ---------------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, kw_only=True)
+class AskedSpectrum(CaseOptions):
+    load: Number = quantity("P", "The load P.", default=MISSING)
+    rigid: bool = flag("Include the rigid-body functions.")
+    exact: bool = flag("With --digits: prove the eigenvalues of the beam itself, not of a series.")
+    digits: int | None = option("D", "With --exact: prove each eigenvalue to D digits.")
+
+
+@command(AskedSpectrum, "freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
+def spectrum(asked: AskedSpectrum) -> None:
+    """Compute the eigenvalues at a load, sorted by |Im|, then by Re."""
+    together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
+    refuse(asked.exact != (asked.digits is not None), together)
+    for name, given in (("--rigid", asked.rigid), ("SI units", asked.beam)):
+        refuse(asked.exact and given, f"{name}: not with --exact, which is nondimensional and elastic")
+    case = asked.case()
+    if asked.digits is None:
+        _show_spectrum(asked, case)
+    else:
+        _show_exact_spectrum(asked, case, asked.digits)
+
+
+def _show_spectrum(asked: AskedSpectrum, case: Case) -> None:
     import freebeam as fb
-    from freebeam_sym.checks import InputError
 
-    if exact != (digits is not None):
-        raise InputError("--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits")
-    if exact and (rigid or bending_stiffness or mass_per_length or length):
-        option = "--rigid" if rigid else "SI units"
-        raise InputError(f"{option}: not with --exact, which is nondimensional and of the elastic spectrum")
-    case = case_of(column, modes, alpha, beta, own, (bending_stiffness, mass_per_length, length), basis)
     units = case.units
-    if digits is not None:
-        values = {name: value.exact for name, value in assignments(own).items()}
-        with working("proof"):
-            enclosed = fb.exact_spectrum(
-                case.column, load.exact, alpha.exact, beta.exact, modes=case.modes, digits=digits, **values
-            )
-        if as_json:
-            boxes = {"eigenvalues_lower": enclosed.lower, "eigenvalues_upper": enclosed.upper}
-            print_json(case.record(load=load, exact=True, digits=digits, **boxes, unproven=enclosed.unproven))
-            return
-        lines = [
-            [" to ".join(dict.fromkeys(ends)) for ends in zip(low, high, strict=True)]
-            for low, high in zip(enclosed.lower, enclosed.upper, strict=True)
-        ]
-        lines += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in enclosed.unproven]
-        print_table(lines, ["Re", "Im"], case.title(load=str(load)) + ", the beam itself, each proven")
-        return
-    found = fb.spectrum(case.system(units.into("load", load), rigid))
+    found = fb.spectrum(case.question.system(units.into("load", asked.load), asked.rigid))
     record = case.record(
-        load=load,
-        rigid=rigid,
+        load=asked.load,
+        rigid=asked.rigid,
         eigenvalues=units.out("frequency", found.eigenvalues),
         error=found.error,
         reference_frequency=units.out("frequency", found.reference_frequency),
     )
-    if as_json:
+    if asked.as_json:
         print_json(record)
         return
     rows = [
@@ -327,4 +355,28 @@ def spectrum(
         for value, off, error in zip(record["eigenvalues"], found.rounding, found.error, strict=True)
     ]
     unit = units.of("frequency")
-    print_table(rows, [f"Re{unit}", f"Im{unit}", "error"], case.title(load=f"{load}{units.of('load')}"))
+    print_table(rows, [f"Re{unit}", f"Im{unit}", "error"], case.title(load=f"{asked.load}{units.of('load')}"))
+
+
+def _show_exact_spectrum(asked: AskedSpectrum, case: Case, digits: int) -> None:
+    import freebeam as fb
+
+    own = {name: value.exact for name, value in asked.assigned.items()}
+    damping = asked.alpha.exact, asked.beta.exact
+    with working("proof"):
+        found = fb.exact_spectrum(
+            case.question.column, asked.load.exact, *damping, modes=case.question.modes, digits=digits, **own
+        )
+    if asked.as_json:
+        boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
+        print_json(case.record(load=asked.load, exact=True, digits=digits, **boxes, unproven=found.unproven))
+        return
+    boxes_of = zip(found.lower, found.upper, strict=True)
+    rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
+    rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
+    print_table(rows, ["Re", "Im"], case.title(load=str(asked.load)) + ", the beam itself, each proven")
+
+
+def _part(part: float, size: float, rounding: float) -> str:
+    """Real or imaginary part of a number of this size, to the digits that its relative rounding leaves."""
+    return "0" if abs(part) <= rounding * size else _digits(part, rounding * size / abs(part))

@@ -3,27 +3,30 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING
 
 import typer
 
-from freebeam.cli.application import app
-from freebeam.cli.options import JsonOption
+from freebeam.cli.application import command
+from freebeam.cli.options import Options, argument, flag, option, refuse
 from freebeam.cli.output import print_json, print_table, working
 
+if TYPE_CHECKING:
+    from freebeam_derive.pipeline import Outcome
 
-@app.command(epilog="Example: freebeam columns")
-def columns(as_json: JsonOption = False) -> None:
+
+@command(Options, "freebeam columns")
+def columns(asked: Options) -> None:
     """List the columns with their ends and parameters.
 
-    Of each parameter: its default and, in brackets, the range of interest, which is what plots show. It is no limit.
+    Each parameter has a default and, in brackets, a range of interest: the range that plots show. Any value may be set.
     """
     import freebeam as fb
 
     found = [fb.column(name) for name in fb.column_names()]
-    if as_json:
+    if asked.as_json:
         keys = ("name", "title", "ends", "damping")
         print_json({
             "columns": [
@@ -49,53 +52,33 @@ def columns(as_json: JsonOption = False) -> None:
     print("A range of interest is what plots show; any value may be set.")
 
 
-@app.command(epilog="Example: freebeam generate path/to/column.py --output kernels")
-def generate(
-    targets: Annotated[
-        list[str] | None,
-        typer.Argument(
-            metavar="[COLUMN|FILE]...",
-            help="Columns to derive; freebeam's own by default. A column's file is a Python program, which is run.",
-        ),
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Folder of the kernels; freebeam's own by default.")
-    ] = None,
-    check: Annotated[
-        bool, typer.Option("--check", help="Write nothing; print a diff and exit 1 where the folder differs.")
-    ] = False,
-    as_json: JsonOption = False,
-) -> None:
-    """Derive columns from their energies, emit their kernels and verify them."""
-    from freebeam_derive import pipeline
-    from freebeam_derive.statement import StatementError
-    from freebeam_derive.verify import VerificationError
-    from freebeam_sym.checks import InputError
+@dataclass(frozen=True, kw_only=True)
+class Generate(Options):
+    targets: list[str] | None = argument(
+        metavar="[COLUMN|FILE]...",
+        help="Columns to derive; freebeam's own if none is given. A column's file is a Python program, which is run.",
+    )
+    output: Path | None = option("DIR", "Folder of the kernels; freebeam's own if not given.")
+    check: bool = flag("Write nothing; if the folder holds something else, print a diff and exit 1.")
 
-    files = [target for target in targets or () if target not in pipeline.columns()]
-    if files and output is None:
-        raise InputError(f"{files[0]}: is not freebeam's own; name a folder for its kernel with --output")
-    try:
-        with working("generate") as report:
-            outcome = pipeline.generate(targets or (), output, report, check)
-    except StatementError as error:
-        raise InputError(str(error)) from error
-    except VerificationError as error:
-        print(f"freebeam: nothing is written: {error}", file=sys.stderr)
-        raise typer.Exit(1) from error
+
+@command(Generate, "freebeam generate path/to/column.py --output kernels")
+def generate(asked: Generate) -> None:
+    """Derive columns from their energies, write their kernels as Python code, and verify them."""
+    outcome = _generated(asked)
     worst = {
         name: max(figures, key=lambda figure: figure.error / figure.bound) for name, figures in outcome.figures.items()
     }
-    if as_json:
+    if asked.as_json:
         print_json({
             "columns": outcome.columns,
             "output": outcome.output,
-            "check": check,
+            "check": asked.check,
             "written": outcome.written,
             "difference": outcome.difference,
             "errors": {name: asdict(figure) for name, figure in worst.items()},
         })  # fmt: skip
-    elif check:
+    elif asked.check:
         sys.stdout.write(outcome.difference or f"{outcome.output}: is what the derivation emits\n")
     else:
         rows = [
@@ -106,3 +89,24 @@ def generate(
         print_table(rows, header, f"Emitted to {outcome.output}, verified")
     if outcome.difference:
         raise typer.Exit(1)
+
+
+def _generated(asked: Generate) -> Outcome:
+    """What was derived and written. Raises InputError for a bad statement; ends with status 1 where a kernel fails."""
+    from freebeam_derive import pipeline
+    from freebeam_derive.statement import StatementError
+    from freebeam_derive.verify import VerificationError
+    from freebeam_sym.checks import InputError
+
+    targets = asked.targets or ()
+    files = [target for target in targets if target not in pipeline.columns()]
+    foreign = f"{files[0]}: is not freebeam's own" if files else ""
+    refuse(files and asked.output is None, f"{foreign}; name a folder for its kernel by --output")
+    try:
+        with working("generate") as report:
+            return pipeline.generate(targets, asked.output, report, asked.check)
+    except StatementError as error:
+        raise InputError(str(error)) from error
+    except VerificationError as error:
+        print(f"freebeam: nothing is written: {error}", file=sys.stderr)
+        raise typer.Exit(1) from error

@@ -6,37 +6,37 @@ import io
 import json
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from dataclasses import dataclass
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 from typer.core import TyperCommand
 
-from freebeam.cli.application import app
+from freebeam.cli.application import command
 from freebeam.cli.options import (
-    BasisOption,
-    ColumnOption,
-    JsonOption,
-    LengthOption,
-    MassOption,
-    ModesOption,
+    ColumnOptions,
+    FileOptions,
     Number,
-    SetOption,
-    StiffnessOption,
     Units,
-    assignments,
-    nondimensional,
+    argument,
+    flag,
+    load_max_option,
     number,
-    units_of,
+    option,
+    refuse,
 )
 from freebeam.cli.output import plain, print_json, print_table, working, written
 
 if TYPE_CHECKING:
     import xarray
+
+    from freebeam_sym.question import Question
+    from freebeam_sym.stability.maps import Solved
 
 MOST_PRINTED = 10_000
 """Points of a map up to which it is printed as JSON."""
@@ -72,142 +72,167 @@ class Axes(TyperCommand):
         return list(super().parse_args(ctx, args))
 
 
-@app.command(
-    "map",
+@dataclass(frozen=True, kw_only=True)
+class Map(FileOptions, ColumnOptions):
+    """The axes, what is fixed, and how the map is computed and kept."""
+
+    alpha: tuple[str, str, str] | None = option(WORDS["--alpha"], "Internal damping: first, last, how many values.")
+    beta: tuple[str, str, str] | None = option(WORDS["--beta"], "External damping: first, last, how many values.")
+    axis: list[str] | None = option(
+        WORDS["--axis"], "Any parameter: alpha, beta or one of the column; may be repeated."
+    )
+    linear: bool = flag("Space the values of dampings evenly too.")
+    load_max: Number | None = load_max_option()
+    no_convergence: bool = flag("Leave out the error against the beam itself, which takes most of the time.")
+    chunks: int | None = option("K", "Compute in blocks of K values along each axis, in parallel (Dask).")
+    workers: int | None = option("W", "With --chunks: number of processes; one a core if not given.")
+    store: Path | None = option("FOLDER", "With --chunks: keep finished blocks here; a stopped run goes on from it.")
+    output: Path | None = option("FILE.csv|.nc|.png", "Write a table, a NetCDF file, or a picture.")
+    extra: list[str] | None = argument(hidden=True)
+
+
+@dataclass(frozen=True)
+class Grid:
+    """What is mapped: the question and its axes, (n_k,) by name, nondimensional and in the units of the output."""
+
+    question: Question
+    values: dict[str, Any]
+    axes: dict[str, Any]
+    units: Units
+
+    @property
+    def points(self) -> int:
+        return math.prod(map(len, self.axes.values()))
+
+    @property
+    def fixed(self) -> dict[str, float]:
+        """The column's own parameters that are no axes."""
+        return {name: value for name, value in self.question.parameters.items() if name not in self.axes}
+
+    def record(self) -> dict[str, Any]:
+        return {
+            **self.question.record(),
+            "parameters": self.fixed,
+            **{name: 0.0 for name in ("alpha", "beta") if name not in self.axes},
+            "load_max": self.units.out("load", self.question.load_max),
+            "units": self.units.name,
+        }
+
+    def arrays(self, found: Solved) -> dict[str, Any]:
+        """The map's values by name, in the units of the output."""
+        import numpy as np
+
+        from freebeam_sym.stability.grids import KINDS
+
+        answers = found.answers
+        loads, frequencies = self.units.out("load", answers.load), self.units.out("frequency", answers.frequency)
+        arrays = {"load": loads, "kind": np.array(KINDS)[answers.kind], "frequency": frequencies}
+        return arrays | ({} if found.error is None else {"error": found.error, "converged": found.converged})
+
+
+@command(
+    Map,
+    "freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (.csv, .png, or --json)",
+    name="map",
     cls=Axes,
-    epilog="Example: freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (.csv, .png, or --json)",
 )
-def stability_map(
-    alpha: Annotated[
-        tuple[str, str, str] | None,
-        typer.Option(metavar=WORDS["--alpha"], help="Internal damping: from, to, how many values."),
-    ] = None,
-    beta: Annotated[
-        tuple[str, str, str] | None,
-        typer.Option(metavar=WORDS["--beta"], help="External damping: from, to, how many values."),
-    ] = None,
-    axis: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=WORDS["--axis"], help="Any parameter: alpha, beta or one of the column's own; repeatable."
-        ),
-    ] = None,
-    column: ColumnOption = "free-free",
-    modes: ModesOption = None,
-    basis: BasisOption = None,
-    linear: Annotated[bool, typer.Option("--linear", help="Space dampings evenly too, not by a factor.")] = False,
-    own: SetOption = None,
-    load_max: Annotated[Number | None, typer.Option(parser=number, metavar="P", help="Search up to this load.")] = None,
-    no_convergence: Annotated[
-        bool, typer.Option("--no-convergence", help="Without the polynomials that tell the error.")
-    ] = False,
-    chunks: Annotated[
-        int | None,
-        typer.Option(metavar="K", help="Compute in blocks of K x K points, by processes on Dask."),
-    ] = None,
-    workers: Annotated[int | None, typer.Option(metavar="W", help="Processes; one a core where not given.")] = None,
-    store: Annotated[
-        Path | None, typer.Option(metavar="FOLDER", help="Keep finished blocks here; a stopped run goes on from it.")
-    ] = None,
-    output: Annotated[
-        Path | None, typer.Option(metavar="FILE.csv|.nc|.png", help="Write a table, a NetCDF file, or a picture.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace a file that exists.")] = False,
-    bending_stiffness: StiffnessOption = None,
-    mass_per_length: MassOption = None,
-    length: LengthOption = None,
-    as_json: JsonOption = False,
-    extra: Annotated[list[str] | None, typer.Argument(hidden=True)] = None,
-) -> None:
-    """Map the critical load over one parameter or more: dampings, or the column's own.
+def stability_map(asked: Map) -> None:
+    """Compute the critical load over a grid of one parameter or more: dampings, or the column's own.
 
-    Each point is the first loss of stability, with its kind and frequency and its error against the beam itself.
-    Values of a damping are spaced by a factor, those of another parameter evenly.
+    Each point is the first loss of stability, with its kind, its frequency, and its error against the beam itself.
+    Values of a damping have a constant ratio, values of another parameter a constant difference.
     """
-    import numpy as np
-
-    import freebeam as fb
-    from freebeam_sym.checks import InputError, positive
-    from freebeam_sym.stability.grids import KINDS
-    from freebeam_sym.stability.maps import dataset, solved, split
-
-    if extra:
-        raise InputError(f"{extra[0]}: belongs to no option; the axes take {', '.join(map(' '.join, WORDS.items()))}")
-    any_of_them: Any = axis or ()  # four words each, as `Axes` has it
-    axes = _axes([("alpha", alpha), ("beta", beta), *((name, given) for name, *given in any_of_them)], linear)
-    points = math.prod(map(len, axes.values()))
-    if output is not None:
-        _refuse_output(output, [*map(len, axes.values())])
-    if as_json and output is None and points > MOST_PRINTED:
-        raise InputError(f"{points} points: JSON is printed of {MOST_PRINTED} at most; give --output FILE.csv or .nc")
-    chosen = fb.column(column, basis)
-    own_values = assignments(own)
-    for name in axes:
-        if name in own_values:
-            raise InputError(f"--set {name}={own_values[name]}: {name} is an axis of this map; leave one of them out")
-    beam = {"bending_stiffness": bending_stiffness, "mass_per_length": mass_per_length, "length": length}
-    units = units_of(chosen, *beam.values())
-    fixed = {name: value for name, value in chosen.own_parameters(own_values).items() if name not in axes}
-    limit = {}
-    if load_max is not None:
-        positive("load_max", load_max, "largest load to look at")
-        limit = {"load_max": units.into("load", load_max)}
-    with nondimensional(units):
-        values_of = {name: units.into(name, axis) for name, axis in axes.items()}
-        question, values_of = split(chosen, modes, fixed | values_of, **limit)
-    if chunks is None and (workers is not None or store is not None):
-        raise InputError(f"--{'store' if workers is None else 'workers'} needs --chunks K, such as --chunks 100")
-    blocks: dict[str, Any] = {} if chunks is None else {"chunks": chunks, "workers": workers, "store": store}
+    grid = _ask(asked)
     with ExitStack() as stack:
         # The file is begun before the work, so that what is in its way is said then.
-        stream = None if output is None else stack.enter_context(written(output, force))
+        stream = None if asked.output is None else stack.enter_context(written(asked.output, asked.force))
         report = stack.enter_context(working("map"))
-        with nondimensional(units):
-            found = solved(question, values_of, not no_convergence, lambda part: report(f"{part:.0%}"), **blocks)
-        kinds = np.array(KINDS)[found.answers.kind]
-        values = {
-            "load": units.out("load", found.answers.load),
-            "kind": kinds,
-            "frequency": units.out("frequency", found.answers.frequency),
-        }
-        if found.error is not None:
-            values |= {"error": found.error, "converged": found.converged}
-        head: dict[str, Any] = {
-            **question.record(),
-            "parameters": fixed,
-            **{name: 0.0 for name in ("alpha", "beta") if name not in axes},
-            "load_max": units.out("load", question.load_max),
-            "units": units.name,
-        }
-        if stream is not None and output is not None:
+        found = _compute(asked, grid, report)
+        arrays = grid.arrays(found)
+        if stream is not None and asked.output is not None:
             report("writing")
-            if output.suffix == ".csv":
-                stream.write(_csv(head, axes, values))
-            else:
-                labelled = dataset(found)
-                if units.sizes:
-                    sizes = {name: float(size) for name, size in beam.items() if size is not None}
-                    labelled = _in_si(labelled, units, axes, sizes)
-                stream.write(_picture(labelled) if output.suffix == ".png" else _netcdf(labelled))
-    if as_json:
-        head |= axes | values if points <= MOST_PRINTED else {}
-        print_json(head if output is None else {**head, "output": output, "points": points})
+            stream.write(_content(asked, grid, found, arrays))
+    if asked.as_json:
+        head = grid.record() | (grid.axes | arrays if grid.points <= MOST_PRINTED else {})
+        print_json(head if asked.output is None else {**head, "output": asked.output, "points": grid.points})
         return
-    rows = [["points", " x ".join(f"{len(values)} {name}" for name, values in axes.items())]]
-    for name in ("flutter", "divergence", "none"):
-        share = kinds == name
-        if share.any():
-            loads = values["load"][share]
-            between = f" up to {head['load_max']:.10g}{units.of('load')}" if name == "none" else (
-                f", load {loads.min():.10g} to {loads.max():.10g}{units.of('load')}"
-            )  # fmt: skip
-            rows.append([name, f"{share.sum()} points{between}"])
-    if found.converged is not None:
-        rows.append(["not converged", f"{int((~found.converged).sum())} points"])
-    if output is not None:
-        rows.append(["written", str(output)])
-    title = ", ".join([chosen.name, f"N = {question.modes}", *(f"{name} = {value:g}" for name, value in fixed.items())])
-    print_table(rows, title=title)
+    rows = _rows(grid, arrays)
+    if asked.output is not None:
+        rows.append(["written", str(asked.output)])
+    question = grid.question
+    fixed = (f"{name} = {value:g}" for name, value in grid.fixed.items())
+    print_table(rows, title=", ".join([question.column.name, f"N = {question.modes}", *fixed]))
+
+
+def _ask(asked: Map) -> Grid:
+    """What is to be mapped; what cannot be is refused before the work. Raises InputError."""
+    import freebeam as fb
+    from freebeam_sym.checks import positive
+    from freebeam_sym.stability.maps import split
+
+    for word in asked.extra or ():
+        takes = ", ".join(map(" ".join, WORDS.items()))
+        refuse(True, f"{word}: belongs to no option; the axes are {takes}")
+    any_of_them: Any = asked.axis or ()  # four words each, as `Axes` has it
+    ranges = [("alpha", asked.alpha), ("beta", asked.beta), *((name, given) for name, *given in any_of_them)]
+    axes = _axes(ranges, asked.linear)
+    if asked.output is not None:
+        _refuse_output(asked.output, [*map(len, axes.values())])
+    points = math.prod(map(len, axes.values()))
+    own = asked.assigned
+    whole = asked.as_json and asked.output is None
+    refuse(
+        whole and points > MOST_PRINTED,
+        f"{points} points: JSON holds {MOST_PRINTED} at most; give --output FILE.csv or .nc",
+    )
+    for name in axes:
+        refuse(name in own, f"--set {name}={own.get(name)}: {name} is an axis of this map; leave one of them out")
+    for name in ("workers", "store"):
+        alone = asked.chunks is None and getattr(asked, name) is not None
+        refuse(alone, f"--{name} needs --chunks K, such as --chunks 100")
+    column = fb.column(asked.column, asked.basis)
+    units = asked.units(column)
+    fixed = {name: value for name, value in column.own_parameters(dict(own)).items() if name not in axes}
+    limit = {}
+    if asked.load_max is not None:
+        positive("load_max", asked.load_max, "largest load to look at")
+        limit = {"load_max": units.into("load", asked.load_max)}
+    with units.in_errors():
+        scaled = {name: units.into(name, axis) for name, axis in axes.items()}
+        question, values = split(column, asked.modes, fixed | scaled, **limit)
+    return Grid(question, values, axes, units)
+
+
+def _compute(asked: Map, grid: Grid, report: Callable[[str], None]) -> Solved:
+    """The map. Raises InputError."""
+    from freebeam_sym.stability.maps import solved
+
+    blocks: dict[str, Any] = {}
+    if asked.chunks is not None:
+        blocks = {"chunks": asked.chunks, "workers": asked.workers, "store": asked.store}
+    with grid.units.in_errors():
+        return solved(
+            grid.question, grid.values, not asked.no_convergence, lambda share: report(f"{share:.0%}"), **blocks
+        )
+
+
+def _rows(grid: Grid, arrays: dict[str, Any]) -> list[list[str]]:
+    """The map in a few lines."""
+    import numpy as np
+
+    unit = grid.units.of("load")
+    rows = [["points", " x ".join(f"{len(values)} {name}" for name, values in grid.axes.items())]]
+    for kind in ("flutter", "divergence", "none"):
+        here = arrays["kind"] == kind
+        if here.any():
+            loads = arrays["load"][here]
+            told = f", load {loads.min():.10g} to {loads.max():.10g}{unit}"
+            if kind == "none":
+                told = f" up to {grid.record()['load_max']:.10g}{unit}"
+            rows.append([kind, f"{here.sum()} points{told}"])
+    if "converged" in arrays:
+        rows.append(["not converged", f"{np.sum(~arrays['converged'])} points"])
+    return rows
 
 
 def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> dict[str, Any]:
@@ -270,13 +295,27 @@ def _refuse_output(output: Path, counts: list[int]) -> None:
         raise InputError("a picture needs two axes, and two values or more along each; or write a .csv or .nc file")
 
 
-def _in_si(found: xarray.Dataset, units: Units, axes: dict[str, Any], beam: dict[str, float]) -> xarray.Dataset:
+def _content(asked: Map, grid: Grid, found: Solved, arrays: dict[str, Any]) -> bytes:
+    """The file that is to be written."""
+    from freebeam_sym.stability.maps import dataset
+
+    suffix = asked.output and asked.output.suffix
+    if suffix == ".csv":
+        return _csv(grid.record(), grid.axes, arrays)
+    labelled = dataset(found)
+    if grid.units.sizes:
+        labelled = _in_si(labelled, grid, {name: float(size) for name, size in asked.beam.items()})
+    return _picture(labelled) if suffix == ".png" else _netcdf(labelled)
+
+
+def _in_si(found: xarray.Dataset, grid: Grid, beam: dict[str, float]) -> xarray.Dataset:
     """A map in the units in which it was asked; the column's own parameters stay nondimensional."""
-    for name, values in axes.items():
+    units = grid.units
+    for name, values in grid.axes.items():
         found = found.assign_coords({name: found[name].copy(data=values)})
     for name in ("load", "frequency"):
         found[name] = found[name].copy(data=units.out(name, found[name].values))
-    for name in (*(x for x in axes if x in units.SYMBOLS), "load", "frequency"):
+    for name in (*(x for x in grid.axes if x in units.SYMBOLS), "load", "frequency"):
         found[name].attrs["units"] = units.SYMBOLS[name]
     found.attrs |= {"load_max": units.out("load", found.attrs["load_max"]), "units": units.name, **beam}
     return found

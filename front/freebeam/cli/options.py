@@ -1,4 +1,4 @@
-"""What several commands take: numbers as they are typed, units, and the options that name a case."""
+"""What several commands take: numbers as they are typed, units, and the options that name a column and a case."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 
 if TYPE_CHECKING:
-    from freebeam_sym.columns import Column, System
+    from freebeam_sym.columns import Column
+    from freebeam_sym.question import Question
 
 
 @dataclass(frozen=True, repr=False)
@@ -108,137 +110,169 @@ class Units:
     def name(self) -> str:
         return "SI" if self.sizes else "nondimensional"
 
+    @contextmanager
+    def in_errors(self) -> Iterator[None]:
+        """Have errors inside speak in SI units where these were typed, or say that their values are nondimensional."""
+        from freebeam_sym.checks import InputError
 
-def units_of(
-    column: Column, bending_stiffness: Number | None, mass_per_length: Number | None, length: Number | None
-) -> Units:
-    """Units of a command's input and output: SI where the beam's three quantities are given."""
-    from freebeam_sym.checks import InputError, positive
-
-    given = {
-        "--bending-stiffness": bending_stiffness,
-        "--mass-per-length": mass_per_length,
-        "--length": length,
-    }
-    missing = [name for name, value in given.items() if value is None]
-    if len(missing) == len(given):
-        return Units()
-    if missing:
-        raise InputError(f"SI units need the beam's three quantities: give {' and '.join(missing)} too")
-    sizes = column.scales(*(positive(name, value) for name, value in given.items()))
-    return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
+        try:
+            yield
+        except InputError as error:
+            if not self.sizes:
+                raise
+            told = getattr(error.args[0], "told", None)  # a message that knows its quantities
+            raise InputError(told(self.say) if told else f"{error} [nondimensional values]") from None
 
 
-@contextmanager
-def nondimensional(units: Units) -> Iterator[None]:
-    """Have errors inside speak in SI units where these were typed, or say that their values are nondimensional."""
+def refuse(mistaken: object, message: str) -> None:
+    """Raise InputError with a message where there is a mistake."""
     from freebeam_sym.checks import InputError
 
-    try:
-        yield
-    except InputError as error:
-        if not units.sizes:
-            raise
-        told = getattr(error.args[0], "told", None)  # a message that knows its quantities
-        raise InputError(told(units.say) if told else f"{error} [nondimensional values]") from None
+    if mistaken:
+        raise InputError(message)
 
 
-_BEAM = "Beam in SI units (all three: input and output are SI then)"
-ColumnOption = Annotated[
-    str,
-    typer.Option(
-        "--column", metavar="NAME|FILE", help="Name of a column, or a column's file: a Python program, which is run."
-    ),
-]
-ModesOption = Annotated[
-    int | None,
-    typer.Option("--modes", "-N", help="Number N of elastic functions; the column's own where not given."),
-]
-AlphaOption = Annotated[Number, typer.Option("--alpha", parser=number, metavar="X", help="Internal damping.")]
-BetaOption = Annotated[Number, typer.Option("--beta", parser=number, metavar="X", help="External damping.")]
-LoadOption = Annotated[Number, typer.Option("--load", parser=number, metavar="P", help="The load P0.")]
-BasisOption = Annotated[
-    str | None,
-    typer.Option("--basis", metavar="modes|legendre", help="Trial functions: modes of the beam, or polynomials."),
-]
-RigidOption = Annotated[bool, typer.Option("--rigid", help="With the rigid-body functions.")]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter of the column's own, of any value; repeatable."),
-]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object.")]
-StiffnessOption = Annotated[
-    Number | None,
-    typer.Option(parser=number, metavar="EI", rich_help_panel=_BEAM, help="Bending stiffness EI, N m^2."),
-]
-MassOption = Annotated[
-    Number | None,
-    typer.Option(parser=number, metavar="m", rich_help_panel=_BEAM, help="Mass per length, kg/m."),
-]
-LengthOption = Annotated[
-    Number | None, typer.Option(parser=number, metavar="L", rich_help_panel=_BEAM, help="Length, m.")
-]
-ZERO = Number("0", Fraction(0))
+def option(metavar: str, help: str, *names: str, default: Any = None, **more: Any) -> Any:
+    """A field of a dataclass that is an option of a command, named like the field where no names are given; `more` as
+    typer.Option takes it. Required where the default is MISSING."""
+    return field(
+        default=default, metadata={"kind": typer.Option, "names": names, "metavar": metavar, "help": help} | more
+    )
+
+
+def flag(help: str, *names: str) -> Any:
+    """A field that is an option without a value."""
+    return field(default=False, metadata={"kind": typer.Option, "names": names, "help": help})
+
+
+def argument(default: Any = None, **more: Any) -> Any:
+    """A field that is given without a name; `more` as typer.Argument takes it."""
+    return field(default=default, metadata={"kind": typer.Argument, "names": ()} | more)
+
+
+quantity = partial(option, parser=number)
+_of_beam = partial(quantity, rich_help_panel="Beam in SI units (give all three; input and output are in SI units then)")
+
+
+def column_option() -> Any:
+    help = "A column's name, or its file: a Python program, which is run."
+    return option("NAME|FILE", help, default="free-free")
+
+
+def basis_option() -> Any:
+    return option("modes|legendre", "Trial functions: modes of the beam, or polynomials.")
+
+
+def load_max_option() -> Any:
+    return quantity("P", "Largest load of the search; 1000 (nondimensional) if not given.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Of every command."""
+
+    as_json: bool = flag("Print one JSON object.", "--json")
+
+
+@dataclass(frozen=True, kw_only=True)
+class FileOptions(Options):
+    """Of every command that writes files."""
+
+    force: bool = flag("Replace files that exist.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnOptions(Options):
+    """A column, its series, its own parameters, and a beam in SI units."""
+
+    column: str = column_option()
+    basis: str | None = basis_option()
+    modes: int | None = option(
+        "N", "Number of elastic trial functions; the column's default if not given.", "--modes", "-N"
+    )
+    own: list[str] | None = option(
+        "NAME=VALUE", "Value of a parameter of the column, any number; may be repeated.", "--set"
+    )
+    bending_stiffness: Number | None = _of_beam("EI", "Bending stiffness EI, N m^2.")
+    mass_per_length: Number | None = _of_beam("m", "Mass per length m, kg/m.")
+    length: Number | None = _of_beam("L", "Length L, m.")
+
+    @property
+    def assigned(self) -> dict[str, Number]:
+        """The column's own parameters that are set. Raises InputError."""
+        return assignments(self.own)
+
+    @property
+    def beam(self) -> dict[str, Number]:
+        """What is given of the beam in SI units, by name."""
+        names = ("bending_stiffness", "mass_per_length", "length")
+        return {name: value for name in names if (value := getattr(self, name)) is not None}
+
+    def units(self, column: Column) -> Units:
+        """Units of input and output: SI where the beam's three quantities are given. Raises InputError."""
+        from freebeam_sym.checks import positive
+
+        given = {f"--{name.replace('_', '-')}": value for name, value in self.beam.items()}
+        if not given:
+            return Units()
+        missing = [x for x in ("--bending-stiffness", "--mass-per-length", "--length") if x not in given]
+        refuse(missing, f"SI units need three quantities of the beam: give {' and '.join(missing)} too")
+        sizes = column.scales(*(positive(name, value) for name, value in given.items()))
+        return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
+
+
+@dataclass(frozen=True, kw_only=True)
+class CaseOptions(ColumnOptions):
+    """A column with its dampings."""
+
+    alpha: Number = quantity("X", "Internal damping alpha.", default="0")
+    beta: Number = quantity("X", "External damping beta.", default="0")
+
+    def case(self, load_max: Number | None = None, kappa: Number | None = None) -> Case:
+        """The question that these options ask. Raises InputError for bad values."""
+        import freebeam as fb
+        from freebeam_sym.checks import nonnegative, positive
+
+        column = fb.column(self.column, self.basis)
+        own = column.own_parameters(dict(self.assigned))
+        units = self.units(column)
+        # Checked as typed, so that a message names the value that the user knows.
+        nonnegative("alpha", self.alpha, "internal damping")
+        nonnegative("beta", self.beta, "external damping")
+        typed = {"alpha": self.alpha, "beta": self.beta} | ({} if kappa is None else {"kappa": kappa})
+        given = {name: units.into(name, value) for name, value in typed.items()}
+        if load_max is not None:
+            positive("load_max", load_max, "largest load to look at")
+            given["load_max"] = units.into("load", load_max)
+        with units.in_errors():
+            return Case(fb.Question.of(column, self.modes, **given, **own), units, typed)
 
 
 @dataclass(frozen=True)
 class Case:
-    """A column with the parameters of a command, nondimensional, and the units of its input and output."""
+    """A question, the units of a command's input and output, and the dampings as they were typed."""
 
-    column: Column
-    modes: int
-    alpha: float
-    beta: float
-    own: dict[str, float]
+    question: Question
     units: Units
     typed: dict[str, Number]
-
-    def system(self, load: float, rigid: bool) -> System:
-        return self.column.system(
-            modes=self.modes, load=load, alpha=self.alpha, beta=self.beta, rigid=rigid, **self.own
-        )
 
     def record(self, **more: object) -> dict[str, Any]:
         """What was asked, in the units in which it was asked: the head of each command's JSON object."""
         return {
-            "column": self.column.name,
-            "basis": self.column.basis_name,
-            "modes": self.modes,
+            "column": self.question.column.name,
+            "basis": self.question.column.basis_name,
+            "modes": self.question.modes,
             **self.typed,
-            "parameters": self.own,
+            "parameters": self.question.parameters,
             "units": self.units.name,
             **more,
         }
 
     def title(self, **more: str) -> str:
-        words = {"N": str(self.modes)}
-        if self.column.basis_name != "modes":
-            words["basis"] = self.column.basis_name
+        column = self.question.column
+        words = {"N": str(self.question.modes)}
+        if column.basis_name != "modes":
+            words["basis"] = column.basis_name
         words |= {k: f"{v}{self.units.of(k)}" for k, v in self.typed.items()} | more
-        words |= {name: f"{value:g}" for name, value in self.own.items()}
-        return ", ".join([self.column.name, *(f"{key} = {value}" for key, value in words.items())])
-
-
-def case_of(
-    name: str,
-    modes: int | None,
-    alpha: Number,
-    beta: Number,
-    pairs: list[str] | None,
-    beam: tuple[Number | None, Number | None, Number | None],
-    basis: str | None = None,
-) -> Case:
-    """The column that is named, and a command's parameters for it."""
-    import freebeam as fb
-    from freebeam_sym.checks import nonnegative
-
-    column = fb.column(name, basis)
-    own = column.own_parameters(assignments(pairs))
-    units = units_of(column, *beam)
-    # Checked as typed, so that a message names the value that the user knows.
-    nonnegative("alpha", alpha, "internal damping")
-    nonnegative("beta", beta, "external damping")
-    return Case(
-        column, column.number(modes), units.into("alpha", alpha), units.into("beta", beta), own, units,
-        {"alpha": alpha, "beta": beta},
-    )  # fmt: skip
+        words |= {name: f"{value:g}" for name, value in self.question.parameters.items()}
+        return ", ".join([column.name, *(f"{key} = {value}" for key, value in words.items())])

@@ -6,14 +6,14 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from freebeam.cli.application import app
-from freebeam.cli.options import JsonOption
+from freebeam.cli.application import command
+from freebeam.cli.options import FileOptions, flag, option, refuse
 from freebeam.cli.output import print_json, print_table, working, written
 
 if TYPE_CHECKING:
@@ -21,55 +21,39 @@ if TYPE_CHECKING:
     from freebeam.ledger.scanned import Row
 
 
-@app.command(epilog="Example: freebeam validate --output ledger.md")
-def validate(
-    as_json: JsonOption = False,
-    loads: Annotated[bool, typer.Option("--loads", help="The critical loads alone, at once.")] = False,
-    output: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="Write the whole ledger there, as Markdown.")
-    ] = None,
-    force: Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")] = False,
-) -> None:
+@dataclass(frozen=True, kw_only=True)
+class Validate(FileOptions):
+    loads: bool = flag("Check the critical loads only, which is quick.")
+    output: Path | None = option("FILE", "Write the whole ledger as Markdown.")
+
+
+@command(Validate, "freebeam validate --output ledger.md")
+def validate(asked: Validate) -> None:
     """Check the paper: each numbered equation, each claim with its verdict, and the critical loads that it prints.
 
-    Exit 1 if an equation or a claim has another verdict than it should have, or a critical load is not explained to its
-    last digit.
+    The exit status is 1 if an equation or a claim has another verdict than it should have, or if a critical load is not
+    explained to its last digit.
     """
     from freebeam.ledger.book import ledger
     from freebeam.ledger.page import page
     from freebeam.ledger.scanned import validate as validated
-    from freebeam_sym.checks import InputError
 
-    if loads:
-        if output is not None:
-            raise InputError(f"{output}: holds the whole ledger; leave --loads out")
-        with working("validate") as report:
-            rows = validated(report)
-        passed = all(row.passed for row in rows)
-        if as_json:
-            print_json({"loads": [asdict(row) for row in rows], "passed": passed})
-        else:
-            _print_loads(rows)
-        if not passed:
-            raise typer.Exit(1)
-        return
+    output = asked.output
+    refuse(asked.loads and output, f"{output}: holds the whole ledger; leave out --loads")
     if output is not None:
-        with written(output, force) as stream, working("validate") as report:
+        with written(output, asked.force) as stream, working("validate") as report:
             stream.write(page(ledger(report)).encode())
     with working("validate") as report:
-        rows, book = validated(report), ledger(report)
-    passed = book.passed and all(row.passed for row in rows)
-    if as_json:
-        print_json(
-            {
-                "loads": [asdict(row) for row in rows],
-                "equations": [asdict(row) for row in book.equations],
-                "claims": [asdict(row) for row in book.claims],
-                "passed": passed,
-            }
-        )
+        rows = validated(report)
+        book = None if asked.loads else ledger(report)
+    passed = all(row.passed for row in rows) and (book is None or book.passed)
+    if asked.as_json:
+        parts: dict[str, Sequence[Any]] = {"loads": rows}
+        parts |= {"equations": book.equations, "claims": book.claims} if book else {}
+        print_json({name: [asdict(row) for row in part] for name, part in parts.items()} | {"passed": passed})
     else:
-        _print_ledger(book)
+        if book:
+            _print_ledger(book)
         _print_loads(rows)
     if not passed:
         raise typer.Exit(1)
