@@ -3,15 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import MISSING, Field, fields
+from dataclasses import MISSING, Field, dataclass, fields
 from importlib import import_module
 from inspect import Parameter, Signature
-from typing import Annotated, Any, TypeVar, get_type_hints
+from typing import Annotated, Any, Protocol, TypeVar, get_type_hints
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-Options = TypeVar("Options")
+from freebeam.cli.options import number
+
+
+class Runs(Protocol):
+    def run(self) -> None: ...
+
+
+Command = TypeVar("Command", bound=Runs)
 
 # As a newcomer would need them; commands that are not named follow.
 ORDER = (
@@ -57,36 +64,38 @@ def front(
         typer.echo(context.get_help())
 
 
-def command(
-    options: type[Options], example: str, name: str | None = None, cls: type[TyperCommand] | None = None
-) -> Callable[[Callable[[Options], None]], Callable[[Options], None]]:
-    """Register a function as a command: the fields of `options`, a dataclass, are its options, and it is called with
-    an instance. The required ones come first in its help, and --json last."""
+def command(example: str, cls: type[TyperCommand] | None = None) -> Callable[[type[Command]], type[Command]]:
+    """Register a class as a command of its name: its fields are the options, its docstring the help, `run` does it.
+    The required options come first in the help, and --json last."""
 
-    def register(function: Callable[[Options], None]) -> Callable[[Options], None]:
+    def register(asked: type[Command]) -> type[Command]:
+        asked = dataclass(frozen=True, kw_only=True)(asked)
+
         def run(**typed: Any) -> None:
-            function(options(**typed))
+            asked(**typed).run()
 
-        hints = get_type_hints(options)
-        given = [_parameter(field, hints[field.name]) for field in fields(options)]  # type: ignore[arg-type]
+        hints = get_type_hints(asked)
+        given = [_parameter(field, hints[field.name]) for field in fields(asked)]  # type: ignore[arg-type]
         given.sort(key=lambda x: (x.default is not x.empty, x.name == "as_json"))
         run.__signature__ = Signature(given)  # type: ignore[attr-defined]  # what typer reads
-        run.__doc__ = function.__doc__
-        app.command(name or function.__name__, cls=cls, epilog=f"Example: {example}")(run)
-        return function
+        run.__doc__ = asked.__doc__
+        app.command(asked.__name__.lower(), cls=cls, epilog=f"Example: {example}")(run)
+        return asked
 
     return register
 
 
 def _parameter(field: Field[Any], hint: Any) -> Parameter:
     """A dataclass's field as typer reads a command's parameter."""
-    kind, names, *_ = field.metadata.values()
-    more = {key: value for key, value in field.metadata.items() if key not in ("kind", "names")}
+    more = dict(field.metadata)
+    kind, names = more.pop("kind"), more.pop("names")
     if kind is typer.Option and not names:
         names = (f"--{field.name.replace('_', '-')}",)
+    if "Number" in str(field.type):
+        more.setdefault("parser", number)
     default = Parameter.empty if field.default is MISSING else field.default
-    annotation = Annotated[hint, kind(*names, **more)]
-    return Parameter(field.name, Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
+    described = Annotated[hint, kind(*names, **more)]
+    return Parameter(field.name, Parameter.KEYWORD_ONLY, default=default, annotation=described)
 
 
 for module in ("asking", "deriving", "mapping", "publishing", "responding", "validating"):

@@ -4,26 +4,23 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import MISSING, dataclass
+from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import typer
-
 from freebeam.cli.application import command
 from freebeam.cli.options import (
-    Case,
+    REQUIRED,
     CaseOptions,
     FileOptions,
     Number,
     Options,
+    SearchOptions,
     argument,
     flag,
-    load_max_option,
     number,
     option,
-    quantity,
     refuse,
     vanishing_or_number,
 )
@@ -31,6 +28,7 @@ from freebeam.cli.output import print_json, print_table, working, written
 
 if TYPE_CHECKING:
     from freebeam.proofs import Certified, CertifiedCrossing
+    from freebeam_sym.columns import Column
     from freebeam_sym.stability.critical import CriticalLoad
 
 Rows = list[list[str]]
@@ -38,149 +36,165 @@ Rows = list[list[str]]
 # --- critical ---------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class Critical(FileOptions, CaseOptions):
-    """The question, and what is to be proven."""
+@dataclass(frozen=True)
+class Found:
+    """What is found: the first loss of stability in floats, and what was proven; None where it was not asked for."""
+
+    loss: CriticalLoad
+    proven: Certified | None
+    crossings: tuple[CertifiedCrossing, ...] | None
+    truncation: dict[str, Any] | None
+
+
+@command("freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
+class Critical(FileOptions, CaseOptions, SearchOptions):
+    """Find the lowest load at which the column loses stability, by flutter or by divergence."""
 
     alpha: Number = option(
         "X", "Internal damping alpha; 0+ is the limit of ever smaller damping.", default="0", parser=vanishing_or_number
     )
-    kappa: Number | None = quantity("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
-    load_max: Number | None = load_max_option()
+    kappa: Number | None = option("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
     digits: int | None = option("D", "Prove the critical load to D digits.")
     exact: bool = flag("With --digits: prove the load of the beam itself, not of the series.")
     every: bool = flag("With --digits: prove each crossing up to --load-max, and that there is no other.", "--all")
     truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
     certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
 
-    @property
-    def ratio(self) -> Number | None:
-        """β/α in the limit of vanishing damping; None where damping does not vanish."""
-        return (self.kappa or number("0")) if self.alpha.text == "0+" else None
+    def run(self) -> None:
+        self.check()
+        found = self.compute()
+        if self.certificate and found.proven is not None:
+            with written(self.certificate, self.force) as file:
+                file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
+        record = self.record_of(found)
+        if self.as_json:
+            print_json(record)
+            return
+        print_table(self.rows(found, record), title=self.title())
+        if found.crossings:
+            load, frequency = (self.units.of(quantity) for quantity in ("load", "frequency"))
+            header = [f"load{load}", "kind", f"frequency{frequency}", "unstable eigenvalues", "stability"]
+            title = f"All crossings up to {record['load_max']:.10g}{load}: proven that there is no other"
+            print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
+    def check(self) -> None:
+        """Refuse options that contradict one another. Raises InputError."""
+        limit, file = "kappa" in self.dampings, self.certificate
+        refuse(self.kappa and not limit, f"kappa = {self.kappa}: is a ratio of vanishing dampings; give --alpha 0+ too")
+        if limit:
+            cure = "give the ratio beta/alpha by --kappa instead"
+            refuse(float(self.beta), f"beta = {self.beta}: vanishes with --alpha 0+; {cure}")
+        for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
+            refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
+        refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
+        for name, given in (("--certificate", file), ("--all", self.every), ("--truncation", self.truncation)):
+            refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
+        there = file and file.exists() and not self.force
+        refuse(there, f"{file} exists; choose another file, or --force to replace it")
+
+    @property
+    def dampings(self) -> dict[str, Number]:
+        """As they were typed; in the limit of vanishing damping with their ratio kappa."""
+        limit = {"kappa": self.kappa or number("0")} if self.alpha.text == "0+" else {}
+        return {"alpha": self.alpha, "beta": self.beta, **limit}
+
+    @property
     def exactly(self) -> dict[str, Any]:
         """The question as the provers take it: exact numbers by name, in the units in which they were typed."""
-        given = {"alpha": self.alpha, "beta": self.beta, "kappa": self.ratio, "load_max": self.load_max}
-        numbers: dict[str, Any] = {name: x.exact for name, x in given.items() if x is not None}
-        if self.beam:
-            numbers["beam"] = tuple(x.exact for x in self.beam.values())
-        return numbers | {name: x.exact for name, x in self.assigned.items()}
+        given = self.dampings | ({} if self.load_max is None else {"load_max": self.load_max}) | self.assigned
+        beam = {"beam": tuple(x.exact for x in self.beam.values())} if self.beam else {}
+        return {name: x.exact for name, x in given.items()} | beam
+
+    def compute(self) -> Found:
+        """The proofs that are asked for, then the answer in floats. Raises InputError where something is not proven."""
+        import freebeam as fb
+        from freebeam_sym.stability.critical import answer
+
+        proven, crossings, truncation = None, None, None
+        of_series, digits = (self.chosen, self.question.modes), self.digits
+        if digits is not None or self.truncation:
+            with working("proof") as report, self.units.in_errors():
+                if digits is not None and self.exact:
+                    proven = fb.exact_load(self.chosen, digits=digits, **self.exactly)
+                elif digits is not None:
+                    proven = fb.certified_load(*of_series, digits=digits, progress=report, **self.exactly)
+                if digits is not None and self.every:
+                    report("all crossings")
+                    crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **self.exactly)
+                if self.truncation or (proven and proven.load and not self.exact):
+                    truncation = _truncation(*of_series, proven, self.exactly)
+        with working("critical load") as report, self.units.in_errors():
+            loss = answer(self.question)
+            report("the beam itself")
+            _ = loss.beam  # computed when it is first asked for
+        return Found(loss, proven, crossings, truncation)
+
+    def record_of(self, found: Found) -> dict[str, Any]:
+        """All of it for JSON."""
+        loss, out = found.loss, self.units.out
+        beam = loss.beam and {
+            "load": out("load", loss.beam.load), "kind": loss.beam.kind, "uncertainty": loss.beam.uncertainty,
+        }  # fmt: skip
+        record = self.record(
+            load=out("load", loss.load), kind=loss.kind, frequency=out("frequency", loss.frequency), error=loss.error,
+            converged=loss.converged, beam=beam, load_max=out("load", self.question.load_max),
+            touches=[[out("load", touch.load), out("frequency", touch.frequency)] for touch in loss.touches],
+        )  # fmt: skip
+        if found.proven is not None:
+            record |= _proof(found.proven, record, self.exact)
+        if found.crossings is not None:
+            record["crossings"] = [_crossing(crossing) for crossing in found.crossings]
+        if found.truncation is not None:
+            record["truncation"] = found.truncation
+        return record
+
+    def rows(self, found: Found, record: dict[str, Any]) -> Rows:
+        """All of it as a table."""
+        loss, unit = found.loss, self.units.of("load")
+        none = f"none up to {record['load_max']:.10g}{unit}"
+        kind = loss.kind if self.exact else record["kind"]  # of the series
+        if record["load"] is None:
+            rows = [["critical load", none]]
+        else:
+            rows = [["critical load", _digits(record["load"], loss.rounding) + unit], ["kind", kind]]
+            rows += [["frequency", f"{record['frequency']:.10g}{self.units.of('frequency')}"]]
+        rows += [["touches", f"{load:.10g}{unit}: stability is not lost"] for load, _ in record["touches"]]
+        rows += [["the beam itself", _beam(record["beam"], kind, none, unit)]]
+        if record["load"] is not None:
+            error = "" if record["error"] is None else f" (error {record['error']:.1e})"
+            rows += [["converged", ("yes" if record["converged"] else "no") + error]]
+        if found.proven is not None:
+            rows += self.rows_of_proof(found.proven, kind, none)
+        if found.truncation is not None:
+            rows += [["truncation error", found.truncation.get("unknown") or _difference(found.truncation, unit)]]
+        return rows
+
+    def rows_of_proof(self, proven: Certified, kind: str, none: str) -> Rows:
+        of = "the beam itself" if self.exact else f"N = {self.question.modes}"
+        rows = [[f"proven, {of}", f"{' to '.join(proven.load)}{self.units.of('load')}" if proven.load else none]]
+        if proven.frequency:
+            rows += [["kind", proven.kind]] if proven.kind != kind else []
+            rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
+        rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
+        if not proven.load:
+            return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
+        shown = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
+        missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
+        return [*rows, ["proven is", ", ".join(shown)], *([["not proven", ", ".join(missing)]] if missing else [])]
 
 
-@dataclass(frozen=True)
-class Found:
-    """What is found for a question: the first loss of stability in floats, and what was proven, None where it was not
-    asked for."""
-
-    case: Case
-    loss: CriticalLoad
-    exact: bool
-    proven: Certified | None
-    crossings: tuple[CertifiedCrossing, ...] | None
-    truncation: dict[str, Any] | None
-
-
-@command(Critical, "freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
-def critical(asked: Critical) -> None:
-    """Find the lowest load at which the column loses stability, by flutter or by divergence."""
-    case = _ask(asked)
-    found = _compute(asked, case)
-    if asked.certificate and found.proven is not None:
-        with written(asked.certificate, asked.force) as file:
-            file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
-    record = _record(found)
-    if asked.as_json:
-        print_json(record)
-        return
-    print_table(_rows(found, record), title=case.title())
-    if found.crossings:
-        load, frequency = (case.units.of(quantity) for quantity in ("load", "frequency"))
-        header = [f"load{load}", "kind", f"frequency{frequency}", "unstable eigenvalues", "stability"]
-        title = f"All crossings up to {record['load_max']:.10g}{load}: proven that there is no other"
-        print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
-
-
-def _ask(asked: Critical) -> Case:
-    """The question; options that contradict one another are refused. Raises InputError."""
-    limit, file = asked.ratio is not None, asked.certificate
-    refuse(asked.kappa and not limit, f"kappa = {asked.kappa}: is the ratio of vanishing dampings; give --alpha 0+ too")
-    refuse(
-        limit and float(asked.beta),
-        f"beta = {asked.beta}: vanishes with --alpha 0+; give the ratio beta/alpha by --kappa instead",
-    )
-    for name, given in (("--exact", asked.exact), ("--certificate", file), ("--all", asked.every)):
-        refuse(given and asked.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
-    refuse(file and asked.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-    for name, given in (("--certificate", file), ("--all", asked.every), ("--truncation", asked.truncation)):
-        refuse(given and asked.exact, f"{name}: is about the Ritz series; leave out --exact")
-    there = file and file.exists() and not asked.force
-    refuse(there, f"{file} exists; choose another file, or --force to replace it")
-    return asked.case(asked.load_max, asked.ratio)
-
-
-def _compute(asked: Critical, case: Case) -> Found:
-    """The proofs that are asked for, then the answer in floats. Raises InputError where something is not proven."""
-    import freebeam as fb
-    from freebeam_sym.stability.critical import answer
-
-    proven, crossings, truncation = None, None, None
-    column, modes = case.question.column, case.question.modes
-    if asked.digits is not None or asked.truncation:
-        exactly, digits = asked.exactly(), asked.digits
-        with working("proof") as report, case.units.in_errors():
-            if digits is not None and asked.exact:
-                proven = fb.exact_load(column, digits=digits, **exactly)
-            elif digits is not None:
-                proven = fb.certified_load(column, modes, digits=digits, progress=report, **exactly)
-            if digits is not None and asked.every:
-                report("all crossings")
-                crossings = fb.certified_crossings(column, modes, digits=digits, progress=report, **exactly)
-            if asked.truncation or (proven and proven.load and not asked.exact):
-                truncation = _truncation(case, proven, exactly)
-    with working("critical load") as report, case.units.in_errors():
-        loss = answer(case.question)
-        report("the beam itself")
-        _ = loss.beam  # computed when it is first asked for
-    return Found(case, loss, asked.exact, proven, crossings, truncation)
-
-
-def _truncation(case: Case, series: Certified | None, exactly: dict[str, Any]) -> dict[str, Any]:
+def _truncation(column: Column, modes: int, series: Certified | None, exactly: dict[str, Any]) -> dict[str, Any]:
     """The truncation error as a record; where it is not known, why."""
     import freebeam as fb
     from freebeam_sym.checks import InputError
 
     try:
-        found = fb.truncation_error(case.question.column, case.question.modes, series=series, **exactly)
+        found = fb.truncation_error(column, modes, series=series, **exactly)
     except InputError as error:
         return {"unknown": str(error)}
     exact = found.beam.load or (None, None)
     difference = dict(zip(("difference_lower", "difference_upper"), found.difference, strict=True))
     return {**difference, "relative": found.relative, "exact_lower": exact[0], "exact_upper": exact[1]}
-
-
-def _record(found: Found) -> dict[str, Any]:
-    """All of it for JSON."""
-    loss, out = found.loss, found.case.units.out
-    beam = loss.beam and {
-        "load": out("load", loss.beam.load), "kind": loss.beam.kind, "uncertainty": loss.beam.uncertainty,
-    }  # fmt: skip
-    record = found.case.record(
-        load=out("load", loss.load),
-        kind=loss.kind,
-        frequency=out("frequency", loss.frequency),
-        error=loss.error,
-        converged=loss.converged,
-        beam=beam,
-        touches=[[out("load", touch.load), out("frequency", touch.frequency)] for touch in loss.touches],
-        load_max=out("load", loss.question.load_max),
-    )
-    if found.proven is not None:
-        record |= _proof(found.proven, record, found.exact)
-    if found.crossings is not None:
-        record["crossings"] = [_crossing(crossing) for crossing in found.crossings]
-    if found.truncation is not None:
-        record["truncation"] = found.truncation
-    return record
 
 
 def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, Any]:
@@ -222,29 +236,6 @@ def _interval(ends: tuple[str, str]) -> str:
     return " to ".join(dict.fromkeys(ends))  # one number where the ends are the same
 
 
-def _rows(found: Found, record: dict[str, Any]) -> Rows:
-    """All of it as a table."""
-    units, loss = found.case.units, found.loss
-    unit = units.of("load")
-    none = f"none up to {record['load_max']:.10g}{unit}"
-    kind = loss.kind if found.exact else record["kind"]  # of the series
-    if record["load"] is None:
-        rows = [["critical load", none]]
-    else:
-        rows = [["critical load", _digits(record["load"], loss.rounding) + unit], ["kind", kind]]
-        rows += [["frequency", f"{record['frequency']:.10g}{units.of('frequency')}"]]
-    rows += [["touches", f"{load:.10g}{unit}: stability is not lost"] for load, _ in record["touches"]]
-    rows += [["the beam itself", _beam(record["beam"], kind, none, unit)]]
-    if record["load"] is not None:
-        error = "" if record["error"] is None else f" (error {record['error']:.1e})"
-        rows += [["converged", ("yes" if record["converged"] else "no") + error]]
-    if found.proven is not None:
-        rows += _proof_rows(found, found.proven, kind, none)
-    if found.truncation is not None:
-        rows += [["truncation error", found.truncation.get("unknown") or _difference(found.truncation, unit)]]
-    return rows
-
-
 def _beam(beam: dict[str, Any] | None, kind: str, none: str, unit: str) -> str:
     """The load of the beam itself, with its kind where that is another than that of the series."""
     if beam is None:
@@ -253,23 +244,6 @@ def _beam(beam: dict[str, Any] | None, kind: str, none: str, unit: str) -> str:
         return none
     load = _digits(beam["load"], beam["uncertainty"]) + unit
     return load if beam["kind"] == kind else f"{beam['kind']} at {load}"
-
-
-def _proof_rows(found: Found, proven: Certified, kind: str, none: str) -> Rows:
-    units = found.case.units
-    of = "the beam itself" if found.exact else f"N = {found.case.question.modes}"
-    rows = [[f"proven, {of}", f"{' to '.join(proven.load)}{units.of('load')}" if proven.load else none]]
-    if proven.frequency:
-        rows += [["kind", proven.kind]] if proven.kind != kind else []
-        rows += [["frequency", _interval(proven.frequency) + units.of("frequency")]]
-    rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
-    if not proven.load:
-        return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
-    shown, missing = (
-        ", ".join(name.replace("_", " ") for name, yes in proven.proof.items() if yes is wanted)
-        for wanted in (True, False)
-    )
-    return [*rows, ["proven is", shown], *([["not proven", missing]] if missing else [])]
 
 
 def _difference(record: dict[str, Any], unit: str) -> str:
@@ -292,89 +266,78 @@ def _digits(value: float, error: float) -> str:
 # --- verify -----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("freebeam verify certificate.json")
 class Verify(Options):
-    file: Path = argument(MISSING, metavar="FILE", help="A certificate of `freebeam critical --certificate`.")
-
-
-@command(Verify, "freebeam verify certificate.json")
-def verify(asked: Verify) -> None:
     """Check a certificate by a program that shares no code with the one that wrote it."""
-    import freebeam as fb
 
-    with working("verify"):
-        found = fb.verify_certificate(str(asked.file))
-    if asked.as_json:
-        print_json({"file": str(asked.file), "verified": True, **found.record(), "proves": str(found)})
-        return
-    typer.echo(f"{asked.file}: {found}")
+    file: Path = argument("FILE", "A certificate of `freebeam critical --certificate`.", default=REQUIRED)
+
+    def run(self) -> None:
+        import freebeam as fb
+
+        with working("verify"):
+            found = fb.verify_certificate(str(self.file))
+        if self.as_json:
+            print_json({"file": str(self.file), "verified": True, **found.record(), "proves": str(found)})
+        else:
+            print(f"{self.file}: {found}")
 
 
 # --- spectrum ---------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class AskedSpectrum(CaseOptions):
-    load: Number = quantity("P", "The load P.", default=MISSING)
+@command("freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
+class Spectrum(CaseOptions):
+    """Compute the eigenvalues at a load, sorted by |Im|, then by Re."""
+
+    load: Number = option("P", "The load P.", default=REQUIRED)
     rigid: bool = flag("Include the rigid-body functions.")
     exact: bool = flag("With --digits: prove the eigenvalues of the beam itself, not of a series.")
     digits: int | None = option("D", "With --exact: prove each eigenvalue to D digits.")
 
+    def run(self) -> None:
+        together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
+        refuse(self.exact != (self.digits is not None), together)
+        for name, given in (("--rigid", self.rigid), ("SI units", self.beam)):
+            refuse(self.exact and given, f"{name}: not with --exact, which is nondimensional and elastic")
+        record, header, rows = self.in_floats() if self.digits is None else self.proven(self.digits)
+        if self.as_json:
+            print_json(record)
+            return
+        title = self.title(load=f"{self.load}{self.units.of('load')}")
+        print_table(rows, header, title + (", the beam itself, each proven" if self.exact else ""))
 
-@command(AskedSpectrum, "freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
-def spectrum(asked: AskedSpectrum) -> None:
-    """Compute the eigenvalues at a load, sorted by |Im|, then by Re."""
-    together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
-    refuse(asked.exact != (asked.digits is not None), together)
-    for name, given in (("--rigid", asked.rigid), ("SI units", asked.beam)):
-        refuse(asked.exact and given, f"{name}: not with --exact, which is nondimensional and elastic")
-    case = asked.case()
-    if asked.digits is None:
-        _show_spectrum(asked, case)
-    else:
-        _show_exact_spectrum(asked, case, asked.digits)
+    def in_floats(self) -> tuple[dict[str, Any], list[str], Rows]:
+        """Of the series: for JSON, and the table with its header."""
+        import freebeam as fb
 
-
-def _show_spectrum(asked: AskedSpectrum, case: Case) -> None:
-    import freebeam as fb
-
-    units = case.units
-    found = fb.spectrum(case.question.system(units.into("load", asked.load), asked.rigid))
-    record = case.record(
-        load=asked.load,
-        rigid=asked.rigid,
-        eigenvalues=units.out("frequency", found.eigenvalues),
-        error=found.error,
-        reference_frequency=units.out("frequency", found.reference_frequency),
-    )
-    if asked.as_json:
-        print_json(record)
-        return
-    rows = [
-        [*(_part(x, abs(value), off) for x in (value.real, value.imag)), "" if math.isnan(error) else f"{error:.1e}"]
-        for value, off, error in zip(record["eigenvalues"], found.rounding, found.error, strict=True)
-    ]
-    unit = units.of("frequency")
-    print_table(rows, [f"Re{unit}", f"Im{unit}", "error"], case.title(load=f"{asked.load}{units.of('load')}"))
-
-
-def _show_exact_spectrum(asked: AskedSpectrum, case: Case, digits: int) -> None:
-    import freebeam as fb
-
-    own = {name: value.exact for name, value in asked.assigned.items()}
-    damping = asked.alpha.exact, asked.beta.exact
-    with working("proof"):
-        found = fb.exact_spectrum(
-            case.question.column, asked.load.exact, *damping, modes=case.question.modes, digits=digits, **own
+        system = self.question.system(self.units.into("load", self.load), self.rigid)
+        found, unit = fb.spectrum(system), self.units.of("frequency")
+        values = self.units.out("frequency", found.eigenvalues)
+        reference = self.units.out("frequency", found.reference_frequency)
+        record = self.record(
+            load=self.load, rigid=self.rigid, eigenvalues=values, error=found.error, reference_frequency=reference
         )
-    if asked.as_json:
+        rows = [
+            [_part(v.real, abs(v), off), _part(v.imag, abs(v), off), "" if math.isnan(error) else f"{error:.1e}"]
+            for v, off, error in zip(values, found.rounding, found.error, strict=True)
+        ]
+        return record, [f"Re{unit}", f"Im{unit}", "error"], rows
+
+    def proven(self, digits: int) -> tuple[dict[str, Any], list[str], Rows]:
+        """Of the beam itself, in the same form."""
+        import freebeam as fb
+
+        own = {name: value.exact for name, value in self.assigned.items()}
+        values = (self.load.exact, self.alpha.exact, self.beta.exact)
+        with working("proof"):
+            found = fb.exact_spectrum(self.chosen, *values, modes=self.question.modes, digits=digits, **own)
         boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
-        print_json(case.record(load=asked.load, exact=True, digits=digits, **boxes, unproven=found.unproven))
-        return
-    boxes_of = zip(found.lower, found.upper, strict=True)
-    rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
-    rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
-    print_table(rows, ["Re", "Im"], case.title(load=str(asked.load)) + ", the beam itself, each proven")
+        record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven)
+        boxes_of = zip(found.lower, found.upper, strict=True)
+        rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
+        rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
+        return record, ["Re", "Im"], rows
 
 
 def _part(part: float, size: float, rounding: float) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import sys
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,80 +14,68 @@ from freebeam.cli.output import print_json, print_table, working
 
 if TYPE_CHECKING:
     from freebeam_derive.pipeline import Outcome
+    from freebeam_sym.columns import Parameter
 
 
-@command(Options, "freebeam columns")
-def columns(asked: Options) -> None:
+@command("freebeam columns")
+class Columns(Options):
     """List the columns with their ends and parameters.
 
     Each parameter has a default and, in brackets, a range of interest: the range that plots show. Any value may be set.
     """
-    import freebeam as fb
 
-    found = [fb.column(name) for name in fb.column_names()]
-    if asked.as_json:
-        keys = ("name", "title", "ends", "damping")
-        print_json({
-            "columns": [
-                {key: getattr(column, key) for key in keys}
-                | {"parameters": [asdict(parameter) for parameter in column.parameters]}
-                for column in found
-            ]
-        })  # fmt: skip
-        return
-    rows = [
-        [
-            column.name,
-            column.title,
-            "-".join(column.ends),
-            "; ".join(
-                f"{p.name} = {p.default:g} (of interest {p.low:g} to {p.high:g}): {p.meaning}"
-                for p in column.parameters
-            ),
-        ]
-        for column in found
-    ]
-    print_table(rows, ["name", "title", "ends", "parameters"])
-    print("A range of interest is what plots show; any value may be set.")
+    def run(self) -> None:
+        import freebeam as fb
+
+        found = [fb.column(name) for name in fb.column_names()]
+        if self.as_json:
+            keys = ("name", "title", "ends", "damping", "parameters")
+            print_json({"columns": [{key: getattr(column, key) for key in keys} for column in found]})
+            return
+        rows = [[x.name, x.title, "-".join(x.ends), "; ".join(map(_told, x.parameters))] for x in found]
+        print_table(rows, ["name", "title", "ends", "parameters"])
+        print("A range of interest is what plots show; any value may be set.")
 
 
-@dataclass(frozen=True, kw_only=True)
+def _told(parameter: Parameter) -> str:
+    name, low, high = parameter.name, parameter.low, parameter.high
+    return f"{name} = {parameter.default:g} (of interest {low:g} to {high:g}): {parameter.meaning}"
+
+
+@command("freebeam generate path/to/column.py --output kernels")
 class Generate(Options):
+    """Derive columns from their energies, write their kernels as Python code, and verify them."""
+
     targets: list[str] | None = argument(
-        metavar="[COLUMN|FILE]...",
-        help="Columns to derive; freebeam's own if none is given. A column's file is a Python program, which is run.",
+        "[COLUMN|FILE]...",
+        "Columns to derive; freebeam's own if none is given. A column's file is a Python program, which is run.",
     )
     output: Path | None = option("DIR", "Folder of the kernels; freebeam's own if not given.")
     check: bool = flag("Write nothing; if the folder holds something else, print a diff and exit 1.")
 
-
-@command(Generate, "freebeam generate path/to/column.py --output kernels")
-def generate(asked: Generate) -> None:
-    """Derive columns from their energies, write their kernels as Python code, and verify them."""
-    outcome = _generated(asked)
-    worst = {
-        name: max(figures, key=lambda figure: figure.error / figure.bound) for name, figures in outcome.figures.items()
-    }
-    if asked.as_json:
-        print_json({
-            "columns": outcome.columns,
-            "output": outcome.output,
-            "check": asked.check,
-            "written": outcome.written,
-            "difference": outcome.difference,
-            "errors": {name: asdict(figure) for name, figure in worst.items()},
-        })  # fmt: skip
-    elif asked.check:
-        sys.stdout.write(outcome.difference or f"{outcome.output}: is what the derivation emits\n")
-    else:
-        rows = [
-            [name, f"{figure.error:.1e}", f"{figure.bound:.1e}", f"{figure.what}, {figure.where}"]
-            for name, figure in worst.items()
-        ]
-        header = ["column", "largest error", "bound", "of"]
-        print_table(rows, header, f"Emitted to {outcome.output}, verified")
-    if outcome.difference:
-        raise typer.Exit(1)
+    def run(self) -> None:
+        outcome = _generated(self)
+        worst = {name: max(found, key=lambda x: x.error / x.bound) for name, found in outcome.figures.items()}
+        if self.as_json:
+            print_json({
+                "columns": outcome.columns,
+                "output": outcome.output,
+                "check": self.check,
+                "written": outcome.written,
+                "difference": outcome.difference,
+                "errors": worst,
+            })  # fmt: skip
+        elif self.check:
+            sys.stdout.write(outcome.difference or f"{outcome.output}: is what the derivation emits\n")
+        else:
+            rows = [
+                [name, f"{figure.error:.1e}", f"{figure.bound:.1e}", f"{figure.what}, {figure.where}"]
+                for name, figure in worst.items()
+            ]
+            header = ["column", "largest error", "bound", "of"]
+            print_table(rows, header, f"Emitted to {outcome.output}, verified")
+        if outcome.difference:
+            raise typer.Exit(1)
 
 
 def _generated(asked: Generate) -> Outcome:

@@ -8,7 +8,7 @@ import math
 import re
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
-from dataclasses import dataclass
+from functools import cached_property
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
@@ -18,18 +18,7 @@ import typer
 from typer.core import TyperCommand
 
 from freebeam.cli.application import command
-from freebeam.cli.options import (
-    ColumnOptions,
-    FileOptions,
-    Number,
-    Units,
-    argument,
-    flag,
-    load_max_option,
-    number,
-    option,
-    refuse,
-)
+from freebeam.cli.options import FileOptions, SearchOptions, argument, flag, number, option, refuse
 from freebeam.cli.output import plain, print_json, print_table, working, written
 
 if TYPE_CHECKING:
@@ -72,44 +61,115 @@ class Axes(TyperCommand):
         return list(super().parse_args(ctx, args))
 
 
-@dataclass(frozen=True, kw_only=True)
-class Map(FileOptions, ColumnOptions):
-    """The axes, what is fixed, and how the map is computed and kept."""
+@command("freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (.csv, .png, or --json)", Axes)
+class Map(FileOptions, SearchOptions):
+    """Compute the critical load over a grid of one parameter or more: dampings, or the column's own.
+
+    Each point is the first loss of stability, with its kind, its frequency, and its error against the beam itself.
+    Values of a damping have a constant ratio, values of another parameter a constant difference.
+    """
 
     alpha: tuple[str, str, str] | None = option(WORDS["--alpha"], "Internal damping: first, last, how many values.")
     beta: tuple[str, str, str] | None = option(WORDS["--beta"], "External damping: first, last, how many values.")
-    axis: list[str] | None = option(
-        WORDS["--axis"], "Any parameter: alpha, beta or one of the column; may be repeated."
-    )
+    axis: list[str] | None = option(WORDS["--axis"], "Any parameter: alpha, beta or the column's own; may be repeated.")
     linear: bool = flag("Space the values of dampings evenly too.")
-    load_max: Number | None = load_max_option()
     no_convergence: bool = flag("Leave out the error against the beam itself, which takes most of the time.")
     chunks: int | None = option("K", "Compute in blocks of K values along each axis, in parallel (Dask).")
     workers: int | None = option("W", "With --chunks: number of processes; one a core if not given.")
     store: Path | None = option("FOLDER", "With --chunks: keep finished blocks here; a stopped run goes on from it.")
     output: Path | None = option("FILE.csv|.nc|.png", "Write a table, a NetCDF file, or a picture.")
-    extra: list[str] | None = argument(hidden=True)
+    extra: list[str] | None = argument()
 
+    def run(self) -> None:
+        self.check()
+        with ExitStack() as stack:
+            # The file is begun before the work, so that what is in its way is said then.
+            stream = None if self.output is None else stack.enter_context(written(self.output, self.force))
+            report = stack.enter_context(working("map"))
+            found = self.compute(report)
+            arrays = self.arrays(found)
+            if stream is not None:
+                report("writing")
+                stream.write(self.content(found, arrays))
+        if self.as_json:
+            record = self.record() | (self.axes | arrays if self.points <= MOST_PRINTED else {})
+            print_json(record if self.output is None else {**record, "output": self.output, "points": self.points})
+        else:
+            fixed = (f"{name} = {value:g}" for name, value in self.fixed.items())
+            title = ", ".join([self.chosen.name, f"N = {self.question.modes}", *fixed])
+            print_table(self.rows(arrays), title=title)
 
-@dataclass(frozen=True)
-class Grid:
-    """What is mapped: the question and its axes, (n_k,) by name, nondimensional and in the units of the output."""
-
-    question: Question
-    values: dict[str, Any]
-    axes: dict[str, Any]
-    units: Units
+    @cached_property
+    def axes(self) -> dict[str, Any]:
+        """The axes, each (COUNT,), by name, in the units of the input. Raises InputError."""
+        any_of_them: Any = self.axis or ()  # four words each, as `Axes` has it
+        named = [(name, given) for name, *given in any_of_them]
+        return _axes([("alpha", self.alpha), ("beta", self.beta), *named], self.linear)
 
     @property
     def points(self) -> int:
         return math.prod(map(len, self.axes.values()))
+
+    @cached_property
+    def question_and_axes(self) -> tuple[Question, dict[str, Any]]:
+        """What is mapped, and over which values, nondimensional. Raises InputError."""
+        from freebeam_sym.stability.maps import split
+
+        own, limit = self.chosen.own_parameters(dict(self.assigned)), self.limit
+        fixed = {name: value for name, value in own.items() if name not in self.axes}
+        with self.units.in_errors():
+            scaled = {name: self.units.into(name, axis) for name, axis in self.axes.items()}
+            return split(self.chosen, self.modes, fixed | scaled, **limit)
+
+    @property
+    def question(self) -> Question:
+        return self.question_and_axes[0]
 
     @property
     def fixed(self) -> dict[str, float]:
         """The column's own parameters that are no axes."""
         return {name: value for name, value in self.question.parameters.items() if name not in self.axes}
 
+    def check(self) -> None:
+        """Refuse what can be known to fail, before the work is done. Raises InputError."""
+        takes = ", ".join(map(" ".join, WORDS.items()))
+        for word in self.extra or ():
+            refuse(True, f"{word}: belongs to no option; the axes are {takes}")
+        if self.output is not None:
+            _refuse_output(self.output, [*map(len, self.axes.values())])
+        elif self.as_json:
+            most = f"JSON holds {MOST_PRINTED} at most; give --output FILE.csv or .nc"
+            refuse(self.points > MOST_PRINTED, f"{self.points} points: {most}")
+        for name in self.axes:
+            given = f"--set {name}={self.assigned.get(name)}"
+            refuse(name in self.assigned, f"{given}: {name} is an axis of this map; leave one of them out")
+        for name in ("workers", "store"):
+            alone = self.chunks is None and getattr(self, name) is not None
+            refuse(alone, f"--{name} needs --chunks K, such as --chunks 100")
+        _ = self.question  # whose mistakes are told before a file is begun
+
+    def compute(self, report: Callable[[str], None]) -> Solved:
+        """The map, nondimensional. Raises InputError."""
+        from freebeam_sym.stability.maps import solved
+
+        blocks: dict[str, Any] = {"chunks": self.chunks, "workers": self.workers, "store": self.store}
+        with self.units.in_errors():
+            return solved(
+                *self.question_and_axes, not self.no_convergence, lambda share: report(f"{share:.0%}"), **blocks
+            )
+
+    def arrays(self, found: Solved) -> dict[str, Any]:
+        """The map's values by name, in the units of the output."""
+        import numpy as np
+
+        from freebeam_sym.stability.grids import KINDS
+
+        load, frequency = (self.units.out(name, getattr(found.answers, name)) for name in ("load", "frequency"))
+        arrays = {"load": load, "kind": np.array(KINDS)[found.answers.kind], "frequency": frequency}
+        return arrays | ({} if found.error is None else {"error": found.error, "converged": found.converged})
+
     def record(self) -> dict[str, Any]:
+        """What was asked, for JSON and for the head of a table."""
         return {
             **self.question.record(),
             "parameters": self.fixed,
@@ -118,121 +178,44 @@ class Grid:
             "units": self.units.name,
         }
 
-    def arrays(self, found: Solved) -> dict[str, Any]:
-        """The map's values by name, in the units of the output."""
-        import numpy as np
+    def rows(self, arrays: dict[str, Any]) -> list[list[str]]:
+        """The map in a few lines."""
+        unit, load_max = self.units.of("load"), self.record()["load_max"]
+        rows = [["points", " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())]]
+        for kind in ("flutter", "divergence", "none"):
+            here = arrays["kind"] == kind
+            if here.any():
+                loads = arrays["load"][here]
+                told = f", load {loads.min():.10g} to {loads.max():.10g}{unit}"
+                rows.append([kind, f"{here.sum()} points{f' up to {load_max:.10g}{unit}' if kind == 'none' else told}"])
+        if "converged" in arrays:
+            rows.append(["not converged", f"{(~arrays['converged']).sum()} points"])
+        return rows if self.output is None else [*rows, ["written", str(self.output)]]
 
-        from freebeam_sym.stability.grids import KINDS
+    def content(self, found: Solved, arrays: dict[str, Any]) -> bytes:
+        """The file that is to be written."""
+        from freebeam_sym.stability.maps import dataset
 
-        answers = found.answers
-        loads, frequencies = self.units.out("load", answers.load), self.units.out("frequency", answers.frequency)
-        arrays = {"load": loads, "kind": np.array(KINDS)[answers.kind], "frequency": frequencies}
-        return arrays | ({} if found.error is None else {"error": found.error, "converged": found.converged})
+        suffix = self.output and self.output.suffix
+        if suffix == ".csv":
+            return _csv(self.record(), self.axes, arrays)
+        labelled = dataset(found)
+        if self.units.sizes:
+            labelled = self.in_si(labelled)
+        return _picture(labelled) if suffix == ".png" else _netcdf(labelled)
 
-
-@command(
-    Map,
-    "freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (.csv, .png, or --json)",
-    name="map",
-    cls=Axes,
-)
-def stability_map(asked: Map) -> None:
-    """Compute the critical load over a grid of one parameter or more: dampings, or the column's own.
-
-    Each point is the first loss of stability, with its kind, its frequency, and its error against the beam itself.
-    Values of a damping have a constant ratio, values of another parameter a constant difference.
-    """
-    grid = _ask(asked)
-    with ExitStack() as stack:
-        # The file is begun before the work, so that what is in its way is said then.
-        stream = None if asked.output is None else stack.enter_context(written(asked.output, asked.force))
-        report = stack.enter_context(working("map"))
-        found = _compute(asked, grid, report)
-        arrays = grid.arrays(found)
-        if stream is not None and asked.output is not None:
-            report("writing")
-            stream.write(_content(asked, grid, found, arrays))
-    if asked.as_json:
-        head = grid.record() | (grid.axes | arrays if grid.points <= MOST_PRINTED else {})
-        print_json(head if asked.output is None else {**head, "output": asked.output, "points": grid.points})
-        return
-    rows = _rows(grid, arrays)
-    if asked.output is not None:
-        rows.append(["written", str(asked.output)])
-    question = grid.question
-    fixed = (f"{name} = {value:g}" for name, value in grid.fixed.items())
-    print_table(rows, title=", ".join([question.column.name, f"N = {question.modes}", *fixed]))
-
-
-def _ask(asked: Map) -> Grid:
-    """What is to be mapped; what cannot be is refused before the work. Raises InputError."""
-    import freebeam as fb
-    from freebeam_sym.checks import positive
-    from freebeam_sym.stability.maps import split
-
-    for word in asked.extra or ():
-        takes = ", ".join(map(" ".join, WORDS.items()))
-        refuse(True, f"{word}: belongs to no option; the axes are {takes}")
-    any_of_them: Any = asked.axis or ()  # four words each, as `Axes` has it
-    ranges = [("alpha", asked.alpha), ("beta", asked.beta), *((name, given) for name, *given in any_of_them)]
-    axes = _axes(ranges, asked.linear)
-    if asked.output is not None:
-        _refuse_output(asked.output, [*map(len, axes.values())])
-    points = math.prod(map(len, axes.values()))
-    own = asked.assigned
-    whole = asked.as_json and asked.output is None
-    refuse(
-        whole and points > MOST_PRINTED,
-        f"{points} points: JSON holds {MOST_PRINTED} at most; give --output FILE.csv or .nc",
-    )
-    for name in axes:
-        refuse(name in own, f"--set {name}={own.get(name)}: {name} is an axis of this map; leave one of them out")
-    for name in ("workers", "store"):
-        alone = asked.chunks is None and getattr(asked, name) is not None
-        refuse(alone, f"--{name} needs --chunks K, such as --chunks 100")
-    column = fb.column(asked.column, asked.basis)
-    units = asked.units(column)
-    fixed = {name: value for name, value in column.own_parameters(dict(own)).items() if name not in axes}
-    limit = {}
-    if asked.load_max is not None:
-        positive("load_max", asked.load_max, "largest load to look at")
-        limit = {"load_max": units.into("load", asked.load_max)}
-    with units.in_errors():
-        scaled = {name: units.into(name, axis) for name, axis in axes.items()}
-        question, values = split(column, asked.modes, fixed | scaled, **limit)
-    return Grid(question, values, axes, units)
-
-
-def _compute(asked: Map, grid: Grid, report: Callable[[str], None]) -> Solved:
-    """The map. Raises InputError."""
-    from freebeam_sym.stability.maps import solved
-
-    blocks: dict[str, Any] = {}
-    if asked.chunks is not None:
-        blocks = {"chunks": asked.chunks, "workers": asked.workers, "store": asked.store}
-    with grid.units.in_errors():
-        return solved(
-            grid.question, grid.values, not asked.no_convergence, lambda share: report(f"{share:.0%}"), **blocks
-        )
-
-
-def _rows(grid: Grid, arrays: dict[str, Any]) -> list[list[str]]:
-    """The map in a few lines."""
-    import numpy as np
-
-    unit = grid.units.of("load")
-    rows = [["points", " x ".join(f"{len(values)} {name}" for name, values in grid.axes.items())]]
-    for kind in ("flutter", "divergence", "none"):
-        here = arrays["kind"] == kind
-        if here.any():
-            loads = arrays["load"][here]
-            told = f", load {loads.min():.10g} to {loads.max():.10g}{unit}"
-            if kind == "none":
-                told = f" up to {grid.record()['load_max']:.10g}{unit}"
-            rows.append([kind, f"{here.sum()} points{told}"])
-    if "converged" in arrays:
-        rows.append(["not converged", f"{np.sum(~arrays['converged'])} points"])
-    return rows
+    def in_si(self, found: xarray.Dataset) -> xarray.Dataset:
+        """A map in the units in which it was asked; the column's own parameters stay nondimensional."""
+        units = self.units
+        for name, values in self.axes.items():
+            found = found.assign_coords({name: found[name].copy(data=values)})
+        for name in ("load", "frequency"):
+            found[name] = found[name].copy(data=units.out(name, found[name].values))
+        for name in (*(x for x in self.axes if x in units.SYMBOLS), "load", "frequency"):
+            found[name].attrs["units"] = units.SYMBOLS[name]
+        beam = {name: float(size) for name, size in self.beam.items()}
+        found.attrs |= {"load_max": units.out("load", found.attrs["load_max"]), "units": units.name, **beam}
+        return found
 
 
 def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> dict[str, Any]:
@@ -293,32 +276,6 @@ def _refuse_output(output: Path, counts: list[int]) -> None:
         )
     if output.suffix == ".png" and (len(counts) != 2 or min(counts) < 2):
         raise InputError("a picture needs two axes, and two values or more along each; or write a .csv or .nc file")
-
-
-def _content(asked: Map, grid: Grid, found: Solved, arrays: dict[str, Any]) -> bytes:
-    """The file that is to be written."""
-    from freebeam_sym.stability.maps import dataset
-
-    suffix = asked.output and asked.output.suffix
-    if suffix == ".csv":
-        return _csv(grid.record(), grid.axes, arrays)
-    labelled = dataset(found)
-    if grid.units.sizes:
-        labelled = _in_si(labelled, grid, {name: float(size) for name, size in asked.beam.items()})
-    return _picture(labelled) if suffix == ".png" else _netcdf(labelled)
-
-
-def _in_si(found: xarray.Dataset, grid: Grid, beam: dict[str, float]) -> xarray.Dataset:
-    """A map in the units in which it was asked; the column's own parameters stay nondimensional."""
-    units = grid.units
-    for name, values in grid.axes.items():
-        found = found.assign_coords({name: found[name].copy(data=values)})
-    for name in ("load", "frequency"):
-        found[name] = found[name].copy(data=units.out(name, found[name].values))
-    for name in (*(x for x in grid.axes if x in units.SYMBOLS), "load", "frequency"):
-        found[name].attrs["units"] = units.SYMBOLS[name]
-    found.attrs |= {"load_max": units.out("load", found.attrs["load_max"]), "units": units.name, **beam}
-    return found
 
 
 def _csv(head: dict[str, Any], axes: dict[str, Any], values: dict[str, Any]) -> bytes:

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import MISSING, dataclass, field
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
@@ -56,23 +56,6 @@ def number(text: str | Number) -> Number:
 def vanishing_or_number(text: str | Number) -> Number:
     """Read a number, or 0+ for what vanishes."""
     return Number("0+", Fraction(0)) if str(text).strip() == "0+" else number(text)
-
-
-def assignments(pairs: Sequence[str] | None) -> dict[str, Number]:
-    """Read `--set name=value` options."""
-    found: dict[str, Number] = {}
-    for pair in pairs or ():
-        name, equals, text = pair.partition("=")
-        name = name.strip()
-        if not equals or not name:
-            raise typer.BadParameter(f"{pair!r} must be NAME=VALUE, such as eta=0.7", param_hint="'--set'")
-        if name in found:
-            raise typer.BadParameter(f"{name} is set twice", param_hint="'--set'")
-        try:
-            found[name] = number(text)
-        except typer.BadParameter as error:
-            raise typer.BadParameter(f"{name}: {error}", param_hint="'--set'") from None
-    return found
 
 
 @dataclass(frozen=True)
@@ -132,12 +115,13 @@ def refuse(mistaken: object, message: str) -> None:
         raise InputError(message)
 
 
+REQUIRED: Any = MISSING
+
+
 def option(metavar: str, help: str, *names: str, default: Any = None, **more: Any) -> Any:
-    """A field of a dataclass that is an option of a command, named like the field where no names are given; `more` as
-    typer.Option takes it. Required where the default is MISSING."""
-    return field(
-        default=default, metadata={"kind": typer.Option, "names": names, "metavar": metavar, "help": help} | more
-    )
+    """A field of a command that is an option, named like the field where no names are given; `more` as typer has it."""
+    given = {"kind": typer.Option, "names": names, "metavar": metavar, "help": help, **more}
+    return field(default=default, metadata=given)
 
 
 def flag(help: str, *names: str) -> Any:
@@ -145,31 +129,15 @@ def flag(help: str, *names: str) -> Any:
     return field(default=False, metadata={"kind": typer.Option, "names": names, "help": help})
 
 
-def argument(default: Any = None, **more: Any) -> Any:
-    """A field that is given without a name; `more` as typer.Argument takes it."""
-    return field(default=default, metadata={"kind": typer.Argument, "names": ()} | more)
-
-
-quantity = partial(option, parser=number)
-_of_beam = partial(quantity, rich_help_panel="Beam in SI units (give all three; input and output are in SI units then)")
-
-
-def column_option() -> Any:
-    help = "A column's name, or its file: a Python program, which is run."
-    return option("NAME|FILE", help, default="free-free")
-
-
-def basis_option() -> Any:
-    return option("modes|legendre", "Trial functions: modes of the beam, or polynomials.")
-
-
-def load_max_option() -> Any:
-    return quantity("P", "Largest load of the search; 1000 (nondimensional) if not given.")
+def argument(metavar: str = "", help: str = "", default: Any = None) -> Any:
+    """A field that is given without a name; hidden where it has no help."""
+    given = {"kind": typer.Argument, "names": (), "metavar": metavar or None, "help": help, "hidden": not help}
+    return field(default=default, metadata=given)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """Of every command."""
+    """Of every command. A command is a class of such fields, what is asked, and of what is done about it."""
 
     as_json: bool = flag("Print one JSON object.", "--json")
 
@@ -182,25 +150,53 @@ class FileOptions(Options):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ColumnOptions(Options):
+class NameOptions(Options):
+    column: str = option(
+        "NAME|FILE", "A column's name, or its file: a Python program, which is run.", default="free-free"
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class BasisOptions(NameOptions):
+    basis: str | None = option("modes|legendre", "Trial functions: modes of the beam, or polynomials.")
+
+    @cached_property
+    def chosen(self) -> Column:
+        """The column with its basis. Raises InputError."""
+        import freebeam as fb
+
+        return fb.column(self.column, self.basis)
+
+
+_of_beam = partial(option, rich_help_panel="Beam in SI units (give all three; input and output are in SI units then)")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnOptions(BasisOptions):
     """A column, its series, its own parameters, and a beam in SI units."""
 
-    column: str = column_option()
-    basis: str | None = basis_option()
-    modes: int | None = option(
-        "N", "Number of elastic trial functions; the column's default if not given.", "--modes", "-N"
-    )
-    own: list[str] | None = option(
-        "NAME=VALUE", "Value of a parameter of the column, any number; may be repeated.", "--set"
-    )
+    modes: int | None = option("N", "Number of elastic functions; the column's own if not given.", "--modes", "-N")
+    own: list[str] | None = option("NAME=VALUE", "A parameter of the column, of any value; may be repeated.", "--set")
     bending_stiffness: Number | None = _of_beam("EI", "Bending stiffness EI, N m^2.")
     mass_per_length: Number | None = _of_beam("m", "Mass per length m, kg/m.")
     length: Number | None = _of_beam("L", "Length L, m.")
 
-    @property
+    @cached_property
     def assigned(self) -> dict[str, Number]:
-        """The column's own parameters that are set. Raises InputError."""
-        return assignments(self.own)
+        """The column's own parameters that are set. Raises BadParameter."""
+        found: dict[str, Number] = {}
+        for pair in self.own or ():
+            name, equals, text = pair.partition("=")
+            name = name.strip()
+            if not equals or not name:
+                raise typer.BadParameter(f"{pair!r} must be NAME=VALUE, such as eta=0.7", param_hint="'--set'")
+            if name in found:
+                raise typer.BadParameter(f"{name} is set twice", param_hint="'--set'")
+            try:
+                found[name] = number(text)
+            except typer.BadParameter as error:
+                raise typer.BadParameter(f"{name}: {error}", param_hint="'--set'") from None
+        return found
 
     @property
     def beam(self) -> dict[str, Number]:
@@ -208,8 +204,9 @@ class ColumnOptions(Options):
         names = ("bending_stiffness", "mass_per_length", "length")
         return {name: value for name in names if (value := getattr(self, name)) is not None}
 
-    def units(self, column: Column) -> Units:
-        """Units of input and output: SI where the beam's three quantities are given. Raises InputError."""
+    @cached_property
+    def units(self) -> Units:
+        """Of input and output: SI where the beam's three quantities are given. Raises InputError."""
         from freebeam_sym.checks import positive
 
         given = {f"--{name.replace('_', '-')}": value for name, value in self.beam.items()}
@@ -217,62 +214,64 @@ class ColumnOptions(Options):
             return Units()
         missing = [x for x in ("--bending-stiffness", "--mass-per-length", "--length") if x not in given]
         refuse(missing, f"SI units need three quantities of the beam: give {' and '.join(missing)} too")
-        sizes = column.scales(*(positive(name, value) for name, value in given.items()))
+        sizes = self.chosen.scales(*(positive(name, value) for name, value in given.items()))
         return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
+
+    @property
+    def limit(self) -> dict[str, float]:
+        """The largest load of a search, nondimensional, where it is given."""
+        return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchOptions(ColumnOptions):
+    load_max: Number | None = option("P", "Largest load of the search; 1000 (nondimensional) if not given.")
+
+    @property
+    def limit(self) -> dict[str, float]:
+        from freebeam_sym.checks import positive
+
+        if self.load_max is None:
+            return {}
+        positive("load_max", self.load_max, "largest load to look at")
+        return {"load_max": self.units.into("load", self.load_max)}
 
 
 @dataclass(frozen=True, kw_only=True)
 class CaseOptions(ColumnOptions):
     """A column with its dampings."""
 
-    alpha: Number = quantity("X", "Internal damping alpha.", default="0")
-    beta: Number = quantity("X", "External damping beta.", default="0")
+    alpha: Number = option("X", "Internal damping alpha.", default="0")
+    beta: Number = option("X", "External damping beta.", default="0")
 
-    def case(self, load_max: Number | None = None, kappa: Number | None = None) -> Case:
-        """The question that these options ask. Raises InputError for bad values."""
-        import freebeam as fb
-        from freebeam_sym.checks import nonnegative, positive
+    @property
+    def dampings(self) -> dict[str, Number]:
+        """As they were typed."""
+        return {"alpha": self.alpha, "beta": self.beta}
 
-        column = fb.column(self.column, self.basis)
-        own = column.own_parameters(dict(self.assigned))
-        units = self.units(column)
-        # Checked as typed, so that a message names the value that the user knows.
-        nonnegative("alpha", self.alpha, "internal damping")
-        nonnegative("beta", self.beta, "external damping")
-        typed = {"alpha": self.alpha, "beta": self.beta} | ({} if kappa is None else {"kappa": kappa})
-        given = {name: units.into(name, value) for name, value in typed.items()}
-        if load_max is not None:
-            positive("load_max", load_max, "largest load to look at")
-            given["load_max"] = units.into("load", load_max)
-        with units.in_errors():
-            return Case(fb.Question.of(column, self.modes, **given, **own), units, typed)
+    @cached_property
+    def question(self) -> Question:
+        """What is asked of the column, nondimensional. Raises InputError for bad values."""
+        from freebeam_sym.checks import nonnegative
+        from freebeam_sym.question import Question
 
-
-@dataclass(frozen=True)
-class Case:
-    """A question, the units of a command's input and output, and the dampings as they were typed."""
-
-    question: Question
-    units: Units
-    typed: dict[str, Number]
+        own = self.chosen.own_parameters(dict(self.assigned))
+        for name, meaning in (("alpha", "internal damping"), ("beta", "external damping")):
+            nonnegative(name, self.dampings[name], meaning)  # as typed, so that a message names what the user knows
+        given = {name: self.units.into(name, value) for name, value in self.dampings.items()} | self.limit
+        with self.units.in_errors():
+            return Question.of(self.chosen, self.modes, **given, **own)
 
     def record(self, **more: object) -> dict[str, Any]:
         """What was asked, in the units in which it was asked: the head of each command's JSON object."""
-        return {
-            "column": self.question.column.name,
-            "basis": self.question.column.basis_name,
-            "modes": self.question.modes,
-            **self.typed,
-            "parameters": self.question.parameters,
-            "units": self.units.name,
-            **more,
-        }
+        question, column = self.question, self.chosen
+        head = {"column": column.name, "basis": column.basis_name, "modes": question.modes, **self.dampings}
+        return {**head, "parameters": question.parameters, "units": self.units.name, **more}
 
     def title(self, **more: str) -> str:
-        column = self.question.column
         words = {"N": str(self.question.modes)}
-        if column.basis_name != "modes":
-            words["basis"] = column.basis_name
-        words |= {k: f"{v}{self.units.of(k)}" for k, v in self.typed.items()} | more
+        if self.chosen.basis_name != "modes":
+            words["basis"] = self.chosen.basis_name
+        words |= {k: f"{v}{self.units.of(k)}" for k, v in self.dampings.items()} | more
         words |= {name: f"{value:g}" for name, value in self.question.parameters.items()}
-        return ", ".join([column.name, *(f"{key} = {value}" for key, value in words.items())])
+        return ", ".join([self.chosen.name, *(f"{key} = {value}" for key, value in words.items())])

@@ -7,6 +7,7 @@ import math
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import asdict, is_dataclass
 from pathlib import Path
 from typing import IO, Any
 
@@ -14,9 +15,12 @@ from freebeam.cli.options import Number
 
 
 def plain(value: Any) -> Any:
-    """A value as JSON has it: arrays as lists, complex numbers as [re, im], what is not finite as null."""
+    """A value as JSON has it: dataclasses as objects, arrays as lists, complex numbers as [re, im], what is not finite
+    as null."""
     if hasattr(value, "tolist"):
         value = value.tolist()
+    if is_dataclass(value) and not isinstance(value, (type, Number)):
+        value = asdict(value)
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, (list, tuple)):

@@ -2,71 +2,69 @@
 
 from __future__ import annotations
 
-from dataclasses import MISSING, dataclass
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from freebeam.cli.application import command
-from freebeam.cli.options import FileOptions, argument, basis_option, column_option, option, refuse
+from freebeam.cli.options import REQUIRED, BasisOptions, FileOptions, NameOptions, argument, option, refuse
 from freebeam.cli.output import print_json, working, written
 
 # --- figures ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("freebeam figures 2 10 --output figures --format png")
 class Figures(FileOptions):
-    output: Path = option("DIR", "Folder to write to; it is made if need be.", default=MISSING)
-    number: list[str] | None = argument(metavar="[NUMBER]...", help="Numbers of figures; all if none is given.")
-    format: str = option("svg|png|pdf", "Kind of picture.", default="svg")
-
-
-@command(Figures, "freebeam figures 2 10 --output figures --format png")
-def figures(asked: Figures) -> None:
     """Draw the paper's figures again from computed data, each with a CSV file of what it shows.
 
     The first lines of the CSV file hold the caption, the settings, and the values that the figure marks.
     """
-    from freebeam.figures import published
-    from freebeam.figures.look import style
-    from freebeam.figures.saving import FORMATS, csv_of, image_of
-    from freebeam_sym.checks import InputError
 
-    format, output = asked.format, asked.output
-    refuse(format not in FORMATS, f"--format {format}: must be one of {', '.join(FORMATS)}")
-    texts = asked.number or [str(number) for number in published.NUMBERS]
-    wanted = dict.fromkeys(_number(text, published.NUMBERS) for text in texts)
-    done: list[dict[str, Any]] = []
-    made: dict[Path, bytes] = {}
-    with style(), working("figures") as report:
-        try:
-            output.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
-        for count, n in enumerate(wanted, 1):
-            report(f"Fig. {n} ({count} of {len(wanted)})")
-            found = published.picture(n)
-            picture, data = (output / f"figure-{n:02}.{kind}" for kind in (format, "csv"))
-            made[picture] = image_of(found.draw(), format, f"Fig. {n}. {found.title}")
-            made[data] = csv_of(found).encode()
-            done.append({
-                "number": n, "title": found.title, "caption": found.caption, "settings": found.settings,
-                "marks": found.marks, "picture": picture, "data": data,
-            })  # fmt: skip
-        # a figure's data are the same beside each kind of picture: what is there already is not in the way
-        new = {file: content for file, content in made.items() if not _holds(file, content)}
-        kept = [str(file) for file in new if file.exists() and not asked.force]
-        cure = f"give another folder, or --force to replace {'them' if kept[1:] else 'it'}"
-        refuse(kept, f"{', '.join(kept)}: exists with other content and is kept; {cure}")
-        for file, content in new.items():
-            with written(file, asked.force) as stream:
-                stream.write(content)
-    if asked.as_json:
-        print_json({"output": output, "format": format, "figures": done})
-        return
-    for entry in done:
-        typer.echo(f"{entry['picture']}: {entry['title']}")
+    output: Path = option("DIR", "Folder to write to; it is made if need be.", default=REQUIRED)
+    number: list[str] | None = argument("[NUMBER]...", "Numbers of figures; all if none is given.")
+    format: str = option("svg|png|pdf", "Kind of picture.", default="svg")
+
+    def run(self) -> None:
+        from freebeam.figures import published
+        from freebeam.figures.look import style
+        from freebeam.figures.saving import FORMATS, csv_of, image_of
+        from freebeam_sym.checks import InputError
+
+        format, output = self.format, self.output
+        refuse(format not in FORMATS, f"--format {format}: must be one of {', '.join(FORMATS)}")
+        texts = self.number or [str(number) for number in published.NUMBERS]
+        wanted = dict.fromkeys(_number(text, published.NUMBERS) for text in texts)
+        done: list[dict[str, Any]] = []
+        made: dict[Path, bytes] = {}
+        with style(), working("figures") as report:
+            try:
+                output.mkdir(parents=True, exist_ok=True)
+            except OSError as error:
+                raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
+            for count, n in enumerate(wanted, 1):
+                report(f"Fig. {n} ({count} of {len(wanted)})")
+                found = published.picture(n)
+                picture, data = (output / f"figure-{n:02}.{kind}" for kind in (format, "csv"))
+                made[picture] = image_of(found.draw(), format, f"Fig. {n}. {found.title}")
+                made[data] = csv_of(found).encode()
+                done.append({
+                    "number": n, "title": found.title, "caption": found.caption, "settings": found.settings,
+                    "marks": found.marks, "picture": picture, "data": data,
+                })  # fmt: skip
+            # a figure's data are the same beside each kind of picture: what is there already is not in the way
+            new = {file: content for file, content in made.items() if not _holds(file, content)}
+            kept = [str(file) for file in new if file.exists() and not self.force]
+            cure = f"give another folder, or --force to replace {'them' if kept[1:] else 'it'}"
+            refuse(kept, f"{', '.join(kept)}: exists with other content and is kept; {cure}")
+            for file, content in new.items():
+                with written(file, self.force) as stream:
+                    stream.write(content)
+        if self.as_json:
+            print_json({"output": output, "format": format, "figures": done})
+            return
+        for entry in done:
+            typer.echo(f"{entry['picture']}: {entry['title']}")
 
 
 def _holds(file: Path, content: bytes) -> bool:
@@ -86,75 +84,70 @@ def _number(text: str, known: tuple[int, ...]) -> int:
 # --- lesson -----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class AskedLesson(FileOptions):
-    format: str = option("html|md|tex|ipynb|pdf", "Kind of file.", default=MISSING)
-    output: Path = option("FILE", "The file to write.", default=MISSING)
-    column: str = column_option()
-
-
-@command(AskedLesson, "freebeam lesson --column beck --format html --output lesson.html")
-def lesson(asked: AskedLesson) -> None:
+@command("freebeam lesson --column beck --format html --output lesson.html")
+class Lesson(FileOptions, NameOptions):
     """Write a lesson on a column: its derivation with a proof of each step, then its physics, with exercises.
 
     The formats md and tex also write their drawings, to a folder beside FILE.
     """
-    from freebeam.lesson import FORMATS, printed
-    from freebeam.lesson import lesson as made
 
-    format, output = asked.format, asked.output
-    refuse(format not in FORMATS, f"format = {format!r}: must be one of {', '.join(FORMATS)}")
-    beside = output.with_name(f"{output.stem}_files") if format in ("md", "tex") else None
-    for path in (output, beside):
-        there = path is not None and path.exists() and not asked.force
-        refuse(there, f"{path}: exists and is kept; give another name, or --force to replace it")
-    made_before = "its folder does not exist); make it, or give another name"
-    refuse(not output.parent.is_dir(), f"{output}: cannot be written ({made_before}")
-    with working("lesson") as report:
-        found = made(asked.column, report)
-        report(f"printing {format}")
-        files = printed(found, format, output)
-    if beside is not None:
-        beside.mkdir(exist_ok=True)
-    for path, data in sorted(files.items(), key=lambda item: item[0] == output):  # the text last, when all is there
-        with written(path, asked.force) as stream:
-            stream.write(data)
-    if asked.as_json:
-        print_json({
-            "column": found.column,
-            "format": format,
-            "written": [*files],
-            "checks": len(found.checks),
-            "largest_residual": max(check.residual for check in found.checks),
-        })  # fmt: skip
-        return
-    typer.echo(f"{output}: {found.title}; {len(found.checks)} checks, all passed")
+    format: str = option("html|md|tex|ipynb|pdf", "Kind of file.", default=REQUIRED)
+    output: Path = option("FILE", "The file to write.", default=REQUIRED)
+
+    def run(self) -> None:
+        from freebeam.lesson import FORMATS, printed
+        from freebeam.lesson import lesson as made
+
+        format, output = self.format, self.output
+        refuse(format not in FORMATS, f"format = {format!r}: must be one of {', '.join(FORMATS)}")
+        beside = output.with_name(f"{output.stem}_files") if format in ("md", "tex") else None
+        for path in (output, beside):
+            there = path is not None and path.exists() and not self.force
+            refuse(there, f"{path}: exists and is kept; give another name, or --force to replace it")
+        made_before = "its folder does not exist); make it, or give another name"
+        refuse(not output.parent.is_dir(), f"{output}: cannot be written ({made_before}")
+        with working("lesson") as report:
+            found = made(self.column, report)
+            report(f"printing {format}")
+            files = printed(found, format, output)
+        if beside is not None:
+            beside.mkdir(exist_ok=True)
+        for path, data in sorted(files.items(), key=lambda item: item[0] == output):  # the text last, when all is there
+            with written(path, self.force) as stream:
+                stream.write(data)
+        if self.as_json:
+            print_json({
+                "column": found.column,
+                "format": format,
+                "written": [*files],
+                "checks": len(found.checks),
+                "largest_residual": max(check.residual for check in found.checks),
+            })  # fmt: skip
+            return
+        typer.echo(f"{output}: {found.title}; {len(found.checks)} checks, all passed")
 
 
 # --- explore ----------------------------------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, kw_only=True)
-class Explore(FileOptions):
-    output: Path = option("FILE", "The .html file to write.", default=MISSING)
-    column: str = column_option()
-    basis: str | None = basis_option()
-
-
-@command(Explore, "freebeam explore --column beck --output beck.html")
-def explore(asked: Explore) -> None:
+@command("freebeam explore --column beck --output beck.html")
+class Explore(FileOptions, BasisOptions):
     """Write a page to explore a column by hand: one file that works in any browser, without a network."""
-    import freebeam as fb
 
-    output = asked.output
-    refuse(output.suffix not in (".html", ".htm"), f"{output}: the name must end in .html")
-    with written(output, asked.force) as stream, working("explorer"):
-        from freebeam.explorer import page
+    output: Path = option("FILE", "The .html file to write.", default=REQUIRED)
 
-        chosen = fb.column(asked.column, asked.basis)
-        text = page(chosen, asked.column).encode()
-        stream.write(text)
-    if asked.as_json:
-        print_json({"output": output, "column": chosen.name, "basis": chosen.basis_name, "bytes": len(text)})
-    else:
-        typer.echo(f"{output}: {len(text) / 1e3:.0f} kB; open it in a browser")
+    def run(self) -> None:
+        import freebeam as fb
+
+        output = self.output
+        refuse(output.suffix not in (".html", ".htm"), f"{output}: the name must end in .html")
+        with written(output, self.force) as stream, working("explorer"):
+            from freebeam.explorer import page
+
+            chosen = fb.column(self.column, self.basis)
+            text = page(chosen, self.column).encode()
+            stream.write(text)
+        if self.as_json:
+            print_json({"output": output, "column": chosen.name, "basis": chosen.basis_name, "bytes": len(text)})
+        else:
+            typer.echo(f"{output}: {len(text) / 1e3:.0f} kB; open it in a browser")

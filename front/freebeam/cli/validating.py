@@ -6,9 +6,8 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -21,42 +20,40 @@ if TYPE_CHECKING:
     from freebeam.ledger.scanned import Row
 
 
-@dataclass(frozen=True, kw_only=True)
+@command("freebeam validate --output ledger.md")
 class Validate(FileOptions):
-    loads: bool = flag("Check the critical loads only, which is quick.")
-    output: Path | None = option("FILE", "Write the whole ledger as Markdown.")
-
-
-@command(Validate, "freebeam validate --output ledger.md")
-def validate(asked: Validate) -> None:
     """Check the paper: each numbered equation, each claim with its verdict, and the critical loads that it prints.
 
     The exit status is 1 if an equation or a claim has another verdict than it should have, or if a critical load is not
     explained to its last digit.
     """
-    from freebeam.ledger.book import ledger
-    from freebeam.ledger.page import page
-    from freebeam.ledger.scanned import validate as validated
 
-    output = asked.output
-    refuse(asked.loads and output, f"{output}: holds the whole ledger; leave out --loads")
-    if output is not None:
-        with written(output, asked.force) as stream, working("validate") as report:
-            stream.write(page(ledger(report)).encode())
-    with working("validate") as report:
-        rows = validated(report)
-        book = None if asked.loads else ledger(report)
-    passed = all(row.passed for row in rows) and (book is None or book.passed)
-    if asked.as_json:
-        parts: dict[str, Sequence[Any]] = {"loads": rows}
-        parts |= {"equations": book.equations, "claims": book.claims} if book else {}
-        print_json({name: [asdict(row) for row in part] for name, part in parts.items()} | {"passed": passed})
-    else:
-        if book:
-            _print_ledger(book)
-        _print_loads(rows)
-    if not passed:
-        raise typer.Exit(1)
+    loads: bool = flag("Check the critical loads only, which is quick.")
+    output: Path | None = option("FILE", "Write the whole ledger as Markdown.")
+
+    def run(self) -> None:
+        from freebeam.ledger.book import ledger
+        from freebeam.ledger.page import page
+        from freebeam.ledger.scanned import validate as validated
+
+        output = self.output
+        refuse(self.loads and output, f"{output}: holds the whole ledger; leave out --loads")
+        if output is not None:
+            with written(output, self.force) as stream, working("validate") as report:
+                stream.write(page(ledger(report)).encode())
+        with working("validate") as report:
+            rows = validated(report)
+            book = None if self.loads else ledger(report)
+        passed = all(row.passed for row in rows) and (book is None or book.passed)
+        if self.as_json:
+            parts = {"equations": book.equations, "claims": book.claims} if book else {}
+            print_json({"loads": rows, **parts, "passed": passed})
+        else:
+            if book:
+                _print_ledger(book)
+            _print_loads(rows)
+        if not passed:
+            raise typer.Exit(1)
 
 
 def _print_ledger(book: Ledger) -> None:
