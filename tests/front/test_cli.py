@@ -195,6 +195,18 @@ def test_forced_response_starts_at_rest_and_is_linear_in_the_force(freebeam):
     np.testing.assert_allclose(three, 3 * one, rtol=1e-9, atol=1e-18)
 
 
+def test_a_response_is_the_same_in_either_basis(freebeam):
+    """To a force at mid-span; the modes' series converges from 8 to 32 functions to what the polynomials give."""
+    force = ["--force-amplitude", "1", "--force-frequency", "3", "--force-position", "0.5", "--quantity", "y", "--json"]
+
+    def response(*options: str) -> np.ndarray:
+        return np.array(freebeam(*RESPOND, *force, *options).json["y"])
+
+    polynomials = response("--basis", "legendre", "--modes", "16")
+    errors = [np.abs(response("--modes", N) - polynomials).max() / np.abs(polynomials).max() for N in ("8", "32")]
+    assert errors[1] < errors[0] / 4 < 1e-3
+
+
 def test_sensors_may_follow_one_option(freebeam):
     either = freebeam(*RESPOND, "--sensor", "0.1", "0.50", "1")
     assert either.out == freebeam(*RESPOND, "--sensor", "0.1", "--sensor", "0.50", "--sensor", "1").out

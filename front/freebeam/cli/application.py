@@ -66,7 +66,7 @@ def front(
 
 def command(example: str, cls: type[TyperCommand] | None = None) -> Callable[[type[Command]], type[Command]]:
     """Register a class as a command of its name: its fields are the options, its docstring the help, `run` does it.
-    The required options come first in the help, and --json last."""
+    The required options come first in the help, --force and --json last."""
 
     def register(asked: type[Command]) -> type[Command]:
         asked = dataclass(frozen=True, kw_only=True)(asked)
@@ -76,7 +76,7 @@ def command(example: str, cls: type[TyperCommand] | None = None) -> Callable[[ty
 
         hints = get_type_hints(asked)
         given = [_parameter(field, hints[field.name]) for field in fields(asked)]  # type: ignore[arg-type]
-        given.sort(key=lambda x: (x.default is not x.empty, x.name == "as_json"))
+        given.sort(key=lambda x: (x.default is not x.empty, x.name == "as_json", x.name == "force"))
         run.__signature__ = Signature(given)  # type: ignore[attr-defined]  # what typer reads
         run.__doc__ = asked.__doc__
         app.command(asked.__name__.lower(), cls=cls, epilog=f"Example: {example}")(run)

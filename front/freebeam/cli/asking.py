@@ -51,12 +51,14 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     """Find the lowest load at which the column loses stability, by flutter or by divergence."""
 
     alpha: Number = option(
-        "X", "Internal damping alpha; 0+ is the limit of ever smaller damping.", default="0", parser=vanishing_or_number
+        "X", "Internal damping alpha; 0+ for the limit of vanishing damping.", default="0", parser=vanishing_or_number
     )
     kappa: Number | None = option("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
     digits: int | None = option("D", "Prove the critical load to D digits.")
     exact: bool = flag("With --digits: prove the load of the beam itself, not of the series.")
-    every: bool = flag("With --digits: prove each crossing up to --load-max, and that there is no other.", "--all")
+    every: bool = flag(
+        "With --digits: prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all"
+    )
     truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
     certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
 

@@ -72,7 +72,7 @@ class Map(FileOptions, SearchOptions):
     alpha: tuple[str, str, str] | None = option(WORDS["--alpha"], "Internal damping: first, last, how many values.")
     beta: tuple[str, str, str] | None = option(WORDS["--beta"], "External damping: first, last, how many values.")
     axis: list[str] | None = option(WORDS["--axis"], "Any parameter: alpha, beta or the column's own; may be repeated.")
-    linear: bool = flag("Space the values of dampings evenly too.")
+    linear: bool = flag("Space the values of a damping evenly, not by a constant ratio.")
     no_convergence: bool = flag("Leave out the error against the beam itself, which takes most of the time.")
     chunks: int | None = option("K", "Compute in blocks of K values along each axis, in parallel (Dask).")
     workers: int | None = option("W", "With --chunks: number of processes; one a core if not given.")

@@ -38,7 +38,8 @@ Series = dict[str, Any]
 class Respond(FileOptions, CaseOptions):
     """Compute the response in time at sensors, from an initial state or to a sinusoidal force.
 
-    Without a force and an initial state, mode 1 starts with q = 0.01 (modes normalised as in Eq. (22)).
+    Without a force and an initial state, mode 1 starts with q = 0.01.
+    Modes are normalised as in Eq. (22), those of polynomials to unit modal mass.
     Without --output, a response of up to 200 rows is printed as a table, a longer one as a summary and a plot.
     """
 
