@@ -222,24 +222,21 @@ def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> d
     """The axes of a map, each (COUNT,), by name. Raises InputError."""
     import numpy as np
 
-    from freebeam_sym.checks import InputError
     from freebeam_sym.stability.maps import counted
 
     read: dict[str, tuple[float, float, int]] = {}
     for name, given in ranges:
         if given is not None:
-            if name in read:
-                raise InputError(f"{name}: is an axis twice; leave one of them out")
+            refuse(name in read, f"{name}: is an axis twice; leave one of them out")
             read[name] = _range(name, given, linear)
-    if not read:
-        raise InputError("a map needs an axis, such as --alpha 1e-6 1e-1 100 or --axis eta 0.4 0.6 20")
+    refuse(not read, "a map needs an axis, such as --alpha 1e-6 1e-1 100 or --axis eta 0.4 0.6 20")
     counted([number_of for _, _, number_of in read.values()])
     by_factor = {name for name in read if name in ("alpha", "beta") and not linear}
     return {name: (np.geomspace if name in by_factor else np.linspace)(*given) for name, given in read.items()}
 
 
 def _range(name: str, given: Sequence[str], linear: bool) -> tuple[float, float, int]:
-    """From, to, how many values, as typed. Raises InputError."""
+    """First value, last value, how many, as typed. Raises InputError."""
     from freebeam_sym.checks import LARGEST, InputError, count
 
     try:
@@ -251,31 +248,24 @@ def _range(name: str, given: Sequence[str], linear: bool) -> tuple[float, float,
     except ValueError:
         raise InputError(f"{name}: COUNT = {given[2]} must be a whole number") from None
     number_of = count(f"{name}: COUNT", number_of, 1, hint="values along the axis")
-    if name in ("alpha", "beta") and (low < 0 or (low == 0 and not linear)):
-        cure = "damping is zero or greater" if linear else "a logarithmic axis starts above zero; or give --linear"
-        raise InputError(f"{name}: LO = {given[0]}: {cure}")
-    if high < low or (high == low and number_of > 1):
-        raise InputError(f"{name}: HI = {given[1]} must be above LO = {given[0]}")
-    if max(-low, high) >= LARGEST:
-        raise InputError(f"{name}: {given[0]} to {given[1]}: must be below 1e60 in size to be computed with")
+    too_low = name in ("alpha", "beta") and (low < 0 or (low == 0 and not linear))
+    cure = "damping is zero or greater" if linear else "a logarithmic axis starts above zero; or give --linear"
+    refuse(too_low, f"{name}: LO = {given[0]}: {cure}")
+    refuse(high < low or (high == low and number_of > 1), f"{name}: HI = {given[1]} must be above LO = {given[0]}")
+    too_large = max(-low, high) >= LARGEST
+    refuse(too_large, f"{name}: {given[0]} to {given[1]}: must be below 1e60 in size to be computed with")
     return low, high, number_of
 
 
 def _refuse_output(output: Path, counts: list[int]) -> None:
     """What can be known of a file that will not come about, before the work is done. Raises InputError."""
-    from freebeam_sym.checks import InputError
-
-    if output.suffix not in FORMATS:
-        raise InputError(f"{output}: must end in {', '.join(FORMATS)}")
+    refuse(output.suffix not in FORMATS, f"{output}: must end in {', '.join(FORMATS)}")
     kind, packages, extra = FORMATS[output.suffix]
     missing = [name for name in packages if find_spec(name) is None]
-    if missing:
-        be = "is" if len(missing) == 1 else "are"
-        raise InputError(
-            f"a {kind} needs {' and '.join(missing)}, which {be} not installed: pip install 'freebeam[{extra}]'"
-        )
-    if output.suffix == ".png" and (len(counts) != 2 or min(counts) < 2):
-        raise InputError("a picture needs two axes, and two values or more along each; or write a .csv or .nc file")
+    are = f"{' and '.join(missing)}, which {'is' if len(missing) == 1 else 'are'} not installed"
+    refuse(missing, f"a {kind} needs {are}: pip install 'freebeam[{extra}]'")
+    drawn = output.suffix != ".png" or (len(counts) == 2 and min(counts) > 1)
+    refuse(not drawn, "a picture needs two axes, and two values or more along each; or write a .csv or .nc file")
 
 
 def _csv(head: dict[str, Any], axes: dict[str, Any], values: dict[str, Any]) -> bytes:

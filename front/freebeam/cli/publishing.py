@@ -101,20 +101,19 @@ class Lesson(FileOptions, NameOptions):
         format, output = self.format, self.output
         refuse(format not in FORMATS, f"format = {format!r}: must be one of {', '.join(FORMATS)}")
         beside = output.with_name(f"{output.stem}_files") if format in ("md", "tex") else None
-        for path in (output, beside):
-            there = path is not None and path.exists() and not self.force
-            refuse(there, f"{path}: exists and is kept; give another name, or --force to replace it")
-        made_before = "its folder does not exist); make it, or give another name"
-        refuse(not output.parent.is_dir(), f"{output}: cannot be written ({made_before}")
-        with working("lesson") as report:
+        with written(output, self.force) as text, working("lesson") as report:
+            there = beside and beside.exists() and not self.force
+            refuse(there, f"{beside}: exists and is kept; give another name, or --force to replace it")
             found = made(self.column, report)
             report(f"printing {format}")
             files = printed(found, format, output)
-        if beside is not None:
-            beside.mkdir(exist_ok=True)
-        for path, data in sorted(files.items(), key=lambda item: item[0] == output):  # the text last, when all is there
-            with written(path, self.force) as stream:
-                stream.write(data)
+            if beside is not None:
+                beside.mkdir(exist_ok=True)
+            for path, data in files.items():
+                if path != output:
+                    with written(path, self.force) as stream:
+                        stream.write(data)
+            text.write(files[output])
         if self.as_json:
             print_json({
                 "column": found.column,

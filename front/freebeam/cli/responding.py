@@ -5,8 +5,10 @@ from __future__ import annotations
 import io
 import json
 import math
+import shutil
 import sys
 import tempfile
+import zipfile
 from collections.abc import Callable
 from contextlib import ExitStack
 from functools import cached_property
@@ -225,12 +227,20 @@ class Respond(FileOptions, CaseOptions):
                     files[name].write(memoryview(array).cast("B"))
 
             facts = self.facts(self.compute(keep))
-            for file in files.values():
-                file.flush()
-            arrays: Series = {name: np.memmap(file, dtype=float, mode="r") for name, file in files.items()}
-            arrays |= {name: arrays[name].reshape(-1, len(self.sensors)) for name in self.names}
-            settings = json.dumps(plain(self.settings() | facts))
-            np.savez(stream, sensors=self.sensors, settings=settings, **arrays)
+            with zipfile.ZipFile(stream, "w") as archive:
+                for name, file in files.items():
+                    shape = (self.outline.count,) if name == "t" else (self.outline.count, len(self.sensors))
+                    header = {"descr": np.dtype(float).str, "fortran_order": False, "shape": shape}
+                    file.seek(0)
+                    with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+                        np.lib.format.write_array_header_1_0(member, header)
+                        shutil.copyfileobj(file, member)
+                for name, value in (
+                    ("sensors", self.sensors),
+                    ("settings", json.dumps(plain(self.settings() | facts))),
+                ):
+                    with archive.open(f"{name}.npy", "w") as member:
+                        np.lib.format.write_array(member, np.asarray(value))
         return facts
 
     def print_outline(self, record: dict[str, Any]) -> None:
