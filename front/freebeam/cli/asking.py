@@ -300,8 +300,8 @@ class Spectrum(CaseOptions):
     def run(self) -> None:
         together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
         refuse(self.exact != (self.digits is not None), together)
-        for name, given in (("--rigid", self.rigid), ("SI units", self.beam)):
-            refuse(self.exact and given, f"{name}: not with --exact, which is nondimensional and elastic")
+        refuse(self.exact and self.rigid, "--rigid: leave it out with --exact, which proves the elastic spectrum alone")
+        refuse(self.exact and self.beam, "SI units: leave them out with --exact, which is nondimensional")
         record, header, rows = self.in_floats() if self.digits is None else self.proven(self.digits)
         if self.as_json:
             print_json(record)

@@ -175,7 +175,7 @@ _of_beam = partial(option, rich_help_panel="Beam in SI units (give all three; in
 class ColumnOptions(BasisOptions):
     """A column, its series, its own parameters, and a beam in SI units."""
 
-    modes: int | None = option("N", "Number of elastic functions; the column's own if not given.", "--modes", "-N")
+    modes: int | None = option("N", "Number of elastic functions; the column's default if not given.", "--modes", "-N")
     own: list[str] | None = option("NAME=VALUE", "A parameter of the column, of any value; may be repeated.", "--set")
     bending_stiffness: Number | None = _of_beam("EI", "Bending stiffness EI, N m^2.")
     mass_per_length: Number | None = _of_beam("m", "Mass per length m, kg/m.")
