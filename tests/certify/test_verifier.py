@@ -357,7 +357,8 @@ def reaching(data: Data, low: Fraction) -> Data:
     return data | {"stretches": [*data["stretches"][:-1], last]}
 
 
-def forged(data: Data, crossings: list[Any], column: fb.Column, modes: int, given: dict[str, Any]) -> Iterator[Data]:
+# a list of forgeries, each with its own condition
+def forged(data: Data, crossings: list[Any], column: fb.Column, modes: int, given: dict[str, Any]) -> Iterator[Data]:  # noqa: C901
     """Certificates with a false statement."""
     kind, N = data["kind"], data["modes"]
     low, high = map(F, data["load"] or 2 * [data["load_max"]])
