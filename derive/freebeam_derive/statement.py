@@ -62,7 +62,7 @@ KEYWORDS = frozenset(
     self column modes load loads load_max kappa beam digits progress series vectors
     parameter low high log tolerance values name
     step chunks scheduler workers store convergence
-    ax color count label moments normalised part points width
+    ax color count label moments normalised part width
 """.split()
 )
 # What a map's dataset holds besides: an axis or a setting of the same name would take its place.

@@ -492,7 +492,11 @@ def test_no_keyword_of_a_public_call_can_be_a_parameter(tmp_path: Path) -> None:
     import freebeam as fb
 
     calls = [getattr(fb, name) for name in fb.__all__ if name != "__version__"]
-    calls += [method for kind in (fb.Column, fb.System) for _, method in inspect.getmembers(kind, inspect.isfunction)]
+    calls += [
+        method
+        for kind in (fb.Column, fb.Question, fb.System)
+        for _, method in inspect.getmembers(kind, inspect.isfunction)
+    ]
     calls += [getattr(fb.figures, name) for name in fb.figures.__all__]
     calls += [call for _, call in inspect.getmembers(fb.figures.curves, inspect.isfunction)]
     taken = set()
