@@ -10,6 +10,7 @@ import pytest
 
 import freebeam as fb
 from freebeam_sym.stability import pencil
+from freebeam_sym.stability.crossings import first_crossing
 
 CASES = {
     "free-free, undamped": ("free-free", 0.0, 0.0),
@@ -22,6 +23,7 @@ CASES = {
     "beck, α = 10, β = 1000": ("beck", 10.0, 1000.0),
 }
 CLAIM = "a critical load at N = 8"
+SEARCH = "a search from the matrices on, free-free, α = 0.001, β = 0.1"
 FIRST = "the first question of a column, a critical load at N = 8"
 
 
@@ -67,6 +69,19 @@ def bench_ours_first(contender: Any, case: str) -> None:
 
     reference = column_load(name, alpha, beta)
     contender(FIRST, f"ours, {case}", first, error=lambda load: f"{abs(load / reference - 1):.0e} from a bisection")
+
+
+@pytest.mark.parametrize(("modes", "bound"), [(8, 1e-3), (16, 2e-3), (32, 3e-3)])
+def bench_ours_of_a_new_pencil(contender: Any, modes: int, bound: float) -> None:
+    """The search by itself, from the matrices on: free-free at the dampings of section 4.4."""
+    matrices = fb.column("free-free").matrices(modes)
+
+    def search() -> float:
+        found = first_crossing(pencil.Pencil(*matrices), 1e-3, 0.1)
+        assert found is not None
+        return found.load
+
+    contender(SEARCH, f"ours, N = {modes}", search, bound=bound)
 
 
 def column_load(name: str, alpha: float, beta: float) -> float:
