@@ -130,15 +130,21 @@ def answer(question: Question) -> CriticalLoad:
 
 
 def settled(problem: Proportional, load_max: float) -> FirstLoss:
-    """As `first_loss`, quicker where many questions have been asked of a pencil."""
-    return _from_surface(problem, load_max) or first_loss(problem, load_max)
+    """As `first_loss`, quicker where many questions have been asked of a pencil, or one without damping before."""
+    if problem.size:
+        return _from_surface(problem, load_max) or first_loss(problem, load_max)
+    kept, key = problem.pencil.kept, (FirstLoss, problem.kappa, load_max)
+    if key not in kept:
+        kept[key] = first_loss(problem, load_max)
+    found: FirstLoss = kept[key]
+    return found
 
 
 def _from_surface(problem: Proportional, load_max: float) -> FirstLoss | None:
     """The answer from the pencil's surface of critical loads; None where that does not settle the question, or where
     too few have been asked for it to be worth making."""
     pencil = problem.pencil
-    if not problem.size or min(problem.alpha, problem.beta) < 0 or pencil.conservative:
+    if min(problem.alpha, problem.beta) < 0 or pencil.conservative:
         return None
     surface = surface_of(pencil, load_max)
     load, frequency, known = surface.at(np.array([problem.alpha]), np.array([problem.beta]), single=True)

@@ -50,8 +50,9 @@ class Pencil:
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
-        """Where det(E + P H) = 0 for real P > 0, ascending, with no regard to flutter before. Two roots are one event
-        where E + P H between them is singular but for rounding, real roots or not: a touch of λ = 0."""
+        """Where det(E + P H) = 0 for real P > 0, ascending, with no regard to flutter before, up to the first simple
+        root, at which stability is lost if it was not before. Two roots are one event where E + P H between them is
+        singular but for rounding, real roots or not: a touch of λ = 0."""
         R = self.relative
         mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
         mu = mu[(np.abs(mu.imag) <= CLOSE * mu.real) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
@@ -68,6 +69,7 @@ class Pencil:
                     continue
             if mu[0].imag == 0:
                 events.append(Event(self._divergence(load), True))
+                break
             mu = mu[1:]
         return tuple(events)
 

@@ -49,7 +49,8 @@ class Problem(Protocol):
 
     @property
     def divergences(self) -> tuple[Event, ...]:
-        """Loads at which λ = 0 is an eigenvalue, ascending, with no regard to flutter before."""
+        """Loads at which λ = 0 is an eigenvalue, ascending, with no regard to flutter before; up to the first simple
+        one at least."""
 
     def flutters(self, bound: float) -> Iterator[Event]:
         """Flutters and their touches below the load `bound`, ascending, found when they are asked for."""

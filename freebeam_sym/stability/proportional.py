@@ -295,7 +295,7 @@ class _Krylov:
         start = np.cos(np.arange(order) + 0.3)  # any vector
         self._basis, self._h = np.empty((self.most + 1, order)), np.zeros((self.most + 1, self.most))
         self._basis[0] = start / np.linalg.norm(start)
-        self.steps, self._look = 0, 12
+        self.steps, self._look = 0, 16  # so many serve the paper's column at N = 8; a look costs some five steps
         self.done = False
 
     def _step(self) -> None:
