@@ -82,7 +82,8 @@ def _in_order(problem: Problem, load_max: float) -> Iterator[Event]:
     waiting = [event for event in problem.divergences if event.crossing.load <= load_max * (1 + NEAR)]
     last = next((event.crossing.load for event in waiting if event.simple), load_max)
     for flutter in problem.flutters(last):
-        while waiting and waiting[0].crossing.load <= flutter.crossing.load:
+        # what touches λ = 0 comes before a flutter that begins there, whichever rounding puts first
+        while waiting and waiting[0].crossing.load <= flutter.crossing.load * (1 + (not waiting[0].simple) * NEAR):
             yield waiting.pop(0)
         yield flutter
     yield from waiting

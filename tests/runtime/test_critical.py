@@ -403,6 +403,13 @@ def test_internal_damping_alone_makes_the_touch_a_flutter(alpha: float) -> None:
     assert Proportional(p, alpha, 0.0).unstable(found.load * (1 + 1e-3))
 
 
+@pytest.mark.parametrize("modes", range(8, 18))
+def test_what_begins_at_a_touch_is_called_alike_whatever_rounding_puts_first(modes: int) -> None:
+    """At η = 1/2 the touch of λ = 0 and the flutter that internal damping makes of it stand at one load."""
+    found = fb.critical_load(fb.column("beck", "legendre"), modes, 1e-3, eta=0.5)
+    assert (found.kind, found.frequency, found.touches) == ("flutter", 0.0, ())
+
+
 @pytest.mark.parametrize("side", [1e-3, 1e-6, 1e-9])
 def test_next_to_a_touch_divergence_and_flutter_are_told_apart(side: float) -> None:
     """For η < 1/2 divergence at arccos²(−η/(1 − η)); for η > 1/2 none."""

@@ -59,7 +59,10 @@ function* inOrder(pencil, damping, limit) {
     const operator = operatorOf(pencil, damping);
     for (const group of realEigenvalues(operator, (1 - NEAR) / last)) {
       for (const flutter of toldApart(pencil, damping, operator, group)) {
-        while (waiting.length && waiting[0].load <= flutter.load) yield waiting.shift();
+        // what touches λ = 0 comes before a flutter that begins there, whichever rounding puts first
+        while (waiting.length && waiting[0].load <= flutter.load * (1 + (waiting[0].simple ? 0 : NEAR))) {
+          yield waiting.shift();
+        }
         yield flutter;
       }
     }
