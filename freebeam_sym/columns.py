@@ -407,7 +407,11 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     known = import_module("freebeam_kernels").COLUMNS
     path = file_of(name, basis)
     if path is not None:
-        return column_of(path, read_kernel(path), basis)
+        found = Column(read_kernel(path), path)
+        if basis not in (None, found.basis_name):
+            cure = "give the column's file"
+            raise InputError(f"{path}: is a kernel in the basis {found.basis_name}, not {basis}; {cure}")
+        return found
     assert isinstance(name, str)
     found = _tree(known[name][basis or "legendre"])
     stated = found.kernel.COLUMN["default"]["basis"]
@@ -433,14 +437,6 @@ def file_of(name: object, basis: object = None) -> Path | None:
         + (f" (did you mean {near[0]}?)" if near else "")
         + "; a column of your own is named by its file, such as path/to/column.py"
     )
-
-
-def column_of(path: Path, kernel: ModuleType, basis: str | None) -> Column:
-    """The column of an emitted kernel. Raises InputError where that is in another basis than the one asked for."""
-    found = Column(kernel, path)
-    if basis not in (None, found.basis_name):
-        raise InputError(f"{path}: is a kernel in the basis {found.basis_name}, not {basis}; give the column's file")
-    return found
 
 
 @cache

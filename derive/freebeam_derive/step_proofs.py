@@ -15,8 +15,7 @@ from typing import Any
 import mpmath
 from sympy import Add, Expr, Function, Integer, Poly, S, Symbol, cancel, exp, expand, lambdify, legendre, nsimplify
 
-from freebeam_derive import comparison as modes
-from freebeam_derive import integrals, motions, newmark_proofs, roots, variation
+from freebeam_derive import comparison, integrals, motions, newmark_proofs, roots, variation
 from freebeam_derive.bases import legendre as polynomials
 from freebeam_derive.derivation import Derivation
 from freebeam_derive.independent import gauss
@@ -320,7 +319,7 @@ class Sampled:
 
 
 @cache
-def sampled(beam: modes.ComparisonBeam) -> Sampled:
+def sampled(beam: comparison.ComparisonBeam) -> Sampled:
     """The first MODES modes of a comparison beam, sampled with DIGITS digits. Eq. (22)."""
     with mpmath.workdps(DIGITS + 15):
         pairs = gauss(48, mpmath.mp.prec)
@@ -406,7 +405,7 @@ def _lambdified(expression: Expr) -> tuple[tuple[Symbol, ...], Callable[..., Any
 
 
 @cache
-def _mode_values(beam: modes.ComparisonBeam, suffix: str, k: int) -> dict[Symbol, Any]:
+def _mode_values(beam: comparison.ComparisonBeam, suffix: str, k: int) -> dict[Symbol, Any]:
     """What the closed forms know of mode k: its root, its sign, its end values."""
     g = root_of(beam, k)
     values: dict[Symbol, Any] = {
@@ -421,7 +420,7 @@ def _mode_values(beam: modes.ComparisonBeam, suffix: str, k: int) -> dict[Symbol
 
 
 @cache
-def root_of(beam: modes.ComparisonBeam, k: int) -> mpmath.mpf:
+def root_of(beam: comparison.ComparisonBeam, k: int) -> mpmath.mpf:
     """The root of mode k (from 0), to more digits than are needed. Eq. (21)."""
     return roots.root(beam, k + 1, DIGITS + 10)
 
@@ -481,7 +480,7 @@ def _polynomials_held(d: Derivation, step: Step) -> Any:
     functions, basis = trial_polynomials(d.column.ends), polynomials.polynomials(d.column.ends)
     left = [f.diff(x, c.order).subs(x, c.end) for f in functions for c in basis.conditions]
     everything = [*basis.rigid, *functions]
-    left += [modes.integral_polynomials(f, g) for i, f in enumerate(everything) for g in everything[:i]]
+    left += [comparison.integral_polynomials(f, g) for i, f in enumerate(everything) for g in everything[:i]]
     return tuple(left)
 
 
@@ -489,7 +488,7 @@ def _norms(d: Derivation, step: Step) -> Any:
     """the squares of the first six integrated, exactly."""
     basis = polynomials.polynomials(d.column.ends)
     return tuple(
-        modes.integral_polynomials(f, f) - basis.norm.subs(polynomials.d, basis.first + n)
+        comparison.integral_polynomials(f, f) - basis.norm.subs(polynomials.d, basis.first + n)
         for n, f in enumerate(trial_polynomials(d.column.ends))
     )
 

@@ -136,17 +136,15 @@ class Explore(FileOptions, BasisOptions):
     output: Path = option("FILE", "The .html file to write.", default=REQUIRED)
 
     def run(self) -> None:
-        import freebeam as fb
-
         output = self.output
         refuse(output.suffix not in (".html", ".htm"), f"{output}: the name must end in .html")
         with written(output, self.force) as stream, working("explorer"):
             from freebeam.explorer import page
 
-            chosen = fb.column(self.column, self.basis)
-            text = page(chosen, self.column).encode()
+            text = page(self.chosen, self.column).encode()
             stream.write(text)
         if self.as_json:
-            print_json({"output": output, "column": chosen.name, "basis": chosen.basis_name, "bytes": len(text)})
+            told = {"column": self.chosen.name, "basis": self.chosen.basis_name, "bytes": len(text)}
+            print_json({"output": output, **told})
         else:
             typer.echo(f"{output}: {len(text) / 1e3:.0f} kB; open it in a browser")

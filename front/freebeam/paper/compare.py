@@ -20,8 +20,7 @@ from freebeam.paper import printed as p
 from freebeam.paper.printed import EQUATIONS, Printed
 from freebeam.paper.reader import delta
 from freebeam.paper.typeset import latex
-from freebeam_derive import comparison as modes
-from freebeam_derive import pipeline, scaling, variation
+from freebeam_derive import comparison, pipeline, scaling, variation
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, chi, gamma, m, t, variation_of_y, x, y
 from freebeam_derive.notation import lambda_ as derived_lambda
 from freebeam_derive.ritz import phi_i, phi_j, q_j
@@ -392,7 +391,7 @@ def _geometric(context: Context) -> Found:
 # --- section 3.1 --------------------------------------------------------------------------------------------
 
 
-def _damped(context: Context) -> modes.DampedModes:
+def _damped(context: Context) -> comparison.DampedModes:
     damped = context.derivation.damped
     assert damped is not None
     return damped
@@ -503,13 +502,14 @@ def _characteristic(context: Context) -> Found:
 def _mode(context: Context) -> Found:
     """In decaying exponentials the derived mode is sin γx + B cos γx + C e^(−γx) + D e^(−γ(1−x))."""
     beam = context.derivation.beam
-    e = modes.epsilon
+    e = comparison.epsilon
     values = {sp.cos(gamma): beam.cosine, sp.sin(gamma): beam.sine}
     values |= {sp.cosh(gamma): (e + 1 / e) / 2, sp.sinh(gamma): (1 / e - e) / 2}
     ratio = ((sp.cos(gamma) - sp.cosh(gamma)) / (sp.sin(gamma) + sp.sinh(gamma))).subs(values)  # as printed
     typed = (S.One, ratio, (ratio - 1) / 2, (ratio + 1) / 2 / e)  # e^(γx) = e^(−γ(1−x)) / ε
     gaps = [
-        modes.canonical(a - b.subs(modes.eta, modes.sigma * e)) for a, b in zip(typed, beam.coefficients, strict=True)
+        comparison.canonical(a - b.subs(comparison.eta, comparison.sigma * e))
+        for a, b in zip(typed, beam.coefficients, strict=True)
     ]
     return Found(
         (_eq(chi, beam.mode()),),
