@@ -26,6 +26,7 @@ COMMANDS = [
     "spectrum --load 80",
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --output map.nc",
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --chunks 2 --workers 1 --store store --output map.png",
+    "map --column beck --axis eta 0.4 0.6 2 --modes 3",
     "respond --load 50 --duration 1 --step 0.01",
     "figures 2 --output figures",
     "lesson --column euler-pinned --format html --output lesson.html",

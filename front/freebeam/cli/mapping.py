@@ -38,27 +38,30 @@ FORMATS: dict[str, tuple[str, tuple[str, ...], str]] = {
 
 WORDS = {"--alpha": "LO HI COUNT", "--beta": "LO HI COUNT", "--axis": "NAME LO HI COUNT"}
 """What the options that are axes take."""
+BETWEEN = "\x1f"
+"""Between the words of an axis, where these are one: no keyboard has it."""
 
 
 class Axes(TyperCommand):
-    """The command with `--axis`, four words and repeatable, and told where one of the words is missing."""
-
-    def __init__(self, *given: Any, **more: Any) -> None:
-        super().__init__(*given, **more)
-        next(option for option in self.params if option.name == "axis").nargs = 4
+    """The command with `--axis`, whose four words are made one, and told where a word of an axis is missing."""
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         from freebeam_sym.checks import InputError
 
-        for k, word in enumerate(args):
-            option, equals, _ = word.partition("=")
+        joined, k = [], 0
+        while k < len(args):
+            option, equals, first = args[k].partition("=")
             wanted = WORDS.get(option, "").split()
-            following = list(takewhile(lambda text: not re.match(r"--?[a-zA-Z]", text), args[k + 1 :]))
-            if wanted and len(following) + bool(equals) < len(wanted):
-                missing = " ".join(wanted[len(following) + bool(equals) :])
+            following = takewhile(lambda text: not re.match(r"--?[a-zA-Z]", text), args[k + 1 :])
+            given = [*([first] if equals else ()), *following][: len(wanted)]
+            if len(given) < len(wanted):
+                missing = " ".join(wanted[len(given) :])
                 example = "--axis eta 0.4 0.6 20" if option == "--axis" else f"{option} 1e-6 1e-1 100"
                 raise InputError(f"{option} {' '.join(wanted)}: {missing} is missing; for example {example}")
-        return list(super().parse_args(ctx, args))
+            whole = option == "--axis"
+            joined.append(f"{option}={BETWEEN.join(given)}" if whole else args[k])
+            k += len(wanted) + (not equals) if whole else 1
+        return list(super().parse_args(ctx, joined))
 
 
 @command("freebeam map --alpha 1e-6 1e-1 100 --beta 1e-2 1 100 --output map.nc (.csv, .png, or --json)", Axes)
@@ -102,8 +105,7 @@ class Map(FileOptions, SearchOptions):
     @cached_property
     def axes(self) -> dict[str, Any]:
         """The axes, each (COUNT,), by name, in the units of the input. Raises InputError."""
-        any_of_them: Any = self.axis or ()  # four words each, as `Axes` has it
-        named = [(name, given) for name, *given in any_of_them]
+        named = [(name, given) for name, *given in (words.split(BETWEEN) for words in self.axis or ())]
         return _axes([("alpha", self.alpha), ("beta", self.beta), *named], self.linear)
 
     @property
