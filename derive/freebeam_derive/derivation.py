@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from freebeam_derive.comparison import ComparisonBeam, DampedModes
+from freebeam_derive.forms import GeneralSystem
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import RitzSystem
@@ -25,4 +26,15 @@ class Derivation:
     system: RitzSystem
     beam: ComparisonBeam
     damped: DampedModes | None
+    newmark: Newmark
+
+
+@dataclass(frozen=True)
+class GeneralDerivation:
+    """What follows from the statement of a column beyond the textbook's: fields, segments, points, any damping."""
+
+    column: Column
+    scaling: tuple[Step, ...]
+    motion: EquationOfMotion
+    system: GeneralSystem
     newmark: Newmark

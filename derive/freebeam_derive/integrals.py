@@ -34,8 +34,7 @@ from sympy.polys.matrices import DomainMatrix
 from freebeam_derive.comparison import ComparisonBeam, canonical, integral_polynomials, sigma
 from freebeam_derive.notation import QUANTITIES, x
 from freebeam_derive.record import Step
-from freebeam_derive.ritz import HIGHEST_POWER, Form, RitzSystem
-from freebeam_derive.statement import StatementError
+from freebeam_derive.ritz import HIGHEST_POWER, Form, NotTextbook, RitzSystem
 
 gamma_i, gamma_j = symbols("gamma_i gamma_j", positive=True)
 _a, _b, _apart = symbols("a b apart", positive=True)  # γ_i⁴, γ_j⁴, their difference
@@ -308,12 +307,12 @@ def rigid_mode(form: Form, beam: ComparisonBeam, function: Expr, trial: bool) ->
 def refuse_coupled(system: RitzSystem, beam: ComparisonBeam) -> None:
     """The elastic spectrum decides stability alone only where rigid motion does not act on the elastic one.
 
-    Raises StatementError where it does.
+    Raises NotTextbook where it does.
     """
     for letter, what in (("M", "inertia"), ("E", "springs or foundation"), ("H", "load")):
         for function in beam.rigid:
             if rigid_mode(getattr(system, letter), beam, function, trial=True) != 0:
-                raise StatementError(
+                raise NotTextbook(
                     f"ends {beam.ends[0]} and {beam.ends[1]} let the beam move rigidly as {function}, and its "
                     f"{what} couples that to the bending, so that the elastic spectrum alone does not decide "
                     "stability; this is not supported"

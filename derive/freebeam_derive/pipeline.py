@@ -5,6 +5,7 @@ statement     file                        Column                                
 scaling       dimensional energies        the nondimensional ones                   scaling.py       Eq. (5)
 variation     energies, virtual work      weak and strong form, end conditions  variation.py     Eqs. (2), (6)-(8), (15)
 Ritz          weak form                   M, C, E, H, Q as bilinear forms           ritz.py          Eqs. (9)-(13)
+assembly      weak form of any column     M, C, K by powers of P, rigid motions     assembly.py      Eqs. (9)-(13)
 modes         ends                        comparison modes, rigid functions         comparison.py    Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
 stability     matrices                    pencil, meeting, tangent rule, work       eigenproblem.py  Eqs. (24)-(26)
@@ -21,7 +22,7 @@ import difflib
 import hashlib
 import importlib.util
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from functools import cached_property
@@ -29,6 +30,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from freebeam_derive import (
+    assembly,
     bases,
     comparison,
     eigenproblem,
@@ -42,12 +44,13 @@ from freebeam_derive import (
     variation,
     verify,
 )
-from freebeam_derive.derivation import Derivation
+from freebeam_derive.derivation import Derivation, GeneralDerivation
 from freebeam_derive.files import written
 from freebeam_derive.kernel import Figure, Kernel, Progress
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column, StatementError
 
+POLYNOMIALS = "legendre"
 MANIFEST, REPORT, INDEX = "MANIFEST.json", "report.json", "__init__.py"
 _MARK = "emitted by `freebeam generate"
 
@@ -106,6 +109,30 @@ def derive(column: Column) -> Derived:
     return Derived(column, scaled, motion, system, beam, damped, newmark.derive_newmark())
 
 
+def general(column: Column) -> GeneralDerivation:
+    """Every stage before emission of any column, as forms on segments. Raises StatementError as `derive` does."""
+    scaled = scaling.derive_scaling(column)
+    motion = variation.derive_column(column)
+    system = assembly.assemble(column, motion)
+    return GeneralDerivation(column, scaled, motion, system, newmark.derive_newmark())
+
+
+def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
+    """The kernel graphs of a column by the bases that are asked for and suit it.
+
+    A column beyond the textbook's has polynomials on segments, under the name of the polynomials. Raises StatementError
+    where it makes no sense, or no basis that is asked for suits it.
+    """
+    try:
+        derived = derive(column)
+    except ritz.NotTextbook as reason:
+        if (column.basis in in_bases and column.basis != POLYNOMIALS) or POLYNOMIALS not in in_bases:
+            wanted = column.basis if column.basis != POLYNOMIALS else in_bases[0]
+            raise StatementError(f"basis {wanted}: does not suit {column.name}: {reason}; use {POLYNOMIALS}") from None
+        return {POLYNOMIALS: bases.build("segments", general(column))}
+    return {basis: derived.kernel(basis) for basis in in_bases}
+
+
 def find(target: str | Path) -> Column:
     """A column by its name, or by the path of its file. Raises StatementError."""
     known = columns()
@@ -148,10 +175,14 @@ def generate(
     output = tree() if output is None else Path(output)
     chosen, in_bases = [find(target) for target in (targets or columns())], statement.bases() if only is None else only
     tools, before = _manifest(output) or ({}, {})
-    names = tuple(column.name for column in chosen)
+    names, say = tuple(column.name for column in chosen), progress or (lambda _: None)
     if check and tools not in ({}, _tools()):
         return Outcome(output, names, (), f"cannot compare: {_other_tools(tools)}\n", {})
-    modules = [f"{bases.module_of(column, basis)}.py" for column in chosen for basis in in_bases]
+    built = []
+    for column in chosen:
+        say(f"{column.name}: derive")
+        built += [(f"{bases.module_of(column, basis)}.py", k) for basis, k in kernels(column, in_bases).items()]
+    modules = [file for file, _ in built]
     _refuse_doubled(modules)
     _refuse_homonyms(chosen, targets, output)
     others = sorted(set(before) - set(modules))
@@ -160,37 +191,28 @@ def generate(
             f"{output} holds {others[0]} of other tools: {_other_tools(tools)}, or choose another --output"
         )
 
-    made = [each for column in chosen for each in _made(column, in_bases, check, progress or (lambda _: None))]
+    made = [_made(file, kernel, check, say) for file, kernel in built]
     # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
     kept = before if targets else {}
-    entries = {file: _entry(built, text) for file, built, text, _ in made}
+    entries = {file: _entry(kernel, text) for file, kernel, text, _ in made}
     files = dict(sorted({**kept, **entries}.items()))
     texts = {file: text for file, _, text, _ in made}
     texts[INDEX] = _index(files)
     texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
     if check:
         return Outcome(output, names, (), _difference(output, texts, set(kept), bool(targets)), {})
-    figures = {f"{built.column.name}, {built.basis_name}": found for _, built, _, found in made}
+    figures = {f"{kernel.column.name}, {kernel.basis_name}": found for _, kernel, _, found in made}
     written = _write(output, texts, [output / name for name in before if name not in files])
     _report(output, figures)
     return Outcome(output, names, written, "", figures)
 
 
-def _made(
-    column: Column, in_bases: Sequence[str], check: bool, say: Progress
-) -> Iterator[tuple[str, Kernel, str, tuple[Figure, ...]]]:
-    """The modules of a column: file, kernel, text, and what the verification measured; nothing for a mere check."""
-    say(f"{column.name}: derive")
-    derived = derive(column)
-    for basis in in_bases:
-        built, label = derived.kernel(basis), f"{column.name}, {basis}"
-
-        def verifying(what: str, label: str = label) -> None:
-            say(f"{label}: verify {what}")
-
-        text = emit.emit(built)
-        figures = () if check else verify.verify(built, text, verifying)
-        yield f"{bases.module_of(column, basis)}.py", built, text, figures
+def _made(file: str, kernel: Kernel, check: bool, say: Progress) -> tuple[str, Kernel, str, tuple[Figure, ...]]:
+    """A module of a column: file, kernel, text, and what the verification measured; nothing for a mere check."""
+    label = f"{kernel.column.name}, {kernel.basis_name}"
+    text = emit.emit(kernel)
+    figures = () if check else verify.verify(kernel, text, lambda what: say(f"{label}: verify {what}"))
+    return file, kernel, text, figures
 
 
 def _refuse_doubled(modules: Sequence[str]) -> None:

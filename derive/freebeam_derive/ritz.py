@@ -31,6 +31,12 @@ from freebeam_derive.statement import ALONG, StatementError, display, jet, jets,
 from freebeam_derive.variation import EquationOfMotion
 
 STAGE = "Ritz series"
+
+
+class NotTextbook(StatementError):
+    """A column whose matrices are not M, C = c_M M + c_E E and K = E + P H over one segment: assembly.py takes it."""
+
+
 HIGHEST_POWER = 3  # of x in an integral
 
 phi_i = Function("phi_i", real=True)(x)
@@ -117,18 +123,23 @@ class RitzSystem:
 def derive(motion: EquationOfMotion) -> RitzSystem:
     """Substitute the series (9) into the weak form and read off the matrices. Eqs. (10), (11).
 
-    Raises StatementError for what the closed forms do not reach: an x-dependence that is no polynomial of degree
-    up to 3, end work off the ends, or a damping that is not of the kind of Eq. (12).
+    Raises NotTextbook for what the closed forms do not reach: several fields or segments, an x-dependence that is no
+    polynomial of degree up to 3, work off the ends, or a damping that is not of the kind of Eq. (12);
+    StatementError for what makes no sense.
     """
+    if not motion.textbook:
+        raise NotTextbook("other fields than y, coordinates or several segments")
     forms = {rate: _form(motion, rate) for rate in range(3)}
     M, C, K = forms[2], forms[1], forms[0]
     E = K.map(lambda f: f.subs(P, 0))
     H = K.map(lambda f: f.coeff(P, 1))
+    if _power_of_the_load(K) > 1 or _power_of_the_load(M) or _power_of_the_load(C):
+        raise NotTextbook("the load enters beyond K = E + P H")
     if not H:
         raise StatementError("the load P does no work on the beam: it enters no stiffness")
     for name, form in (("M", M), ("K at zero load", E)):
         if not form.symmetric:
-            raise StatementError(
+            raise NotTextbook(
                 f"{name} = {display_form(form)} is not symmetric; work without a potential is supported of the load P "
                 "alone"
             )
@@ -197,6 +208,10 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
     return RitzSystem(M, C, E, H, c_M, c_E, forces, steps)
 
 
+def _power_of_the_load(form: Form) -> int:
+    return max((int(Poly(f, P).degree()) for f in (*form.along.values(), *form.points.values())), default=0)
+
+
 def _difference(one: Form, other: Form) -> Form:
     return one + other.map(lambda f: -f)
 
@@ -215,7 +230,7 @@ def _form(motion: EquationOfMotion, rate: int) -> Form:
                 if test.args[3] != ALONG:
                     a, b = test.args[3], trial.args[3]
                     if {a, b} - {S.Zero, motion.length}:
-                        raise StatementError(
+                        raise NotTextbook(
                             f"the work {show(factor * test * trial)}: springs, masses and loads inside the beam, or "
                             "beyond its ends, are not supported; only F_0 acts inside"
                         )
@@ -226,7 +241,7 @@ def _form(motion: EquationOfMotion, rate: int) -> Form:
                 except PolynomialError:
                     powers = None
                 if powers is None or powers.degree() > HIGHEST_POWER or any(c.has(x) for c in powers.coeffs()):
-                    raise StatementError(
+                    raise NotTextbook(
                         f"the factor {factor} is no polynomial in x of degree {HIGHEST_POWER} or less; others are not "
                         "supported"
                     )
@@ -262,7 +277,7 @@ def _proportions(M: Form, C: Form, E: Form) -> tuple[Expr, Expr]:
     inertia = min(M.along)
     c_M = cancel(rest.along.get(inertia, S.Zero) / M.along[inertia])
     if _difference(rest, M.map(lambda f: c_M * f)) or c_M.has(x) or c_E.has(x):
-        raise StatementError(
+        raise NotTextbook(
             f"the damping {display_form(C)} is not of the form C = beta M + alpha E (Eq. (12)) with "
             f"M = {display_form(M)}, E = {display_form(E)}, all masses and all stiffnesses, springs too; no other "
             "damping is supported"

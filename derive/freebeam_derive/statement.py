@@ -1,11 +1,9 @@
 """What a column is: energies, virtual work, ends and parameters, close to how Eq. (8) is printed.
 
-A column's file states one `column = Column(...)` with four helpers: `integral` (over the beam), `at` (a value
-at a point), `delta` (the variation) and `Parameter`. `load_column` reads such a file from anywhere. A statement
-that makes no sense, or that is not supported, is refused with the reason, as a `StatementError`.
-
-Inside the program a functional is held in jets: `jet(field, p, r, place)` is d^p/dx^p d^r/dt^r of the deflection
-(field 0) or of the virtual displacement (field 1), along the beam or at a point, so that it is a polynomial.
+A column's file states one `column = Column(...)` with a few helpers: `integral` (over the beam or a part of it), `at`
+(a value at a place), `jump` (of a value at a place), `delta` (the variation), `hinge`, and `Field`, `Coordinate` and
+`Parameter` to declare what is not there. `load_column` reads such a file from anywhere. A statement that makes no
+sense, or that is not supported, is refused with the reason, as a `StatementError`.
 """
 
 from __future__ import annotations
@@ -15,46 +13,92 @@ import math
 import re
 import runpy
 import threading
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cache, cached_property, lru_cache
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from sympy import (
     Add,
     Derivative,
-    Dummy,
     Expr,
-    Function,
-    Integer,
-    Integral,
-    Mul,
     Piecewise,
     Poly,
     PolynomialError,
     S,
-    Subs,
     Symbol,
     Tuple,
     expand,
-    nsimplify,
+    nan,
     sympify,
 )
 from sympy.core.function import AppliedUndef
 
-from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, variation_of_y, x, x_F, y
+from freebeam_derive.jets import (
+    ALONG,
+    Beam,
+    Coordinate,
+    Field,
+    Functional,
+    Hinge,
+    Reading,
+    StatementError,
+    at,
+    at_place,
+    delta,
+    display,
+    hinge,
+    integral,
+    jet,
+    jets,
+    jump,
+    kind_of,
+    name_of,
+    on_segments,
+    read,
+    segment_of,
+    show,
+    trial,
+    unknowns,
+    varied,
+)
+from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, x, x_F
 
-# Geometric conditions of each kind of end: the orders of derivative that it holds at zero. The natural ones
-# are derived from the energies (variation.py).
+__all__ = [
+    "ALONG",
+    "Column",
+    "Coordinate",
+    "Energies",
+    "Field",
+    "Functional",
+    "GEOMETRIC",
+    "Parameter",
+    "StatementError",
+    "at",
+    "at_place",
+    "bases",
+    "columns",
+    "delta",
+    "display",
+    "hinge",
+    "integral",
+    "jet",
+    "jets",
+    "jump",
+    "load_column",
+    "show",
+    "varied",
+]
+
+# Geometric conditions of each kind of end: the orders of derivative of the deflection that it holds at zero. The
+# natural ones are derived from the energies (variation.py).
 GEOMETRIC: dict[str, tuple[int, ...]] = {"free": (), "pinned": (0,), "sliding": (1,), "clamped": (0, 1)}
 
-ALONG = Symbol("along")  # the place of a jet that is a function of x
-jet = Function("jet")
-
-# what every emitted function of a matrix knows by these names, and the name of the place above
-RESERVED = ("np", "basis", "rigid", "along")
+# what every emitted function of a matrix knows by these names, and the names of the places of jets
+RESERVED = ("np", "basis", "rigid", "along", "always")
 # What public calls that take a column's own parameters as keywords call so themselves; a test compares these with the
 # calls' signatures.
 KEYWORDS = frozenset(
@@ -80,48 +124,6 @@ _SCRIPT = rf"(?:{_MARKED}|\{{(?:{_MARKED}|,)+\}})"
 _LETTER = re.compile(rf"(?:(?:{_MARKED})(?:_{_SCRIPT})?(?:\^{_SCRIPT})?|/)+")
 
 
-class StatementError(ValueError):
-    """A column's statement that makes no sense; the message is one line with the reason and the cure."""
-
-
-_LOST = "a term that is zero is refused, since SymPy may have lost what it was to be"
-
-
-def integral(density: Expr, length: Expr = S.One) -> Expr:
-    """Integral of a density over the beam, x from 0 to `length` (1 in a nondimensional statement).
-
-    Raises StatementError where the density is zero: a term was lost before it came here.
-    """
-    return Integral(_not_zero("integral", density), (x, 0, length))
-
-
-def at(expression: Expr, place: Expr | int) -> Expr:
-    """Value of an expression in y or delta(y) at a place along the beam.
-
-    Raises StatementError where the expression is zero: a term was lost before it came here.
-    """
-    return Subs(_not_zero("at", expression), x, sympify(place))
-
-
-def delta(expression: Expr) -> Expr:
-    """First variation of an expression in y, whether along the beam or at a place. Eq. (7).
-
-    Raises StatementError where nothing varies.
-    """
-    expression = sympify(expression)
-    variation = show(varied(_fields_of(expression, "delta")))
-    if variation == 0:
-        raise StatementError(f"delta({expression}) is zero: it does not hold the y of freebeam_derive.notation")
-    return variation
-
-
-def _not_zero(helper: str, expression: Expr) -> Expr:
-    expression = sympify(expression)
-    if expression == 0:
-        raise StatementError(f"{helper}(0): {_LOST}")
-    return expression
-
-
 @dataclass(frozen=True)
 class Parameter:
     """A parameter of a column's own, beside the load and the dampings; nondimensional."""
@@ -139,39 +141,27 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class Functional:
-    """A work or an energy in jets: a density along the beam and a sum of products of point values."""
-
-    density: Expr
-    points: Expr
-
-    def __add__(self, other: Functional) -> Functional:
-        return Functional(expand(self.density + other.density), expand(self.points + other.points))
-
-    def scaled(self, factor: Expr | int) -> Functional:
-        return Functional(expand(factor * self.density), expand(factor * self.points))
-
-    def coefficient(self, symbol: Expr) -> Functional:
-        """The part that is linear in a symbol, divided by it."""
-        return Functional(self.density.coeff(symbol, 1), self.points.coeff(symbol, 1))
-
-    def __bool__(self) -> bool:
-        return bool(self.density != 0 or self.points != 0)
-
-
-@dataclass(frozen=True)
 class Energies:
-    """T, V, W_c and the virtual work δW_nc of Eq. (8), as SymPy expressions over 0 ≤ x ≤ length."""
+    """T, V, W_c and the virtual work δW_nc of Eq. (8), as SymPy expressions over 0 ≤ x ≤ length, cut at places."""
 
     T: Expr
     V: Expr
     W_c: Expr
     dW_nc: Expr
     length: Expr = S.One
+    cuts: tuple[Expr, ...] = ()
+
+    @property
+    def beam(self) -> Beam:
+        return Beam(self.length, self.cuts)
+
+    def reading(self, name: str) -> Reading:
+        """T, V, W_c or dW_nc in jets, not yet cut into segments."""
+        return read(sympify(getattr(self, name)), name, self.length)
 
     def functional(self, name: str) -> Functional:
         """T, V, W_c or dW_nc in jets."""
-        return read_functional(sympify(getattr(self, name)), name, self.length)
+        return on_segments(self.reading(name), self.beam)
 
 
 @dataclass(frozen=True)
@@ -179,10 +169,11 @@ class Column:
     """A column: its energies and virtual work, ends and parameters; data, and nothing else.
 
     name: lower case with hyphens. title: one line. T, V, W_c, dW_nc: nondimensional, in `y`, `delta(y)`, `x`,
-    `t`, the load `P`, `alpha`, `beta`, the force `F_0` at `x_F` and the column's own parameters. ends: kinds
-    at x = 0 and x = 1, each free, pinned, sliding or clamped. dimensional: the same in SI quantities, if given;
-    then the nondimensional one is derived from it and compared (scaling.py). basis, modes: the trial functions,
-    "legendre" polynomials or comparison "modes", and their number, where none are asked for.
+    `t`, the load `P`, `alpha`, `beta`, the force `F_0` at `x_F`, the column's own parameters, and further fields and
+    coordinates. ends: kinds at x = 0 and x = 1, each free, pinned, sliding or clamped, of all fields; or of each field,
+    {y: ("clamped", "free"), psi: ("clamped", "free")}; left out where there is no field. dimensional: the same in SI
+    quantities, if given; then the nondimensional one is derived from it and compared (scaling.py). basis, modes: the
+    trial functions where none are asked for, and their number. releases: hinges inside the beam.
 
     Raises StatementError where the statement makes no sense.
     """
@@ -193,19 +184,82 @@ class Column:
     V: Expr
     W_c: Expr
     dW_nc: Expr
-    ends: tuple[str, str]
+    ends: Any = ()  # a pair of kinds, or {field: pair}
     parameters: tuple[Parameter, ...] = ()
     dimensional: Energies | None = None
     source: str = ""
     basis: str = "legendre"
     modes: int = 16
+    releases: tuple[Hinge, ...] = ()
 
     def __post_init__(self) -> None:
         check(self)
+        if self.dimensional is not None and self.cuts:
+            cuts = tuple(self.dimensional.length * cut for cut in self.cuts)
+            object.__setattr__(self, "dimensional", replace(self.dimensional, cuts=cuts))
 
     @cached_property
     def energies(self) -> Energies:
+        return replace(self._uncut, cuts=self.cuts)
+
+    @cached_property
+    def _uncut(self) -> Energies:
         return Energies(sympify(self.T), sympify(self.V), sympify(self.W_c), sympify(self.dW_nc))
+
+    @cached_property
+    def cuts(self) -> tuple[Expr, ...]:
+        """Places inside the beam at which it is cut into segments, ascending at the parameters' defaults.
+
+        Raises StatementError where one lies beyond the beam, or two have no order.
+        """
+        if not self.fields:
+            return ()
+        found = {cut for name in WORKS for cut in self._uncut.reading(name).cuts(S.One)}
+        found |= {release.place for release in self.releases}
+        return _in_order({expand(cut) for cut in found} - {S.Zero, S.One}, self.defaults)
+
+    @cached_property
+    def defaults(self) -> dict[Symbol, float]:
+        """The parameters at their defaults."""
+        return {p.symbol: p.default for p in self.parameters}
+
+    @cached_property
+    def unknowns(self) -> tuple[Any, ...]:
+        """The functions that the statement is about: y first, the others in the order of their names."""
+        functions = {a.func for name in WORKS for a in sympify(getattr(self, name)).atoms(AppliedUndef)}
+        functions = {f for f in functions if kind_of(f) and not str(f).startswith("delta_")}
+        order = unknowns(sympify(getattr(self, name)) for name in WORKS)
+        return tuple(sorted(functions, key=lambda f: order.index(str(f))))
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields along the beam, y first."""
+        return tuple(str(f) for f in self.unknowns if kind_of(f) == "field")
+
+    @property
+    def coordinates(self) -> tuple[str, ...]:
+        """Names of the coordinates of time alone."""
+        return tuple(str(f) for f in self.unknowns if kind_of(f) == "coordinate")
+
+    def supports(self, name: str) -> tuple[str, str]:
+        """Kinds of the ends of a field, at x = 0 and x = 1."""
+        if isinstance(self.ends, Mapping):
+            first, second = next(kinds for field, kinds in self.ends.items() if str(field.func) == name)
+        else:
+            first, second = self.ends
+        return first, second
+
+    def held(self, name: str, joined: int) -> frozenset[tuple[int, int]]:
+        """(end, order) at which a field is held at zero; joined: derivatives below this order are continuous.
+
+        Ends that are given for all fields hold y as they say, and another field where they hold the slope."""
+        held = set()
+        for end, kind in enumerate(self.supports(name)):
+            if name == "y" or isinstance(self.ends, Mapping):
+                held |= {(end, order) for order in GEOMETRIC[kind] if order < joined}
+            elif 1 in GEOMETRIC[kind]:
+                held |= {(end, order) for order in range(joined) if kind == "clamped" or order == 0}
+        return frozenset(held)
 
     @property
     def module(self) -> str:
@@ -223,148 +277,25 @@ class Column:
         return bool(self.energies.dW_nc.has(F_0) or self.energies.W_c.has(F_0))
 
 
-# --- reading a statement into jets ------------------------------------------------------------------------
-
-
-FIELDS = (y.func, variation_of_y.func)
-
-
-def _fields_of(expression: Expr, name: str) -> Expr:
-    """Replace derivatives and values of y and delta_y by jets. name: what is read, for messages.
-
-    Raises StatementError for a value at an instant, or at a place that moves along the beam.
-    """
-
-    def one(e: Expr, field: AppliedUndef, orders: tuple[int, int]) -> Expr:
-        place, time = field.args
-        if time != t:
-            raise StatementError(f"{name}: {e} is not taken at the time t; y at other instants is not supported")
-        if place != x and place.has(x, t):
-            raise StatementError(f"{name}: {e} is not taken at x or at a fixed place; such a place is not supported")
-        if place != x and orders[0]:
-            raise StatementError(f"{name}: {e} differentiates a value at a place; write at(y.diff(x), {place})")
-        which = Integer(FIELDS.index(field.func))
-        return jet(which, Integer(orders[0]), Integer(orders[1]), ALONG if place == x else place)
-
-    def convert(e: Expr) -> Expr:
-        if not e.has(*FIELDS):
-            return e
-        if isinstance(e, Subs):
-            place = e.point[0]
-            if set(e.variables) != {x} or set(e.point) != {place} or place.has(x, t) or e.expr.has(Integral):
-                raise StatementError(f"{name}: {e} is not taken at a fixed place; such a value is not supported")
-            return at_place(convert(e.expr), place)
-        if isinstance(e, Derivative):
-            orders = {v: int(n) for v, n in e.variable_count}
-            if isinstance(e.expr, AppliedUndef) and e.expr.func in FIELDS and set(orders) <= {x, t}:
-                return one(e, e.expr, (orders.get(x, 0), orders.get(t, 0)))
-            done = e.doit(integrals=False)
-            if done == 0:
-                raise StatementError(f"{name}: the derivative of {e.expr} is zero: {e} does not vary")
-            if done == e:
-                raise StatementError(f"{name}: {e} is no derivative of y in x and t; others are not supported")
-            return convert(done)
-        if isinstance(e, AppliedUndef) and e.func in FIELDS:
-            return one(e, e, (0, 0))
-        return e.func(*(convert(a) for a in e.args))
-
-    return expand(convert(expression))
-
-
-def at_place(expression: Expr, place: Expr) -> Expr:
-    """An expression in x and in jets along the beam, taken at a place."""
-    moved = {j: jet(*j.args[:3], place) for j in expression.atoms(jet) if j.args[3] == ALONG}
-    return expression.xreplace(moved).xreplace({x: place})
-
-
-def varied(expression: Expr) -> Expr:
-    """First variation of an expression in jets. Eq. (7)."""
-    epsilon = Dummy("epsilon")
-    moved = {j: j + epsilon * jet(Integer(1), *j.args[1:]) for j in jets(expression, 0)}
-    return expand(expression.xreplace(moved).diff(epsilon).xreplace({epsilon: S.Zero}))
-
-
-def read_functional(expression: Expr, name: str, length: Expr) -> Functional:
-    """Split a work or an energy into its density and its point values, both in jets.
-
-    Raises StatementError for what is not read: a function beside y and F_0, a term that is neither an integral over
-    the beam nor values at points, and a term that vanishes.
-    """
-    density, points = [], []
-    # 0.5 stands for 1/2: nothing is rounded in a derivation
-    exact = expression.replace(lambda e: e.is_Float, lambda e: nsimplify(e, rational=True))
-    for term in Add.make_args(expand(exact)):
-        if term.has(S.NaN, S.Infinity, S.NegativeInfinity, S.ComplexInfinity, S.ImaginaryUnit):
-            raise StatementError(f"{name}: the term {term} is not a finite real number times y")
-        integrals = [f for f in Mul.make_args(term) if isinstance(f, Integral)]
-        rest = Mul(*(f for f in Mul.make_args(term) if not isinstance(f, Integral)))
-        if not integrals:
-            read = _fields_of(term, name)
-            points.append(read)
-        elif len(integrals) > 1 or rest.has(*FIELDS, x):
+def _in_order(cuts: set[Expr], defaults: Mapping[Symbol, float]) -> tuple[Expr, ...]:
+    """Places inside the beam by their values at the parameters' defaults; those beyond it are no cuts."""
+    placed = []
+    for cut in cuts:
+        value = cut.subs(defaults)
+        if not value.is_number or not value.is_real or (cut.free_symbols and not 0 < value < 1):
+            raise StatementError(f"the place {cut} is {value} at the parameters' defaults; give one between 0 and 1")
+        if 0 < value < 1:
+            placed.append((float(value), str(cut), cut))
+    for (value, _, one), (other, _, two) in pairwise(sorted(placed)):
+        if other - value < 1e-9:
             raise StatementError(
-                f"{name}: the term {term} multiplies an integral by {rest}; only constants may stand there"
+                f"the places {one} and {two} are both {value:g} at the parameters' defaults; give defaults that put "
+                "one before the other"
             )
-        else:
-            (variable, *bounds), *more = integrals[0].limits
-            if more or variable != x or bounds != [0, length]:
-                raise StatementError(
-                    f"{name}: {integrals[0]} does not run over the beam, x from 0 to {length}; "
-                    "other integrals are not supported"
-                )
-            read = _fields_of(rest * integrals[0].function, name)
-            density.append(read)
-        if read == 0 and expression != 0:
-            raise StatementError(f"{name}: the term {term} is zero; {_LOST}")
-    result = Functional(expand(Add(*density)), expand(Add(*points)))
-    for part, inside in ((result.density, True), (result.points, False)):
-        for applied in sorted(part.atoms(AppliedUndef), key=str):
-            if applied.func not in (jet, F_0.func):
-                raise StatementError(
-                    f"{name}: {applied} is never varied; fields and functions beside y and F_0 are not supported"
-                )
-            if applied.func != jet or (applied.args[3] == ALONG) == inside:
-                continue
-            if inside:
-                raise StatementError(
-                    f"{name}: {show(applied)} stands under the integral; a value at a place is not supported there"
-                )
-            raise StatementError(
-                f"{name}: {show(applied)} stands outside an integral; use integral(...) for densities "
-                "and at(..., place) for values at points"
-            )
-    if result.points.has(x):
-        raise StatementError(f"{name}: x stands outside an integral; use integral(...) or at(..., place)")
-    return result
-
-
-def show(expression: Expr) -> Expr:
-    """A jet expression in derivatives of y(x, t) and delta_y(x, t), for printing."""
-    return expression.xreplace({j: _shown(*j.args) for j in expression.atoms(jet)})
-
-
-@cache
-def _shown(which: Expr, p: Expr, r: Expr, place: Expr) -> Expr:
-    f = y if which == 0 else variation_of_y
-    derivative = f.diff((x, int(p)), (t, int(r))) if int(p) or int(r) else f
-    if place == ALONG:
-        return derivative
-    return Subs(derivative, x, place) if int(p) else derivative.subs(x, place)
-
-
-def display(functional: Functional, length: Expr = S.One) -> Expr:
-    """A functional in jets as the integral and point values that a reader knows."""
-    along = integral(show(functional.density), length) if functional.density != 0 else S.Zero
-    return along + show(functional.points)
+    return tuple(cut for *_, cut in sorted(placed))
 
 
 # --- what makes sense -------------------------------------------------------------------------------------
-
-
-def jets(expression: Expr, which: int | None = None) -> list[Expr]:
-    """The jets of an expression, of one field or of both, in a fixed order."""
-    found = [j for j in expression.atoms(jet) if which is None or j.args[0] == which]
-    return sorted(found, key=lambda j: tuple(str(a) for a in j.args))
 
 
 def _degree(name: str, expression: Expr, which: int) -> tuple[int, int]:
@@ -378,8 +309,8 @@ def _degree(name: str, expression: Expr, which: int) -> tuple[int, int]:
     try:
         degrees = [sum(monomial) for monomial in Poly(expression, *variables).monoms()]
     except PolynomialError:
-        if expression.has(Piecewise):
-            raise StatementError(f"{name}: {show(expression)} is piecewise in x or y, which is not supported") from None
+        if any(jets(piecewise) for piecewise in expression.atoms(Piecewise)):
+            raise StatementError(f"{name}: {show(expression)} is piecewise in y, which is not supported") from None
         what = "not linear in the variation" if which else "of higher than second degree in y, or no polynomial of it"
         raise StatementError(f"{name}: {show(expression)} is {what}, which is not supported") from None
     return min(degrees), max(degrees)
@@ -395,10 +326,17 @@ def _refuse_types(column: Column) -> None:
         raise StatementError(
             f"name {column.name!r}: lower-case letters, digits and single hyphens, such as 'free-free'"
         )
-    ends = column.ends
-    if not isinstance(ends, tuple) or len(ends) != 2 or any(not isinstance(e, str) or e not in GEOMETRIC for e in ends):
-        raise StatementError(f"ends {ends!r}: a pair of {', '.join(GEOMETRIC)}, at x = 0 and x = 1")
-    for name in ("T", "V", "W_c", "dW_nc"):
+    pairs = column.ends.values() if isinstance(column.ends, Mapping) else (column.ends,) if column.ends != () else ()
+    for ends in pairs:
+        if (
+            not isinstance(ends, tuple)
+            or len(ends) != 2
+            or any(not isinstance(e, str) or e not in GEOMETRIC for e in ends)
+        ):
+            raise StatementError(f"ends {ends!r}: a pair of {', '.join(GEOMETRIC)}, at x = 0 and x = 1")
+    if not isinstance(column.releases, tuple) or not all(isinstance(r, Hinge) for r in column.releases):
+        raise StatementError("releases: must be a tuple of hinges, such as (hinge(0.5),)")
+    for name in WORKS:
         value = getattr(column, name)
         if not isinstance(value, Expr | int | float):
             raise StatementError(f"{name} = {value!r}: not a SymPy expression; write it with integral(...) and at(...)")
@@ -409,8 +347,8 @@ def _refuse_types(column: Column) -> None:
 def _refuse_unknown(column: Column) -> None:
     own = {p.symbol for p in column.parameters}
     known = {x, t, P, alpha, beta, x_F} | own
-    for name in ("T", "V", "W_c", "dW_nc"):
-        for symbol in sorted(getattr(column.energies, name).free_symbols - known, key=str):
+    for name in WORKS:
+        for symbol in sorted(sympify(getattr(column, name)).free_symbols - known, key=str):
             if str(symbol) in NOTATION and NOTATION[str(symbol)].symbol == symbol:
                 what = (
                     "has no place in a nondimensional statement, Eq. (5), which holds x, t, P, alpha, beta, x_F and "
@@ -458,7 +396,7 @@ def _refuse_name(name: str) -> None:
     raise StatementError(f"parameter {name!r}: {why}; choose another, such as {other}")
 
 
-def _refuse_degrees(works: dict[str, Functional]) -> None:
+def _refuse_degrees(column: Column, works: dict[str, Functional]) -> None:
     for name, work in works.items():
         for part in (work.density, work.points):
             if part.xreplace({F_0: S.One}).has(t):
@@ -469,24 +407,81 @@ def _refuse_degrees(works: dict[str, Functional]) -> None:
                 _refuse_virtual_work(part)
             else:
                 _refuse_energy(name, part)
-    if works["T"].density == 0:
+    for name in column.fields:
+        _refuse_strength(column, works, name)
+    for name in column.coordinates:
+        rates = (*jets(works["T"].points + works["T"].density, 0), *jets(works["dW_nc"].points, 0))
+        if not any(name_of(j.args[0]) == name and int(j.args[2]) for j in rates):
+            raise StatementError(
+                f"the coordinate {name} is moved by nothing: no rate of it stands in T or in dW_nc; give it a mass or "
+                "a damper, or eliminate it"
+            )
+
+
+def joined(works: Mapping[str, Functional], name: str) -> int:
+    """The highest derivative of a field whose square the energy V holds: all below are continuous along the beam."""
+    V = works["V"].density
+    return max((p for p in range(4) for s in _places(V) if _square(V, name, p, 0, s) != 0), default=0)
+
+
+def _places(density: Expr) -> list[Expr]:
+    return sorted({j.args[3] for j in jets(density) if segment_of(j.args[3]) is not None}, key=str)
+
+
+def _square(density: Expr, name: str, order: int, rate: int, place: Expr) -> Expr:
+    """The factor of the square of a derivative of a field on a segment."""
+    return density.coeff(jet(trial(name), order, rate, place), 2)
+
+
+def _refuse_strength(column: Column, works: dict[str, Functional], name: str) -> None:
+    """A field without inertia or without stiffness, or with negative ones."""
+    order = joined(works, name)
+    used = [int(j.args[1]) for w in works.values() for j in jets(w.density) if name_of(j.args[0]) == name]
+    highest = max(used, default=0)
+    if highest > 2:
         raise StatementError(
-            "T: holds no y.diff(t)**2 under an integral; a beam without mass along the beam is not supported"
+            f"a derivative of order {highest} of {name}: a beam takes a force or a moment, nothing higher"
         )
-    bending = works["V"].density.coeff(jet(Integer(0), Integer(2), Integer(0), ALONG), 2)
-    if bending == 0:
+    if not any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density)):
         raise StatementError(
-            "V: holds no y.diff(x, 2)**2 under an integral; a beam without bending stiffness is not supported"
+            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported"
         )
-    inertia = works["T"].density.coeff(jet(Integer(0), Integer(0), Integer(1), ALONG), 2)
-    for name, size in (("T", inertia), ("V", bending)):
-        if size.is_negative:
-            raise StatementError(f"{name}: the energy {display(works[name])} is negative; check its sign")
-    for name in ("T", "V", "W_c"):
-        for symbol in (P, alpha, beta) if name != "W_c" else (alpha, beta):
-            if works[name].density.has(symbol) or works[name].points.has(symbol):
-                what = "load P does its work in W_c or dW_nc" if symbol == P else f"damping {symbol} acts in dW_nc"
-                raise StatementError(f"{name}: the {what}, not in {name}")
+    if order < max(highest, 1):
+        wanted = f"{name}.diff(x, 2)**2" if max(highest, 1) == 2 or name == "y" else f"{name}.diff(x)**2"
+        what = "bending stiffness" if name == "y" else "stiffness"
+        raise StatementError(f"V: holds no {wanted} under an integral; a beam without {what} is not supported")
+    stiffness = "bending stiffness" if order == 2 else "stiffness"
+    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0)):
+        for segment, place in enumerate(column.energies.beam.segments):
+            factor = 2 * _square(works[work].density, name, p, rate, place)
+            if factor != 0 or work == "V" or not _turns(works["T"].density, name, place):
+                _refuse_negative(column, works[work], work, what, factor, segment)
+
+
+def _turns(T: Expr, name: str, place: Expr) -> bool:
+    """Whether a field has inertia on a segment by another derivative, or together with another field."""
+    return any(name_of(j.args[0]) == name and int(j.args[2]) and j.args[3] == place for j in jets(T))
+
+
+def _refuse_negative(column: Column, work: Functional, name: str, what: str, factor: Expr, segment: int) -> None:
+    if factor.is_negative:
+        raise StatementError(f"{name}: the energy {display(work, S.One, column.cuts)} is negative; check its sign")
+    low, high = (float(place.subs(column.defaults)) for place in column.energies.beam.places[segment : segment + 2])
+    at_defaults = factor.subs({**column.defaults, P: S.Zero})
+    for k in range(1, 64):
+        where = low + (high - low) * k / 64
+        value = at_defaults.subs(x, where)
+        if value.is_real and not value > 0:
+            raise StatementError(
+                f"{name}: the {what} {factor} is {float(value):.3g} at x = {where:.4g}, at the parameters' defaults; "
+                "it must be positive along the beam"
+            )
+        if value is nan or value.is_infinite or value.is_real is False:
+            raise StatementError(
+                f"{name}: the {what} {factor} is no real number at x = {where:.4g}, at the parameters' defaults"
+            )
+        if not factor.has(x):
+            break
 
 
 def _refuse_virtual_work(part: Expr) -> None:
@@ -503,13 +498,13 @@ def _refuse_virtual_work(part: Expr) -> None:
     for j in jets(part, 0):
         if int(j.args[2]) > 2:
             raise StatementError(f"dW_nc: holds {show(j)}; rates of y up to the second are known")
-        if int(j.args[2]) and part.coeff(j).has(P):
-            raise StatementError(f"dW_nc: the load P multiplies {show(j)}; a load on a rate of y is not supported")
         if part.coeff(j).has(F_0):
             raise StatementError(f"dW_nc: F_0 multiplies {show(j)}; it is a transversal force, not a load")
     undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) == 1})
     if undamped.has(alpha, beta):
         raise StatementError("dW_nc: alpha and beta are dampings; they multiply first rates of y alone")
+    if part.has(alpha, beta) and Poly(part, alpha, beta).total_degree() > 1:
+        raise StatementError("dW_nc: alpha and beta are dampings; they enter linearly, and do not multiply each other")
     _refuse_powers_of_the_load("dW_nc", part)
 
 
@@ -523,7 +518,7 @@ def _refuse_energy(name: str, part: Expr) -> None:
     if part.has(F_0) and high > 1:
         raise StatementError(f"{name}: F_0 must not multiply a square of y; it is a transversal force, not a load")
     for j in jets(part, 0):
-        if int(j.args[2]) != (1 if name == "T" else 0):
+        if int(j.args[2]) > (1 if name == "T" else 0):
             kind = "first rates of y only" if name == "T" else "y without rates"
             raise StatementError(f"{name}: holds {show(j)}; it must be made of {kind}")
     if name == "T" and low < 2 and part != 0:
@@ -531,13 +526,20 @@ def _refuse_energy(name: str, part: Expr) -> None:
     for term in Add.make_args(part):
         if term != 0 and not jets(term):
             raise StatementError(f"{name}: the term {show(term)} does not hold y, so that it does no work")
+        if name == "T" and term != 0 and not any(int(j.args[2]) for j in jets(term)):
+            raise StatementError(f"T: holds {show(term)}; it must be made of rates of y")
+    if part.has(alpha, beta):
+        damping = alpha if part.has(alpha) else beta
+        raise StatementError(f"{name}: the damping {damping} acts in dW_nc, not in {name}")
     _refuse_powers_of_the_load(name, part)
 
 
 def _refuse_powers_of_the_load(name: str, part: Expr) -> None:
-    times = part.coeff(P, 1)
-    if times.has(P) or expand(part - part.coeff(P, 0) - P * times) != 0:
-        raise StatementError(f"{name}: the load P must enter linearly (K = E + P H)")
+    if part.has(P) and not part.is_polynomial(P):
+        raise StatementError(f"{name}: the load P must enter as a polynomial, such as P or P**2")
+
+
+WORKS = ("T", "V", "W_c", "dW_nc")
 
 
 def check(column: Column) -> None:
@@ -548,10 +550,24 @@ def check(column: Column) -> None:
     if type(column.modes) is not int or column.modes < 1:
         raise StatementError(f"modes = {column.modes!r}: must be a whole number, 1 or greater")
     _refuse_unknown(column)
-    works = {name: column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc")}
-    _refuse_degrees(works)
-    if not any(w.coefficient(P) for w in (works["W_c"], works["dW_nc"])):
+    _refuse_supports(column)
+    works = {name: column.energies.functional(name) for name in WORKS}
+    _refuse_degrees(column, works)
+    if not any(part.has(P) for w in works.values() for part in (w.density, w.points)):
         raise StatementError("the load P does no work: it must stand in W_c or in dW_nc")
+
+
+def _refuse_supports(column: Column) -> None:
+    """Ends that are not said of each field, or of what is no field."""
+    if not isinstance(column.ends, Mapping):
+        if column.fields and not column.ends:
+            raise StatementError(f"ends: give those of {', '.join(column.fields)}, such as ('clamped', 'free')")
+        return
+    stated = [str(getattr(field, "func", field)) for field in column.ends]
+    if sorted(stated) != sorted(column.fields):
+        raise StatementError(
+            f"ends: are given of {', '.join(stated) or 'nothing'}, but the fields are {', '.join(column.fields)}"
+        )
 
 
 # --- finding columns --------------------------------------------------------------------------------------
@@ -601,7 +617,11 @@ def _lost_derivatives_refused() -> Iterator[None]:
         def refuse(kind: type, expression: Any, *variables: Any, **settings: Any) -> Expr:
             found = before.__func__(kind, expression, *variables, **settings)
             named = {str(s) for v in variables for s in (v if isinstance(v, tuple | Tuple) else (v,))}
-            if found == 0 and named & {"x", "t"} and sympify(expression).has(*FIELDS):
+            if (
+                found == 0
+                and named & {"x", "t"}
+                and any(kind_of(a.func) for a in sympify(expression).atoms(AppliedUndef))
+            ):
                 raise StatementError(
                     f"a derivative of {expression} is zero: a value at a place is taken after the derivative, such as "
                     "at(y.diff(x), 1), and x and t are those of freebeam_derive.notation"
