@@ -8,11 +8,11 @@ from collections import OrderedDict
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache
+from functools import cache, cached_property, lru_cache, partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -53,6 +53,19 @@ class Parameter:
     default: float
     low: float
     high: float
+
+
+class Coefficients(NamedTuple):
+    """M, C and K of a column by powers of the load P, arrays (n, n), nondimensional: K = Σ P^k K[k]."""
+
+    M: tuple[Array, ...]
+    C: tuple[Array, ...]
+    K: tuple[Array, ...]
+
+    def at(self, load: float) -> tuple[Array, Array, Array]:
+        """M, C and K at a load, each (n, n)."""
+        M, C, K = (sum((load**k * X for k, X in enumerate(terms)), np.zeros_like(self.M[0])) for terms in self)
+        return M, C, K
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,8 +137,13 @@ class Column:
         return count("modes", modes, 1, largest, hint)
 
     @property
+    def general(self) -> bool:
+        """Whether it goes beyond the textbook's M, C = c_M M + c_E E and K = E + P H over one segment."""
+        return bool(self.kernel.COLUMN.get("general"))
+
+    @property
     def rigid_count(self) -> int:
-        """Number of rigid functions that the ends allow."""
+        """Number of rigid functions that are left out of the elastic spectrum."""
         return int(self.kernel.COLUMN["rigid"])
 
     @property
@@ -210,6 +228,68 @@ class Column:
         result: tuple[Array, Array, Array] = self._remembered((modes, rigid, *own.values()), build)
         return result
 
+    def coefficients(
+        self, modes: int | None = None, rigid: bool = False, alpha: float = 0.0, beta: float = 0.0, **parameters: float
+    ) -> Coefficients:
+        """M, C and K by powers of the load, as tuples of arrays (n, n), nondimensional. Eqs. (10), (11).
+
+        Of the elastic functions, or with the rigid ones, which then come first. Raises InputError as `system` does.
+        """
+        own, modes = self.own_parameters(parameters), self.number(modes)
+        alpha, beta = self.dampings(alpha, beta)
+        if not self.general:
+            M, E, H = self.matrices(modes, rigid, **own)
+            c_M, c_E = self.damping_factors(alpha, beta, **own)
+            return Coefficients((M,), (c_M * M + c_E * E,) if c_M or c_E else (), (E, H))
+        for name, value in (("alpha", alpha), ("beta", beta)):
+            if value and name in self.kernel.COLUMN["coupled"]:
+                raise InputError(
+                    f"{name} = {value}: this damping couples the rigid motions of {self.name} to its bending, so that "
+                    "the elastic spectrum alone does not decide stability; leave it at 0"
+                )
+        M, dampings, K = self._remembered(("general", modes, *own.values()), partial(self._built, modes, own))
+        C = _without_zeros(tuple(bare + alpha * a + beta * b for bare, a, b in zip(*dampings, strict=True)))
+        e = slice(None) if rigid else slice(self.rigid_count, None)
+        return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (M, C, K)))
+
+    def _built(self, modes: int, own: dict[str, float]) -> tuple[Any, Any, Any]:
+        """M, the parts of C without alpha and beta, of alpha and of beta, and K, in the functions of `frame`: each by
+        powers of the load."""
+        kernel, basis, T = self.kernel, self.basis(modes), self.frame(modes, **own)
+
+        def sound(terms: tuple[Array, ...]) -> tuple[Array, ...]:
+            moved = tuple(X if T is None else T.T @ X @ T for X in terms)
+            for X in moved:
+                if not np.isfinite(X).all():
+                    given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
+                    raise InputError(f"{given}: the matrices are beyond the range of a float")
+                X.flags.writeable = False
+            return moved
+
+        with np.errstate(all="ignore"):
+            bare, a, b = (kernel.damping_terms(basis, *d, **own) for d in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
+            M, K = kernel.mass_terms(basis, **own), kernel.stiffness_terms(basis, **own)
+        alone = [tuple(x - y for x, y in zip(terms, bare, strict=True)) for terms in (a, b)]
+        return sound(M), [sound(terms) for terms in (bare, *alone)], sound(K)
+
+    def frame(self, modes: int, **own: float) -> Array | None:
+        """The functions of a column's systems in those of its kernel, (n, n): the rigid motions first, the others
+        M-orthogonal to them. None where there is no rigid motion, and both are alike."""
+        r = self.rigid_count
+        if not self.general or not r:
+            return None
+        basis = self.basis(modes)
+        R, M = self.kernel.rigid_motions(basis, **own), self.kernel.mass_terms(basis, **own)[0]
+        # coordinates that the rigid motions can take the place of
+        left, dropped = R.copy(), []
+        for k in range(r):
+            row, column = np.unravel_index(int(np.abs(left[:, k:]).argmax()), (len(R), r - k))
+            dropped.append(int(row))
+            left[:, [k, k + column]] = left[:, [k + column, k]]
+            left[:, k + 1 :] -= np.outer(left[:, k], left[row, k + 1 :] / left[row, k])
+        others = np.delete(np.eye(len(R)), dropped, axis=1)
+        return np.hstack([R, others - R @ np.linalg.solve(R.T @ M @ R, R.T @ M @ others)])
+
     def _remembered(self, key: Any, build: Any) -> Any:
         if key not in self._cache:
             self._cache[key] = build()
@@ -269,9 +349,16 @@ class Column:
             raise refusal("rigid", rigid, "must be True or False")
         load = computable("load", finite("load", load, "nondimensional load P"))
         alpha, beta = self.dampings(alpha, beta)
-        M, E, H = self.matrices(modes, rigid, **own)
-        c_M, c_E = self.damping_factors(alpha, beta, **own)
-        return System(self, modes, load, alpha, beta, bool(rigid), own, M, c_M * M + c_E * E, E + load * H, E, H)
+        terms = self.coefficients(modes, bool(rigid), alpha, beta, **own)
+        M, C, K = terms.at(load)
+        E, H = terms.K[0], terms.K[1] if len(terms.K) > 1 else np.zeros_like(M)
+        return System(self, modes, load, alpha, beta, bool(rigid), own, M, C, K, E, H)
+
+
+def _without_zeros(terms: tuple[Array, ...]) -> tuple[Array, ...]:
+    """Without the highest powers of the load that are nothing."""
+    count = max((k + 1 for k, X in enumerate(terms) if X.any()), default=0)
+    return terms[:count]
 
 
 @dataclass(frozen=True, eq=False)
@@ -342,16 +429,33 @@ class System:
         place = positions("x_F", x_F)
         if np.ndim(x_F) or len(place) != 1:
             raise InputError(f"x_F has {len(place)} places: a transversal force acts at one")
+        if self.column.general:
+            force: Array = self.column.kernel.force(self.basis, float(place[0]), **self.parameters)
+            return self._framed(force)
         return _force_at(self.column, self.modes, self.rigid, float(place[0])).copy()
 
-    def shapes(self, x: ArrayLike, derivative: int = 0) -> Array:
+    def _framed(self, values: Array) -> Array:
+        """Values of the kernel's functions (n, …) as those of this system's."""
+        T = self.column.frame(self.modes, **self.parameters)
+        return values if T is None else np.tensordot(T.T, values, 1)[0 if self.rigid else self.column.rigid_count :]
+
+    def shapes(self, x: ArrayLike, derivative: int = 0, field: str = "", side: int = 0) -> Array:
         """The trial functions or a derivative of them at places x, shape (n, *x.shape). Eq. (22).
 
-        Raises InputError for places off the beam and an order that is no whole number.
+        field: the field whose functions they are, the deflection y or the only one where left out. side: −1 or 1 for
+        values just left or right of a place at which they jump. Raises InputError for places off the beam, an order
+        that is no whole number and a field that the column does not have.
         """
         places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
+        fields = list(self.column.kernel.COLUMN.get("fields", ["y"]))
+        field = field or (fields[0] if fields else "")
+        if field not in fields:
+            raise refusal("field", field, f"must be one of {', '.join(fields) or 'none: the column has no field'}")
+        if self.column.general:
+            own = self.parameters
+            return self._framed(self.column.kernel.shapes(self.basis, places, field, derivative, side, **own))
         if places.size <= _FEW_PLACES:
             few = _shapes_at(self.column, self.modes, self.rigid, derivative, places.tobytes())
             return few.reshape(-1, *places.shape).copy()

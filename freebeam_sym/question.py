@@ -8,9 +8,13 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
+
 from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
-from freebeam_sym.columns import Column, System, is_column
+from freebeam_sym.columns import Coefficients, Column, System, is_column
+from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil, pencil_of
+from freebeam_sym.stability.problem import Real
 from freebeam_sym.stability.proportional import Proportional
 
 __all__ = ["Question"]
@@ -88,9 +92,25 @@ class Question:
         return (0.0, 0.0, c_M / c_E if c_E else math.inf) if limit else (c_E, c_M, None)
 
     @property
-    def problem(self) -> Proportional:
+    def problem(self) -> Proportional | General:
         """What a search for the first loss of stability sees. Raises InputError."""
-        return Proportional(self.pencil, *self.factors)
+        if not self.column.general:
+            return Proportional(self.pencil, *self.factors)
+        terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
+        if not terms.C and self.kappa is None and _textbook(terms):
+            return Proportional(pencil_of(terms.M[0], *terms.K))
+        return General(*terms, vanishing=self._direction)
+
+    @property
+    def _direction(self) -> tuple[Real, ...] | None:
+        """C of a limit of vanishing damping, whose size does not count."""
+        if self.kappa is None:
+            return None
+        dampings = (0.0, 1.0) if math.isinf(self.kappa) else (1.0, self.kappa)
+        whole, none = (
+            self.column.coefficients(self.modes, False, *d, **self.parameters).C for d in (dampings, (0.0, 0.0))
+        )
+        return tuple(X - none[k] if k < len(none) else X for k, X in enumerate(whole))
 
     def system(self, load: float, rigid: bool = False) -> System:
         """The system at a load, Eqs. (10), (11). Raises InputError."""
@@ -100,3 +120,15 @@ class Question:
         """Its settings by name, as files keep them."""
         own = self.column
         return {"column": own.name, "basis": own.basis_name, "modes": self.modes, "load_max": self.load_max}
+
+
+def _textbook(terms: Coefficients) -> bool:
+    """Whether M and E are symmetric, positive definite, and K = E + P H."""
+    M, E, *loaded = (*terms.M, *terms.K)
+    if len(terms.M) != 1 or len(loaded) != 1 or not all(np.array_equal(X, X.T) for X in (M, E)):
+        return False
+    try:
+        np.linalg.cholesky(E)
+    except np.linalg.LinAlgError:
+        return False
+    return True

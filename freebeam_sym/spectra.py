@@ -137,7 +137,7 @@ def spectrum(system: System) -> Spectrum:
     E, B, elastic, vectors = _elastic(system)
     eigenvalues, full = elastic, B @ vectors
     if system.rigid_count:
-        eigenvalues, full = _with_rigid(system, system.K, elastic, full)
+        eigenvalues, full = _with_rigid(system, elastic, full)
     order, order_e = _order(eigenvalues), _order(elastic)
     e = slice(system.rigid_count, None)
     reference = _reference(E, B.T @ system.C[e, e] @ B)
@@ -212,10 +212,11 @@ def _left(V: Any) -> Any:
         return np.linalg.pinv(V)
 
 
-def _with_rigid(system: System, K: Real, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+def _with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """λ (2n,) and q̂ (n, 2n) of the whole system from those of the elastic functions: these with the rigid motion that
     they drive, then the rigid block's in their order."""
-    M, C, r, n = system.M, system.C, system.rigid_count, len(K)
+    M, C, K, r = system.M, system.C, system.K, system.rigid_count
+    n = len(K)
     coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
     if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
         return _eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
@@ -280,7 +281,12 @@ def eigenvalues(
         shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
         raise InputError(f"shapes do not broadcast: {shapes}") from None
     points = {name: array.ravel() for name, array in zip(values, arrays, strict=True)}
-    n, size = arrays[0].size, 2 * modes
+    n = arrays[0].size
+    if column.general:
+        systems = (column.system(modes, **{name: float(x[k]) for name, x in points.items()}) for k in range(n))
+        rows = [_elastic(system)[2] for system in systems]
+        return np.array([row[_order(row)] for row in rows]).reshape(*arrays[0].shape, -1)
+    size = 2 * modes
     found = np.empty((n, size), dtype=complex)
     block = max(1, 2**20 // size**2)  # states at a time
     for own, which in alike({x: points[x] for x in parameters}, n):
@@ -364,12 +370,13 @@ def branches(
         states.append(follower.follow(states[-1], follower.at(load)))
     pairs = [(x.values, x.vectors) for x in states]
     if system.rigid_count:
-        pairs = [_with_rigid(system, system.E + x.load * system.H, x.values, x.vectors) for x in states]
+        pairs = [_with_rigid(follower.whole(x.load), x.values, x.vectors) for x in states]
     values, shapes = (np.array(part) for part in zip(*pairs, strict=True))
     order = _order(values[0])
 
     def errors() -> Real:
-        own, elastic = {name: float(value) for name, value in parameters.items()}, order < 2 * modes
+        own = {name: float(value) for name, value in parameters.items()}
+        elastic = order < 2 * (len(system.M) - system.rigid_count)
         found = np.zeros(values.shape)
         found[:, elastic] = beam_errors(column, values[:, order[elastic]], P, modes, alpha, beta, own)
         return found
@@ -397,15 +404,35 @@ class _Follower:
 
     def __init__(self, system: System) -> None:
         e = slice(system.rigid_count, None)
+        self.system, self.left = system, MOST_STEPS
         self.E, self.basis = _coordinates(system.M[e, e], system.E[e, e])
-        self.C, self.H = (self.basis.T @ X[e, e] @ self.basis for X in (system.C, system.H))
-        self.left = MOST_STEPS
+        column, given = system.column, (system.alpha, system.beta)
+        terms = column.coefficients(system.modes, False, *given, **system.parameters)
+        if len(terms.M) > 1:
+            raise InputError(f"{column.name}: its mass depends on the load, so that branches are not followed")
+        self.C, self.K = (tuple(self.basis.T @ X @ self.basis for X in part) for part in (terms.C, terms.K[1:]))
+
+    def whole(self, load: float) -> System:
+        """The system with its rigid functions at a load."""
+        s = self.system
+        return s.column.system(s.modes, load, s.alpha, s.beta, s.rigid, **s.parameters)
 
     def at(self, load: float) -> _State:
         """Eigenvalues at a load, sorted as `spectrum` sorts them."""
-        values, V, U = _eigen(self.C, self.E + load * self.H)
+        nothing = np.zeros_like(self.E)
+        C = sum((load**k * X for k, X in enumerate(self.C)), nothing)
+        K = self.E + sum((load**k * X for k, X in enumerate(self.K, 1)), nothing)
+        values, V, U = _eigen(C, K)
+        # dλ/dP = −û (λ dC/dP + dK/dP) q̂
+        slopes = [
+            sum((k * load ** (k - 1) * X for k, X in terms), nothing)
+            for terms in ([*enumerate(self.C)][1:], [*enumerate(self.K, 1)])
+        ]
         with np.errstate(invalid="ignore"):
-            rates = np.nan_to_num(-np.einsum("kj,ji,ik->k", U, self.H, V))
+            moved = np.einsum("kj,ji,ik->k", U, slopes[1], V)
+            if len(self.C) > 1:
+                moved = moved + values * np.einsum("kj,ji,ik->k", U, slopes[0], V)
+            rates = np.nan_to_num(-moved)
         return _State(float(load), values, rates, self.basis @ V).take(_order(values))
 
     def follow(self, a: _State, b: _State, depth: int = 0) -> _State:

@@ -333,6 +333,8 @@ def at_place(expression: Expr, place: Expr, name: str = "") -> Expr:
     """
     moved = {j: jet(*j.args[:3], place) for j in expression.atoms(jet) if segment_of(j.args[3]) is not None}
     if place.func == leap:
+        if not moved:
+            raise StatementError(f"{name}: jump({show(expression)}, {place.args[0]}): it does not vary along the beam")
         for term in Add.make_args(expand(expression)):
             if sum(int(term.as_powers_dict()[j]) for j in moved) != 1 or term.has(Piecewise):
                 raise StatementError(
@@ -433,13 +435,7 @@ def _leaps(points: Expr, name: str) -> tuple[Expr, frozenset[tuple[str, int, Exp
             continue
         sides[j] = jet(which, p, r, beside(place.args[0], 1)) - jet(which, p, r, beside(place.args[0], -1))
         opened.add((name_of(which), int(p), place.args[0]))
-        if kind_of_jet(j) == "coordinate":
-            raise StatementError(f"{name}: {show(j)} is the jump of a coordinate, which has no place")
     return expand(points.xreplace(sides)), frozenset(opened)
-
-
-def kind_of_jet(j: Expr) -> str:
-    return "coordinate" if j.args[3] == ALWAYS else "field"
 
 
 def _refuse_strays(name: str, density: Expr, points: Expr) -> None:

@@ -48,6 +48,7 @@ from freebeam_derive.jets import (
     StatementError,
     at,
     at_place,
+    beside,
     delta,
     display,
     hinge,
@@ -275,6 +276,15 @@ class Column:
     def forced(self) -> bool:
         """Whether the transversal force F_0 does work."""
         return bool(self.energies.dW_nc.has(F_0) or self.energies.W_c.has(F_0))
+
+
+def _refuse_off_the_beam(column: Column) -> None:
+    for name in WORKS:
+        for j in jets(column._uncut.reading(name).points):
+            place = j.args[3].args[0] if j.args[3].func == beside else j.args[3]
+            value = place.subs(column.defaults)
+            if value.is_number and not (value.is_real and 0 <= value <= 1):
+                raise StatementError(f"{name}: {show(j)} is taken off the beam, which runs from x = 0 to x = 1")
 
 
 def _in_order(cuts: set[Expr], defaults: Mapping[Symbol, float]) -> tuple[Expr, ...]:
@@ -551,6 +561,7 @@ def check(column: Column) -> None:
         raise StatementError(f"modes = {column.modes!r}: must be a whole number, 1 or greater")
     _refuse_unknown(column)
     _refuse_supports(column)
+    _refuse_off_the_beam(column)
     works = {name: column.energies.functional(name) for name in WORKS}
     _refuse_degrees(column, works)
     if not any(part.has(P) for w in works.values() for part in (w.density, w.points)):

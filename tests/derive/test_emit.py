@@ -462,7 +462,7 @@ def test_long_lines_are_broken_and_mean_the_same(derived: Derived) -> None:
     derivation = derived("foundation")
     k_w = derivation.column.parameters[0].symbol
     total = sum(s * sp.sin(s + k_w) for s in many)
-    motion = dataclasses.replace(derivation.motion, strong=derivation.motion.strong.subs(k_w, total))
+    motion = dataclasses.replace(derivation.motion, equations={("y", 0): derivation.motion.strong.subs(k_w, total)})
     own = tuple(Parameter(s, "a number", n / 7, 0.0, 2.0) for n, s in enumerate(many))
     column = dataclasses.replace(derivation.column, parameters=(*derivation.column.parameters, *own))
     form = derivation.system.E.map(lambda f: f.subs(k_w, total))
