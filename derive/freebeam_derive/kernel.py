@@ -15,6 +15,7 @@ from typing import Any, ClassVar
 
 from sympy import Expr
 
+from freebeam_derive.forms import GeneralSystem
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.ritz import RitzSystem
 from freebeam_derive.statement import Column
@@ -62,7 +63,7 @@ class Kernel(ABC):
 
     column: Column
     motion: EquationOfMotion
-    system: RitzSystem
+    system: RitzSystem | GeneralSystem
     newmark: Newmark
     rigid: tuple[Expr, ...]
     matrices: tuple[Program, ...]
@@ -75,6 +76,10 @@ class Kernel(ABC):
     @abstractmethod
     def context(self) -> dict[str, Any]:
         """What the template is filled with beside the kernel itself."""
+
+    def facts(self) -> dict[str, Any]:
+        """What the module's COLUMN says beside the usual, or otherwise."""
+        return {}
 
     @abstractmethod
     def cost(self) -> dict[str, int]:

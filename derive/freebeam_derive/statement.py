@@ -655,5 +655,7 @@ def columns() -> dict[str, Path]:
 
 @lru_cache(maxsize=1)
 def bases() -> tuple[str, ...]:
-    """Names of the bases: trial functions of a column, a file each."""
-    return tuple(sorted(path.stem for path in (Path(__file__).parent / "bases").glob("[a-z]*.py")))
+    """Names of the bases: trial functions of a column, a file each. "segments" are the polynomials, "legendre", of
+    columns beyond the textbook's."""
+    found = (path.stem for path in (Path(__file__).parent / "bases").glob("[a-z]*.py"))
+    return tuple(sorted(name for name in found if name != "segments"))

@@ -1,0 +1,7 @@
+"""placeholder"""
+
+BOUND = 1e-14
+
+
+def figures(system, module, N, say):
+    return iter(())
