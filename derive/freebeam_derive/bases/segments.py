@@ -99,6 +99,7 @@ class SegmentKernel(Kernel):
             "kinds": kinds,
             "least": 2 if 2 in kinds else 1,
             "breaks": system.breaks,
+            "breaks_exact": [_exact(b) for b in system.breaks],
             "coordinates": system.coordinates,
             "matrices": matrices,
             "forms": {letter: [*self._texts(letter)] for _, letter, _ in _MATRICES},

@@ -17,7 +17,7 @@ from typing import Any
 
 import flint
 import numpy as np
-from flint import arb, arb_mat, arb_series, fmpq
+from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 
 from freebeam_derive.certify.decimals import read
 
@@ -263,3 +263,57 @@ def _rational_matrices(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fra
     basis = kernel.complete(order, array([fmpq((-1) ** k) for k in range(size)]))
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own}
     return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))
+
+
+def coefficients(
+    kernel: ModuleType,
+    modes: int,
+    own: Mapping[str, Fraction],
+    dampings: tuple[Exact, Exact],
+) -> tuple[list[arb_mat], list[arb_mat], list[arb_mat]]:
+    """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
+
+    dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises Unproven
+    for a column with a factor that is no polynomial in x.
+    """
+    basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
+    given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
+    try:
+        M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
+        parts = [kernel.damping_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
+        R = kernel.rigid_motions(basis, **given)
+    except (TypeError, AttributeError) as error:
+        raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions: {error}") from None
+    T = _elastic(R, M[0])
+    size = [exact(value) for value in dampings]
+    bare, of_alpha, of_beta = ([_balls(T, X) for X in terms] for terms in parts)
+    C = [b + size[0] * (x - b) + size[1] * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
+    return [_balls(T, X) for X in M], _without_zeros(C), [_balls(T, X) for X in K]
+
+
+def _elastic(R: Any, M: Any) -> Any:
+    """Functions that are M-orthogonal to the rigid motions R, as columns; None where there are none of these."""
+    count = R.shape[1]
+    if not count:
+        return None
+    left, dropped = R.copy(), []
+    for k in range(count):
+        row = next(i for i in range(len(R)) if left[i, k] != 0)
+        dropped.append(row)
+        for other in range(k + 1, count):
+            left[:, other] = left[:, other] - left[:, k] * (left[row, other] / left[row, k])
+    others = np.delete(np.array([[fmpq(int(i == j)) for j in range(len(R))] for i in range(len(R))]), dropped, axis=1)
+    A, B = R.T @ M @ R, R.T @ M @ others
+    solved = fmpq_mat(A.tolist()).solve(fmpq_mat(B.tolist()))
+    return others - R @ np.array(solved.tolist())
+
+
+def _balls(T: Any, X: Any) -> arb_mat:
+    exactly = X if T is None else T.T @ X @ T
+    return arb_mat([[arb(v) for v in row] for row in exactly.tolist()])
+
+
+def _without_zeros(terms: list[arb_mat]) -> list[arb_mat]:
+    while terms and all(v == 0 for v in terms[-1].entries()):
+        terms.pop()
+    return terms
