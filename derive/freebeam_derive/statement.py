@@ -15,7 +15,7 @@ import runpy
 import threading
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from itertools import pairwise
 from pathlib import Path
@@ -151,6 +151,9 @@ class Energies:
     dW_nc: Expr
     length: Expr = S.One
     cuts: tuple[Expr, ...] = ()
+    scaling: Mapping[Expr, Expr] = field(default_factory=dict)
+    """Of a dimensional statement: what its own quantities are in nondimensional ones, {m_tip: mu * m * L}, and unknowns,
+    {q: L * q}."""
 
     @property
     def beam(self) -> Beam:
@@ -196,7 +199,13 @@ class Column:
     def __post_init__(self) -> None:
         check(self)
         if self.dimensional is not None and self.cuts:
-            cuts = tuple(self.dimensional.length * cut for cut in self.cuts)
+            length, own = self.dimensional.length, self.dimensional.scaling
+            sizes = {
+                next(iter(sympify(value).free_symbols & set(self.defaults))): (key, value)
+                for key, value in own.items()
+                if key.is_Symbol and len(sympify(value).free_symbols & set(self.defaults)) == 1
+            }
+            cuts = tuple(expand(length * cut.subs({p: p * k / v for p, (k, v) in sizes.items()})) for cut in self.cuts)
             object.__setattr__(self, "dimensional", replace(self.dimensional, cuts=cuts))
 
     @cached_property

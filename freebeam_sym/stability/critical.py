@@ -15,6 +15,7 @@ from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
+from freebeam_sym.stability.general import General
 from freebeam_sym.stability.grids import KINDS, Answers
 from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
 from freebeam_sym.stability.proportional import LIGHTEST_SCAN, Proportional
@@ -129,8 +130,10 @@ def answer(question: Question) -> CriticalLoad:
     return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question)
 
 
-def settled(problem: Proportional, load_max: float) -> FirstLoss:
+def settled(problem: Proportional | General, load_max: float) -> FirstLoss:
     """As `first_loss`, quicker where many questions have been asked of a pencil, or one without damping before."""
+    if isinstance(problem, General):
+        return first_loss(problem, load_max)
     if problem.size:
         return _from_surface(problem, load_max) or first_loss(problem, load_max)
     kept, key = problem.pencil.kept, (FirstLoss, problem.kappa, load_max)

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import Kind, Real
 from freebeam_sym.stability.surface import FEW, surface_of
@@ -78,6 +78,8 @@ def solve(question: Question, alpha: Real, beta: Real) -> Answers:
     at all, whose flutter is the coalescence of two frequencies. Raises InputError where the column is not stable
     without load.
     """
+    if question.column.general:
+        return _one_by_one(question, alpha, beta)
     factors = question.column.kernel.damping_factors(alpha, beta, **question.parameters)
     c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in factors)
     return _of_pencil(question.pencil, c_E, c_M, question.load_max)
@@ -176,6 +178,16 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]
     return Answers(load, frequency, kind)
+
+
+def _one_by_one(question: Question, alpha: Real, beta: Real) -> Answers:
+    """First losses of a column beyond the textbook's, each of them searched."""
+    answers = [(math.nan, math.nan, 0)] * len(alpha)
+    for k, (a, b) in enumerate(zip(alpha.tolist(), beta.tolist(), strict=True)):
+        found = first_loss(replace(question, alpha=a, beta=b).problem, question.load_max).crossing
+        answers[k] = (math.nan, math.nan, 0) if found is None else _plain(found)
+    load, frequency, kind = (np.array(column) for column in zip(*answers, strict=True))
+    return Answers(load, frequency, kind.astype(np.int8))
 
 
 def _plain(found: Any) -> tuple[float, float, int]:

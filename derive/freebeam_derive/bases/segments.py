@@ -1,7 +1,7 @@
 """Polynomials on segments, for any column: joined at the breaks as the energies need. Eqs. (9), (11).
 
-On a segment ξ runs from 0 to 1. Functions that bend are the four cubics that are a value or a slope at one end, and then
-double integrals of Legendre's polynomials, which vanish with their slopes at both ends, and whose second derivatives
+On a segment ξ runs from 0 to 1. Functions that bend are the four cubics that are a value or a slope at one end, and
+then double integrals of Legendre's polynomials, which vanish with their slopes at both ends, and whose second derivatives
 are orthogonal. Functions of which the values alone are joined are the two lines and single integrals. The coordinates
 of the first are values and slopes at the breaks: shared by neighbours, or not, where they are free to jump.
 
@@ -60,7 +60,7 @@ class SegmentKernel(Kernel):
 
     @cached_property
     def nodes(self) -> tuple[dict[str, list[list[int]]], int]:
-        """Of each field, segment by segment, the numbers of its values and slopes at both ends; and how many there are."""
+        """Of each field, segment by segment, the numbers of its values and slopes at both ends; and their count."""
         found: dict[str, list[list[int]]] = {}
         count, last = 0, len(self.general.breaks) - 1
         for space in self.general.spaces:
@@ -235,7 +235,7 @@ class SegmentKernel(Kernel):
 
 
 def build(derivation: GeneralDerivation) -> SegmentKernel:
-    """What is emitted for a column beyond the textbook's. Raises StatementError for a factor that kernels cannot hold."""
+    """What is emitted for a column beyond the textbook's. Raises StatementError for a factor it cannot hold."""
     system = derivation.system
     for forms in (system.M, system.C, system.K):
         for form in forms:

@@ -273,8 +273,8 @@ def coefficients(
 ) -> tuple[list[arb_mat], list[arb_mat], list[arb_mat]]:
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
-    dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises Unproven
-    for a column with a factor that is no polynomial in x.
+    dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises
+    Unproven for a column with a factor that is no polynomial in x.
     """
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}

@@ -82,6 +82,8 @@ class Beam:
     def __init__(self, kernel: Any, own: Mapping[str, Fraction] | None = None) -> None:
         self.kernel = kernel
         self.name: str = kernel.COLUMN["name"]
+        if kernel.COLUMN.get("general"):
+            raise NoSeries(f"{self.name} goes beyond one equation of motion along one segment")
         self.rigid: int = kernel.COLUMN["rigid"]
         self.own = parameters(kernel, own)
         self._known: dict[int, _Parts] = {}
