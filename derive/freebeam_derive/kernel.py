@@ -15,7 +15,6 @@ from typing import Any, ClassVar
 
 from sympy import Expr
 
-from freebeam_derive.forms import GeneralSystem
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.ritz import RitzSystem
 from freebeam_derive.statement import Column
@@ -63,7 +62,7 @@ class Kernel(ABC):
 
     column: Column
     motion: EquationOfMotion
-    system: RitzSystem | GeneralSystem
+    system: RitzSystem
     newmark: Newmark
     rigid: tuple[Expr, ...]
     matrices: tuple[Program, ...]
@@ -76,10 +75,6 @@ class Kernel(ABC):
     @abstractmethod
     def context(self) -> dict[str, Any]:
         """What the template is filled with beside the kernel itself."""
-
-    def facts(self) -> dict[str, Any]:
-        """What the module's COLUMN says beside the usual, or otherwise."""
-        return {}
 
     @abstractmethod
     def cost(self) -> dict[str, int]:

@@ -25,7 +25,6 @@ from freebeam_derive.emit import source
 from freebeam_derive.kernel import Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
-from freebeam_derive.ritz import RitzSystem
 from freebeam_derive.scaling import SCALES, UNITS
 from freebeam_derive.statement import GEOMETRIC, StatementError, jets
 
@@ -42,7 +41,7 @@ def emit(kernel: Kernel) -> str:
     Raises StatementError for a parameter whose name the module gives to something else.
     """
     template = _templates().get_template(f"{kernel.basis_name}.py.jinja")
-    context = _context(kernel) | (_textbook(kernel) if isinstance(kernel.system, RitzSystem) else {}) | kernel.context()
+    context = _context(kernel) | kernel.context()
     text = template.render(context, called=())
     if called := source.own_functions(text):
         text = template.render(context, called=called)
@@ -79,22 +78,16 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "own_any": f", *{own}".replace(": float = ", ": Any = ") if own else "",
         "passed": "".join(f", {p.name}={p.name}" for p in column.parameters),
         "facts": _facts(kernel),
-        "frequencies": None,
-        "quantities": QUANTITIES,
-        "scales": SCALES,
-        "units": UNITS,
-    }
-
-
-def _textbook(kernel: Kernel) -> dict[str, Any]:
-    """What a module of a deflection's alone, along one segment, is filled with besides."""
-    return {
         "forms": {m.letter: _form(getattr(kernel.system, m.letter)) for m in kernel.matrices},
         "equation_of_motion": {
             (int(j.args[1]), int(j.args[2])): tuple(Poly(kernel.motion.strong.coeff(j), x).all_coeffs()[::-1])
             for j in jets(kernel.motion.strong)
         },
         "conditions": tuple(_conditions(kernel, end) for end in range(2)),
+        "frequencies": None,
+        "quantities": QUANTITIES,
+        "scales": SCALES,
+        "units": UNITS,
     }
 
 
@@ -116,13 +109,13 @@ def _facts(kernel: Kernel) -> dict[str, Any]:
         "rigid": len(kernel.rigid),
         "load": "P",
         "damping": list(column.damping),
-        "force": column.forced,
+        "force": bool(kernel.system.forces),
         "parameters": parameters,
         "forms": {m.letter: m.text for m in kernel.matrices},
         "latex": {name: NOTATION[name].latex for name in letters},
         "meaning": {name: NOTATION[name].meaning for name in letters},
         "source": column.source,
-    } | kernel.facts()
+    }
 
 
 def _form(form: Any) -> tuple[dict[Any, Any], dict[Any, Any]]:
