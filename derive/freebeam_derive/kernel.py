@@ -11,13 +11,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from types import ModuleType
-from typing import Any, ClassVar
+from typing import Any, ClassVar, Protocol
 
 from sympy import Expr
 
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.ritz import RitzSystem
-from freebeam_derive.statement import Column
+from freebeam_derive.statement import Column, Parameter
 from freebeam_derive.variation import EquationOfMotion
 
 Progress = Callable[[str], None]
@@ -49,6 +49,29 @@ class Program:
     equation: str
 
 
+class Facts(Protocol):
+    """What a module says of its column; a Column is one."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def title(self) -> str: ...
+    @property
+    def module(self) -> str: ...
+    @property
+    def parameters(self) -> tuple[Parameter, ...]: ...
+    @property
+    def damping(self) -> tuple[str, ...]: ...
+    @property
+    def source(self) -> str: ...
+    @property
+    def basis(self) -> str: ...
+    @property
+    def modes(self) -> int: ...
+    @property
+    def ends(self) -> Any: ...
+
+
 @dataclass(frozen=True)
 class Kernel(ABC):
     """What is emitted for a column, in any basis: the protocol that each basis fills.
@@ -60,17 +83,8 @@ class Kernel(ABC):
     basis_name: ClassVar[str]
     symbols: ClassVar[tuple[str, ...]] = ()
 
-    column: Column
-    motion: EquationOfMotion
-    system: RitzSystem
+    column: Facts
     newmark: Newmark
-    rigid: tuple[Expr, ...]
-    matrices: tuple[Program, ...]
-
-    @property
-    @abstractmethod
-    def fields(self) -> tuple[tuple[str, str], ...]:
-        """What the emitted basis holds, in order: names and meanings."""
 
     @abstractmethod
     def context(self) -> dict[str, Any]:
@@ -90,3 +104,19 @@ class Kernel(ABC):
 
         Raises VerificationError for what is no question of size, such as a mode that was skipped.
         """
+
+
+@dataclass(frozen=True)
+class BeamKernel(Kernel):
+    """What is emitted for a beam of one span and one field, K = E + P H and C = c_M M + c_E E."""
+
+    column: Column
+    motion: EquationOfMotion
+    system: RitzSystem
+    rigid: tuple[Expr, ...]
+    matrices: tuple[Program, ...]
+
+    @property
+    @abstractmethod
+    def fields(self) -> tuple[tuple[str, str], ...]:
+        """What the emitted basis holds, in order: names and meanings."""

@@ -28,7 +28,7 @@ from freebeam_derive.independent import (
     polynomial_at,
     rational,
 )
-from freebeam_derive.kernel import Figure, Kernel, Progress
+from freebeam_derive.kernel import BeamKernel, Figure, Kernel, Progress
 from freebeam_derive.notation import EI, L, m
 from freebeam_derive.ritz import Form
 from freebeam_derive.scaling import SCALES
@@ -76,7 +76,7 @@ _POWERS = (0, 2, -2, 5, -5, 10, -10, 20, -20, 40, -40)
 
 
 def matrix_figures(
-    kernel: Kernel, module: ModuleType, reference: Reference, N: int, in_fractions: Any = None
+    kernel: BeamKernel, module: ModuleType, reference: Reference, N: int, in_fractions: Any = None
 ) -> Iterator[Figure]:
     """Each entry within the bound of what its terms can be: monomials times norms (∫ φ² dx)^½ and end values.
 
@@ -190,8 +190,8 @@ def _allowed(symbol: Symbol, value: float) -> bool:
 
 
 def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
-    basis = module.basis(8)
-    if kernel.system.forces:
+    if isinstance(kernel, BeamKernel) and kernel.system.forces:
+        basis = module.basis(8)
         error = float(np.abs(module.force(basis, 0.3) - module.shapes(basis, 0.3)).max())
         rigid = module.force(basis, 0.3, True)
         for n, function in enumerate(kernel.rigid):

@@ -49,7 +49,7 @@ from sympy.polys.matrices import DomainMatrix
 from freebeam_derive import independent
 from freebeam_derive.comparison import comparison_beam, integral_polynomials
 from freebeam_derive.derivation import Derivation
-from freebeam_derive.kernel import MATRICES, Figure, Kernel, Program, Progress
+from freebeam_derive.kernel import MATRICES, BeamKernel, Figure, Program, Progress
 from freebeam_derive.notation import PRIMES, QUANTITIES, x
 from freebeam_derive.record import Step, equal
 from freebeam_derive.ritz import Form, display_form
@@ -318,7 +318,7 @@ class SeriesProgram(Program):
 
 
 @dataclass(frozen=True)
-class LegendreKernel(Kernel):
+class LegendreKernel(BeamKernel):
     """All that is emitted for a column with polynomials as trial functions.
 
     values: (name, end, order, factor) of the end values: a function of the degree, times (−1)^degree at x = 0.
@@ -416,7 +416,7 @@ def build(derivation: Derivation) -> LegendreKernel:
         program = (name, letter, display_form(form), equation)
         matrices.append(SeriesProgram(*program, diagonal, along, tuple(points), form.symmetric))
     values = tuple((f"{QUANTITIES[p]}_{end}", end, p, basis.value(end, p)) for end, p in sorted(ends))
-    handed = (given.column, given.motion, given.system, given.newmark, basis.rigid)
+    handed = (given.column, given.newmark, given.motion, given.system, basis.rigid)
     return LegendreKernel(*handed, tuple(matrices), basis, values)
 
 

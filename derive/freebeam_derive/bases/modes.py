@@ -46,7 +46,7 @@ from freebeam_derive.integrals import (
     rigid_mode,
     rigid_pair,
 )
-from freebeam_derive.kernel import MATRICES, Figure, Kernel, Program, Progress
+from freebeam_derive.kernel import MATRICES, BeamKernel, Figure, Program, Progress
 from freebeam_derive.notation import PRIMES, QUANTITIES, alpha, beta, gamma, x
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form, display_form
@@ -114,7 +114,7 @@ class MatrixProgram(Program):
 
 
 @dataclass(frozen=True)
-class ModesKernel(Kernel):
+class ModesKernel(BeamKernel):
     """All that is emitted for a column with its comparison modes."""
 
     basis_name = "modes"
@@ -201,7 +201,7 @@ def build(derivation: Derivation) -> ModesKernel:
         for name, letter, equation in MATRICES
         for form in [getattr(d.system, letter)]
     )
-    return ModesKernel(d.column, d.motion, d.system, d.newmark, beam.rigid, matrices, beam, _basis(beam), d.damped)
+    return ModesKernel(d.column, d.newmark, d.motion, d.system, beam.rigid, matrices, beam, _basis(beam), d.damped)
 
 
 def steps(derivation: Derivation) -> tuple[Step, ...]:

@@ -1,6 +1,7 @@
 """Kernel graphs written as Python modules: templates for what does not vary, with SymPy's expressions put in.
 
-`module.py.jinja` shows the shape of a module, the template of a basis fills its blocks, and source.py prints the
+`module.py.jinja` shows the shape of the module of a beam of one span, the template of a basis fills its blocks;
+`segments.py.jinja` is that of any other column, and they share what they include. In all of them source.py prints the
 expressions: with the templates it is all that knows NumPy's syntax. Paragraphs of docstrings are filled here, and
 Ruff lays out the rest.
 
@@ -22,7 +23,7 @@ from typing import TYPE_CHECKING, Any
 from sympy import Max, Poly
 
 from freebeam_derive.emit import source
-from freebeam_derive.kernel import Kernel
+from freebeam_derive.kernel import BeamKernel, Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
 from freebeam_derive.scaling import SCALES, UNITS
@@ -41,7 +42,7 @@ def emit(kernel: Kernel) -> str:
     Raises StatementError for a parameter whose name the module gives to something else.
     """
     template = _templates().get_template(f"{kernel.basis_name}.py.jinja")
-    context = _context(kernel) | kernel.context()
+    context = _context(kernel) | (_beam_context(kernel) if isinstance(kernel, BeamKernel) else {}) | kernel.context()
     text = template.render(context, called=())
     if called := source.own_functions(text):
         text = template.render(context, called=called)
@@ -57,7 +58,7 @@ def _templates() -> Environment:
     found = Environment(
         loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
-    printers = ("code", "exact", "literal", "number", "plus", "polynomial", "quotient", "shared", "times")
+    printers = ("code", "exact", "literal", "number", "plus", "polynomial", "quotient", "scalar", "shared", "times")
     found.filters |= {name: getattr(source, name) for name in printers} | {"words": _words}
     return found
 
@@ -70,13 +71,21 @@ def _context(kernel: Kernel) -> dict[str, Any]:
     return {
         "kernel": kernel,
         "column": column,
-        "R": len(kernel.rigid),
-        "system": kernel.system,
         "newmark": newmark,
         "bounds_of_limit": [bound for bound in limit if not bound.is_number],
         "own": f", *{own}" if own else "",
         "own_any": f", *{own}".replace(": float = ", ": Any = ") if own else "",
         "passed": "".join(f", {p.name}={p.name}" for p in column.parameters),
+        "scales": SCALES,
+        "units": UNITS,
+    }
+
+
+def _beam_context(kernel: BeamKernel) -> dict[str, Any]:
+    """What the module of a beam of one span is filled with beside."""
+    return {
+        "R": len(kernel.rigid),
+        "system": kernel.system,
         "facts": _facts(kernel),
         "forms": {m.letter: _form(getattr(kernel.system, m.letter)) for m in kernel.matrices},
         "equation_of_motion": {
@@ -86,12 +95,10 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "conditions": tuple(_conditions(kernel, end) for end in range(2)),
         "frequencies": None,
         "quantities": QUANTITIES,
-        "scales": SCALES,
-        "units": UNITS,
     }
 
 
-def _facts(kernel: Kernel) -> dict[str, Any]:
+def _facts(kernel: BeamKernel) -> dict[str, Any]:
     """COLUMN: what the runtime must know of a column."""
     column = kernel.column
     parameters = [
@@ -122,7 +129,7 @@ def _form(form: Any) -> tuple[dict[Any, Any], dict[Any, Any]]:
     return dict(sorted(form.along.items())), {(int(a), p, int(b), q): f for (a, p, b, q), f in form.points.items()}
 
 
-def _conditions(kernel: Kernel, end: int) -> tuple[dict[tuple[int, int], Any], ...]:
+def _conditions(kernel: BeamKernel, end: int) -> tuple[dict[tuple[int, int], Any], ...]:
     held = [{(order, 0): 1} for order in GEOMETRIC[kernel.column.ends[end]]]
     natural = [e for (at, _), e in sorted(kernel.motion.natural.items()) if at == end]
     return (*held, *({(int(j.args[1]), int(j.args[2])): e.coeff(j) for j in jets(e)} for e in natural))

@@ -203,6 +203,11 @@ def times(text: str, factor_: Expr) -> str:
     return text if below == 1 else f"{text} / {_bracketed(below)}"
 
 
+def scalar(expression: Expr) -> str:
+    """An expression in the column's parameters as a number of the kind of `one`, exact in exact numbers."""
+    return times("one", expression)
+
+
 def polynomial(expression: Expr) -> str:
     """A polynomial in nested form; a constant too is an array like `place`."""
     return (
