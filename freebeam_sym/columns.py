@@ -267,7 +267,7 @@ class Column:
             return moved
 
         with np.errstate(all="ignore"):
-            bare, a, b = (kernel.damping_terms(basis, *d, **own) for d in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
+            bare, a, b = (kernel.rate_terms(basis, *d, **own) for d in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
             M, K = kernel.mass_terms(basis, **own), kernel.stiffness_terms(basis, **own)
         alone = [tuple(x - y for x, y in zip(terms, bare, strict=True)) for terms in (a, b)]
         return sound(M), [sound(terms) for terms in (bare, *alone)], sound(K)
@@ -449,7 +449,7 @@ class System:
         places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
-        fields = list(self.column.kernel.COLUMN.get("fields", ["y"]))
+        fields = [str(each["name"]) for each in self.column.kernel.COLUMN.get("fields", [{"name": "y"}])]
         field = field or (fields[0] if fields else "")
         if field not in fields:
             raise refusal("field", field, f"must be one of {', '.join(fields) or 'none: the column has no field'}")

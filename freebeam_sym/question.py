@@ -12,7 +12,6 @@ import numpy as np
 
 from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
 from freebeam_sym.columns import Coefficients, Column, System, is_column
-
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil, pencil_of
 from freebeam_sym.stability.problem import Real

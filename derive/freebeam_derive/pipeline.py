@@ -44,6 +44,7 @@ from freebeam_derive import (
     variation,
     verify,
 )
+from freebeam_derive.bases import segments
 from freebeam_derive.derivation import Derivation, GeneralDerivation
 from freebeam_derive.files import written
 from freebeam_derive.kernel import Figure, Kernel, Progress
@@ -129,7 +130,7 @@ def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
         if (column.basis in in_bases and column.basis != POLYNOMIALS) or POLYNOMIALS not in in_bases:
             wanted = column.basis if column.basis != POLYNOMIALS else in_bases[0]
             raise StatementError(f"basis {wanted}: does not suit {column.name}: {reason}; use {POLYNOMIALS}") from None
-        return {POLYNOMIALS: bases.build("segments", general(column))}
+        return {POLYNOMIALS: segments.kernel_of(column, general(column).system)}
     return {basis: derived.kernel(basis) for basis in in_bases}
 
 

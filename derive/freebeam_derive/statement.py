@@ -664,7 +664,6 @@ def columns() -> dict[str, Path]:
 
 @lru_cache(maxsize=1)
 def bases() -> tuple[str, ...]:
-    """Names of the bases: trial functions of a column, a file each. "segments" are the polynomials, "legendre", of
-    columns beyond the textbook's."""
-    found = (path.stem for path in (Path(__file__).parent / "bases").glob("[a-z]*.py"))
-    return tuple(sorted(name for name in found if name != "segments"))
+    """Names of the bases: trial functions of a column, a file each. Polynomials on segments, of columns beyond the
+    textbook's, go by the name of the polynomials."""
+    return tuple(sorted(path.stem for path in (Path(__file__).parent / "bases").glob("[a-z]*.py")))

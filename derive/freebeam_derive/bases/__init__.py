@@ -11,13 +11,13 @@ from importlib import import_module
 from types import ModuleType
 from typing import cast
 
-from freebeam_derive.derivation import Derivation, GeneralDerivation
+from freebeam_derive.derivation import Derivation
 from freebeam_derive.kernel import Kernel
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column
 
 
-def build(basis: str, derivation: Derivation | GeneralDerivation) -> Kernel:
+def build(basis: str, derivation: Derivation) -> Kernel:
     """The kernel graph of a column in a basis: its forms lowered to programs. Eq. (11)."""
     return cast(Kernel, _file(basis).build(derivation))
 

@@ -280,7 +280,7 @@ def coefficients(
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
     try:
         M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
-        parts = [kernel.damping_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
+        parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
         R = kernel.rigid_motions(basis, **given)
     except (TypeError, AttributeError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions: {error}") from None

@@ -173,7 +173,9 @@ class SegmentsKernel(Kernel):
         return {
             "name": column.name,
             "title": column.title,
-            "basis": self.basis_name,
+            "basis": "legendre",
+            "general": True,
+            "coupled": list(system.coupled),
             "default": {"basis": column.basis, "modes": column.modes},
             "ends": column.ends,
             "breaks": [str(place) for place in system.breaks],
