@@ -300,7 +300,7 @@ class PolynomialProducts(Reference):
         self.functions = functions
 
     def number(self, factor: Expr, parameters: dict[str, float]) -> fmpq:
-        return _rational(factor, parameters)[0]
+        return number_with_digits(factor, parameters)[0]
 
     def at(self, end: int, order: int) -> Any:
         return np.array([f[order](end) for f in self.functions], dtype=object)
@@ -312,10 +312,10 @@ class PolynomialProducts(Reference):
 
 def rational(form: Form, parameters: dict[str, float]) -> bool:
     """Whether a form's factors are all rational at given parameters."""
-    return all(_rational(factor, parameters)[1] for factor in (*form.along.values(), *form.points.values()))
+    return all(number_with_digits(factor, parameters)[1] for factor in (*form.along.values(), *form.points.values()))
 
 
-def _rational(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
+def number_with_digits(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
     """A factor of a form at given parameters, and whether it is exact: an irrational one has 60 digits."""
     given = {s: Rational(*parameters[str(s)].as_integer_ratio()) for s in factor.free_symbols}
     value = factor.xreplace(given)

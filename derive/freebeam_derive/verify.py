@@ -71,7 +71,7 @@ def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple
 
 # --- matrices -----------------------------------------------------------------------------------------------
 
-_DAMPING = {"alpha": 0.0123, "beta": 0.456}
+DAMPING = {"alpha": 0.0123, "beta": 0.456}
 _POWERS = (0, 2, -2, 5, -5, 10, -10, 20, -20, 40, -40)
 
 
@@ -91,9 +91,9 @@ def matrix_figures(
         "C": (system.C, lambda basis, rigid, **own: module.damping(basis, rigid=rigid, **own)),
     }
     for letter, (form, function) in matrices.items():
-        damping = _DAMPING if letter == "C" else {}
+        damping = DAMPING if letter == "C" else {}
         worst = ("", 0.0)
-        for values in _samples(form, defaults | damping):
+        for values in samples(form, defaults | damping):
             computed = function(basis, True, **values)
             where = ", ".join(f"{name} = {value:.6g}" for name, value in values.items()) or "no parameters"
             if not np.isfinite(computed).all():
@@ -104,7 +104,7 @@ def matrix_figures(
                 )
             if letter == "C":  # a sum of two matrices, whose own terms may cancel
                 shares = ((system.c_M, system.M), (system.c_E, system.E))
-                scale = sum(_size(c, values) * _scale(part, values, reference) for c, part in shares)
+                scale = sum(size(c, values) * _scale(part, values, reference) for c, part in shares)
             else:
                 scale = _scale(form, values, reference)
             if in_fractions is not None and letter != "C" and rational(form, values):
@@ -125,19 +125,19 @@ def _scale(form: Form, values: dict[str, float], reference: Reference) -> Any:
     """What the terms of each entry can be: nothing cancels in it."""
     scale: Any = 0.0
     for (_, p, q), factor in form.along.items():
-        scale = scale + _size(factor, values) * np.outer(reference.norms(p), reference.norms(q))
+        scale = scale + size(factor, values) * np.outer(reference.norms(p), reference.norms(q))
     for (a, p, b, q), factor in form.points.items():
         product = np.outer(reference.at_end(int(a), p), reference.at_end(int(b), q))
-        scale = scale + _size(factor, values) * np.abs(product)
+        scale = scale + size(factor, values) * np.abs(product)
     return scale
 
 
-def _size(factor: Expr, values: dict[str, float]) -> float:
+def size(factor: Expr, values: dict[str, float]) -> float:
     """The sum of the sizes of a factor's monomials."""
     return float(sum(abs(number_of(term, values)) for term in Add.make_args(expand(factor))))
 
 
-def _samples(form: Form, defaults: dict[str, float]) -> list[dict[str, float]]:
+def samples(form: Form, defaults: dict[str, float]) -> list[dict[str, float]]:
     """Values of the parameters at which the form's constant tables are seen, one after the other.
 
     A form is a sum of constant tables, each times a monomial in the parameters. Beside the defaults there is a place

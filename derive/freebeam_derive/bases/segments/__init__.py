@@ -14,9 +14,9 @@ from functools import cached_property
 from types import ModuleType
 from typing import Any
 
-from sympy import Expr, Poly, PolynomialError, Symbol, expand
+from sympy import Expr, Poly, PolynomialError, Symbol, expand, factor
 
-from freebeam_derive.bases.segments import measure
+from freebeam_derive import pieces
 from freebeam_derive.emit import source
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Value
 from freebeam_derive.kernel import Facts, Figure, Kernel, Progress
@@ -24,6 +24,7 @@ from freebeam_derive.latex import letter
 from freebeam_derive.newmark import derive_newmark
 from freebeam_derive.notation import NOTATION, PRIMES, x
 from freebeam_derive.statement import StatementError
+from freebeam_derive.verify import BOUND
 
 SUFFIX = "_segments"
 
@@ -75,7 +76,8 @@ class Integral:
         """The factor in powers of η = 2ξ − 1, ascending: factors in a segment's middle and half its length."""
         if not self.factor.has(x):
             return (self.factor,)
-        return tuple(Poly(self.factor.subs(x, _middle + _half * _eta), _eta).all_coeffs()[::-1])
+        powers = Poly(self.factor.subs(x, _middle + _half * _eta), _eta).all_coeffs()[::-1]
+        return tuple(factor(c) for c in powers)
 
     @property
     def centred(self) -> bool:
@@ -215,16 +217,16 @@ class SegmentsKernel(Kernel):
         return text or "0"
 
     def cost(self) -> dict[str, int]:
-        return {"exact_in_fractions_up_to": measure.MODES} if not self.context()["sampled"] else {}
+        return {"exact_in_fractions_up_to": pieces.MODES} if not self.context()["sampled"] else {}
 
     def bounds(self) -> dict[str, float]:
         return {
-            f"matrix entries at N = {measure.MODES}, of the norms of their terms": measure.BOUND,
-            f"functions at N = {measure.MODES} and their derivatives to the third, of the largest value": measure.BOUND,
+            f"matrix entries at N = {pieces.MODES}, of the norms of their terms": BOUND,
+            f"functions at N = {pieces.MODES} and their derivatives to the third, of the largest value": BOUND,
         }
 
     def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
-        yield from measure.figures(self, module, say)
+        yield from pieces.figures(self.column, self.system, module, pieces.MODES, say)
 
 
 def grouped(form: BilinearForm) -> list[Integral]:
