@@ -88,9 +88,7 @@ class Term:
     stiffness: Of_load = lambda P: 0
 
 
-def energy(
-    form: Sequence[tuple[At, int]], mass: Q = Q(0), damping: Q = Q(0), spring: Q = Q(0)
-) -> tuple[Term, ...]:
+def energy(form: Sequence[tuple[At, int]], mass: Q = Q(0), damping: Q = Q(0), spring: Q = Q(0)) -> tuple[Term, ...]:
     """Terms of mass·u̇²/2, damping·u̇²/2 and spring·u²/2, where u sums what `form` names, each with its factor."""
     return tuple(
         Term(a, b, mass * i * j, damping * i * j, lambda P, k=spring * i * j: k) for a, i in form for b, j in form

@@ -8,6 +8,7 @@ unknowns beside z, each with an equation; the determinant of all equations is F(
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 from mpmath import det, eye, matrix, mp, mpc, mpf, workdps
@@ -17,7 +18,7 @@ from tests.reference.systems import At, Beam, Segment
 
 DIGITS = 45  # steps of differences are 1e-14 of the scale, so some 28 digits of a derivative hold
 SIZE = mpf("0.25")  # of a step; the nearest singular point of the tapers used is at distance 1 from the tip
-TERMS = 120
+TERMS = 90
 Rows = list[list[Any]]
 
 
@@ -104,10 +105,17 @@ def coefficients(beam: Beam, part: Segment, x: Any, lam: Any, P: Any) -> dict[tu
     return {place: terms for place, series in out.items() if any(terms := series.trimmed())}
 
 
+def scaled(terms: list[Any], h: Any) -> list[Any]:
+    """a_k h^k, up to the last that counts."""
+    out = [a * h**k for k, a in enumerate(terms)]
+    least = max(abs(a) for a in out) * mp.eps / 16
+    return out[: 1 + max(k for k, a in enumerate(out) if abs(a) > least)]
+
+
 def step(A: dict[tuple[int, int], list[Any]], z: Rows, h: Any) -> Rows:
     """z(x + h), by the recurrence (n + 1) z_(n+1) = Σ A_k z_(n−k)."""
     width, history = len(z[0]), [z]
-    A = {place: [a * h**k for k, a in enumerate(terms)] for place, terms in A.items()}
+    A = {place: scaled(terms, h) for place, terms in A.items()}
     total, small = [row[:] for row in z], 0
     for n in range(TERMS - 1):
         new = [[mpf(0)] * width for _ in range(4)]
@@ -195,7 +203,7 @@ class Passage:
         places = sorted(stops)
         self.part = beam.segments[0]
         self.pass_place(places[0])
-        for low, high in zip(places, places[1:], strict=False):
+        for low, high in pairwise(places):
             self.part = next(s for s in beam.segments if s.low <= low < s.high)
             count = int(mp.ceil(number(high - low) / SIZE))
             h = number(high - low) / count
@@ -269,7 +277,7 @@ def coalescence(beam: Beam, omega: Any, P: Any) -> tuple[Any, Any]:
         return (up + down) / 2, (up - down) / (2 * h)
 
     with workdps(DIGITS):
-        s, p = newton(parts, -mpf(omega) ** 2, mpf(P))
+        s, p = newton(parts, -(mpf(omega) ** 2), mpf(P))
         return p, mp.sqrt(-s)
 
 

@@ -22,15 +22,18 @@ TIP, TIP_SLOPE = At("y", Q(1)), At("slope", Q(1))
 
 @dataclass(frozen=True)
 class Value:
-    """`printed` holds in all its digits. `issue`: one of issue 13's; else computed here, by `transfer`."""
+    """One critical load, the first; `printed` is rounded and holds in all its digits."""
 
     name: str
     statement: str
     kind: str
     printed: str
     beam: Beam
-    issue: bool = True
-    top: float = 0.0  # the scan's last load; 1.1 of the value where 0
+
+    @property
+    def places(self) -> int:
+        """Digits behind the point."""
+        return len(self.printed.partition(".")[2])
 
 
 def squeezed(x: Any, P: Any) -> Any:
@@ -58,9 +61,7 @@ def split(place: Q, *terms: Term, left: Any = None, right: Any = None) -> Beam:
 def beal(place: Q, k: Q = TENTH) -> Beam:
     """Free-free, driven at x = 1 by a thrust P turned by k·y'(place): N = P x."""
     turned = Term(TIP, At("slope", place), stiffness=lambda P: P * k)
-    return Beam(
-        (Segment(axial=lambda x, P: x * P),), ("free", "free"), (follower(), turned), rigid=1
-    )
+    return Beam((Segment(axial=lambda x, P: x * P),), ("free", "free"), (follower(), turned), rigid=1)
 
 
 def panel(*ends: str) -> Beam:
@@ -105,7 +106,7 @@ HAUGER = Segment(axial=lambda x, q: (1 - x) ** 2 * q * HALF, flow=lambda x, q: (
 ROOT_SLOPE = At("slope", Q(0))
 MASS = energy([(TIP, 1)], Q(1))
 
-VALUES = (
+ISSUE = (
     Value("pflueger", "Beck and T += μẏ(1)²/2, μ = 1.", "coalescence", "16.2121289425", beck(*MASS)),
     Value(
         "pflueger, beam damped",
@@ -225,7 +226,7 @@ VALUES = (
         "pipe",
         "y'''' + u² y'' + 2 √b u ẏ' + ÿ = 0, b = 0.1, clamped and free (y'' = y''' = 0). The load is u.",
         "flutter",
-        "4.74989677312",
+        "4.74989677311",
         pipe(TENTH),
     ),
     Value("panel, pinned", "y'''' + P y' + ÿ = 0, pinned.", "coalescence", "343.356426280", panel("pinned", "pinned")),
@@ -268,5 +269,133 @@ VALUES = (
         "coalescence",
         "18.1684874096",
         beck(rotary=constant(Q(1, 100))),
+    ),
+)
+
+CRACK, SHEARED = At("jump slope", Q(2, 5)), At("jump y", HALF)
+
+OWN = (
+    Value(
+        "beck",
+        "T = ∫ẏ²/2, V = ∫y''²/2 − P∫y'²/2, δW = −P y'(1) δy(1).",
+        "coalescence",
+        "20.050953618974",
+        BECK,
+    ),
+    Value(
+        "crack",
+        "Beck and V += k [y'](2/5)²/2, k = 10, [·] the jump: a rotational spring inside.",
+        "coalescence",
+        "16.994377060550",
+        beck(*energy([(CRACK, 1)], spring=Q(10))),
+    ),
+    Value(
+        "elastic hinge at mid-span",
+        "Beck and V += k [y'](1/2)²/2, k = 2.",
+        "coalescence",
+        "8.6850375767349",
+        beck(*energy([(At("jump slope", HALF), 1)], spring=Q(2))),
+    ),
+    Value(
+        "shear joint",
+        "Beck and V += k [y](1/2)²/2, k = 50.",
+        "coalescence",
+        "15.255492277668",
+        beck(*energy([(SHEARED, 1)], spring=Q(50))),
+    ),
+    Value(
+        "leipholz",
+        "V = ∫y''²/2 − P∫(1 − x) y'²/2, δW = −P∫y' δy: y'''' + P(1 − x) y'' + ÿ = 0.",
+        "coalescence",
+        "40.053736514940",
+        Beam((LEIPHOLZ,)),
+    ),
+    Value(
+        "hauger",
+        "V = ∫y''²/2 − P∫(1 − x)² y'²/4, δW = −P∫(1 − x) y' δy: y'''' + P(1 − x)² y''/2 + ÿ = 0.",
+        "coalescence",
+        "150.64159540449",
+        Beam((HAUGER,)),
+    ),
+    Value(
+        "follower at 7/10",
+        "V = ∫y''²/2 − P∫y'²/2 over 0 < x < 7/10, δW = −P y'(7/10) δy(7/10).",
+        "coalescence",
+        "21.433028408332",
+        Beam(
+            (replace(PRESSED, high=Q(7, 10)), Segment(low=Q(7, 10))),
+            terms=(follower(Q(7, 10)),),
+        ),
+    ),
+    Value(
+        "step with a mass",
+        "Beck with EI = m = 1 up to x = 3/5, then EI = m = 1/2; T += 0.3 ẏ(3/5)²/2.",
+        "coalescence",
+        "25.919950122601",
+        split(
+            Q(3, 5),
+            *energy([(At("y", Q(3, 5)), 1)], Q(3, 10)),
+            right={"EI": constant(HALF), "mass": constant(HALF)},
+        ),
+    ),
+    Value(
+        "absorber",
+        "Beck with α = 0.01, β = 0.1; T += 0.1 q̇²/2, V += 5 (y(7/10) − q)²/2, damper 0.1 in parallel to that spring.",
+        "flutter",
+        "17.512540396912",
+        replace(
+            beck(*absorber(Q(7, 10), TENTH, Q(5), TENTH), damping=constant(TENTH)),
+            alpha=Q(1, 100),
+        ),
+    ),
+    Value(
+        "pipe on a foundation",
+        "y'''' + u² y'' + 2 √b u ẏ' + ÿ + 50 y = 0, b = 0.3, clamped and free. The load is u.",
+        "flutter",
+        "8.4376423464509",
+        pipe(Q(3, 10), Q(50)),
+    ),
+    Value(
+        "exponential taper",
+        "Beck with EI = e^(−x), m = 1.",
+        "coalescence",
+        "12.237286729359",
+        beck(EI=lambda x: exp(-x)),
+    ),
+    Value(
+        "panel, clamped at its rear",
+        "y'''' + P y' + ÿ = 0, free at 0 and clamped at 1.",
+        "divergence",
+        "6.3297031101732",
+        panel("free", "clamped"),
+    ),
+    Value(
+        "partial damping",
+        "Beck with δW += −∫ẏ δy over 1/2 < x < 1: c = 1 on the outer half alone.",
+        "flutter",
+        "20.067842660665",
+        split(HALF, right={"damping": constant(Q(1))}),
+    ),
+    Value(
+        "force by a remote slope",
+        "Beck and δW += −(P/5) y'(2/5) δy(1), with ∫y''²/2 damped, α = 0.01, and β = 0.1.",
+        "flutter",
+        "14.895892307888",
+        replace(
+            beck(Term(TIP, At("slope", Q(2, 5)), stiffness=lambda P: P / 5), damping=constant(TENTH)),
+            alpha=Q(1, 100),
+        ),
+    ),
+    *(
+        Value(
+            f"timoshenko, s = {s}, r = 1/{1 / r}, turning with {turns}",
+            "T = ∫(ẏ² + r ψ̇²)/2, V = ∫(ψ'² + s(y' − ψ)²)/2 − P∫y'²/2, clamped (y = ψ = 0) at 0, free at 1, "
+            f"δW = −P {turns}(1) δy(1). Shear s(y' − ψ) = 0 at the tip either way, so both have the same loads.",
+            "coalescence",
+            printed,
+            timoshenko(s, r, sees),
+        )
+        for s, r, printed in ((Q(100), Q(1, 100), "14.391089106038"), (Q(1000), Q(1, 1000), "19.258001279356"))
+        for turns, sees in (("ψ", "slope"), ("y'", "dy"))
     ),
 )
