@@ -258,7 +258,7 @@ class Column:
         kernel, basis, T = self.kernel, self.basis(modes), self.frame(modes, **own)
 
         def sound(terms: tuple[Array, ...]) -> tuple[Array, ...]:
-            moved = tuple(X if T is None else T.T @ X @ T for X in terms)
+            moved = terms if T is None else tuple(_moved(X, T) for X in terms)
             for X in moved:
                 if not np.isfinite(X).all():
                     given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
@@ -353,6 +353,12 @@ class Column:
         M, C, K = terms.at(load)
         E, H = terms.K[0], terms.K[1] if len(terms.K) > 1 else np.zeros_like(M)
         return System(self, modes, load, alpha, beta, bool(rigid), own, M, C, K, E, H)
+
+
+def _moved(X: Array, T: Array) -> Array:
+    """Tᵀ X T; symmetric to the last bit where X is."""
+    found = T.T @ X @ T
+    return (found + found.T) / 2 if np.array_equal(X, X.T) else found
 
 
 def _without_zeros(terms: tuple[Array, ...]) -> tuple[Array, ...]:

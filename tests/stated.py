@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-HEAD = '''
+HEAD = """
 from sympy import Piecewise, Rational, Symbol, exp, sqrt
 from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
 from freebeam_derive.statement import Column, Coordinate, Field, Parameter, at, delta, hinge, integral, jump
@@ -25,9 +25,9 @@ internal = -integral(alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
 
 
 def own(symbol, value):
-    return Parameter(symbol, str(symbol), value, 0.0, 100.0)
+    return Parameter(symbol, str(symbol), value, 0.0, 1000.0)
 
-'''
+"""
 BECK = {"T": "T", "V": "V", "W_c": "W_c", "dW_nc": "follower", "ends": '("clamped", "free")', "parameters": "()"}
 FREE = {"ends": '("free", "free")', "W_c": "P * integral(x * y.diff(x) ** 2) / 2"}
 PANEL = {"W_c": "0", "dW_nc": "-P * integral(y.diff(x) * delta(y))"}

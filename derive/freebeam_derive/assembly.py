@@ -11,12 +11,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from sympy import Add, Expr, Integral, Matrix, Poly, S, cancel, expand, eye, zeros
+from sympy import Add, Expr, Integer, Integral, Matrix, Poly, S, cancel, expand, eye, zeros
 
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Space, Value
-from freebeam_derive.jets import ALWAYS, beside, name_of, segment_of
+from freebeam_derive.jets import ALWAYS, beside, name_of, segment_of, trial
 from freebeam_derive.notation import F_0, P, alpha, beta, x, x_F
-from freebeam_derive.statement import Column, StatementError, jets, show
+from freebeam_derive.statement import Column, StatementError, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion, ends_of, joined_values, parts
 
 Powers = dict[int, BilinearForm]
@@ -29,7 +29,7 @@ def assemble(column: Column, motion: EquationOfMotion) -> GeneralSystem:
     """
     found: dict[int, Powers] = {0: {}, 1: {}, 2: {}}
     force: list[tuple[Value, Expr]] = []
-    for part, along in ((motion.weak.density, True), (motion.weak.points, False)):
+    for part, along in ((motion.weak.density, True), (_bounded(motion), False)):
         for test in jets(part, 1):
             factor = part.coeff(test)
             force += _force(test, factor, along)
@@ -45,6 +45,27 @@ def assemble(column: Column, motion: EquationOfMotion) -> GeneralSystem:
     return GeneralSystem(
         motion.beam.places, motion.spaces, coordinates, M, C, K, tuple(force), rigid, column.parameters, coupled
     )
+
+
+def _bounded(motion: EquationOfMotion) -> Expr:
+    """The point values of the weak form without those that the energies do not bound, as far as a natural condition says
+    what they are: the slope of a Timoshenko beam at its end is the rotation there, where no shear force is. A series of
+    functions that need not meet that condition would not converge."""
+    joined = {space.name: space.joined for space in motion.spaces}
+    points = motion.weak.points
+    for condition in motion.conditions:
+        place, side = motion.beam.places[condition.place], condition.side
+        where = beside(place, Integer(side)) if side else place
+        order = joined[condition.field]
+        steep = jet(trial(condition.field), Integer(order), Integer(0), where)
+        share = condition.factor.coeff(steep)
+        rates = any(int(j.args[2]) for j in jets(condition.factor))
+        if condition.order != order - 1 or not points.has(steep) or share == 0 or rates:
+            continue
+        instead = expand(cancel(-(condition.factor - share * steep) / share))
+        if instead.is_polynomial(P) and all(int(j.args[1]) < joined.get(name_of(j.args[0]), 1) for j in jets(instead)):
+            points = expand(points.xreplace({steep: instead}))
+    return points
 
 
 def _value(j: Expr) -> Value:

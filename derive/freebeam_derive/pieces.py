@@ -280,9 +280,7 @@ def _complex(e: Expr, values: dict[str, Any], analytic: bool) -> Any:
 # --- the comparison -----------------------------------------------------------------------------------------
 
 
-def figures(
-    column: Facts, system: GeneralSystem, module: ModuleType, modes: int, say: Progress
-) -> Iterator[Figure]:
+def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int, say: Progress) -> Iterator[Figure]:
     """Measured errors of the emitted module's functions and matrices at N = modes.
 
     Raises VerificationError where what is exact is not equal, or the coordinates are not those of all functions that
@@ -300,13 +298,15 @@ def figures(
     _rigid(pieces, module, in_fractions, defaults)
     say("matrices")
     for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
-        for power, form in enumerate(getattr(system, letter)):
+        forms = getattr(system, letter)
+        for power, form in enumerate(forms):
             given = defaults | (DAMPING if letter == "C" else {})
             worst = ("", 0.0)
             for values in _samples(column, system, form, given):
                 here = replace(pieces, values=values)
                 where = ", ".join(f"{name} = {value:.6g}" for name, value in values.items()) or "no parameters"
-                error, place = _compare(here, form, function, power, basis, in_fractions, f"{letter}_{power} at {where}")
+                exactly = in_fractions if all(_rational(each, here) for each in forms) else None
+                error, place = _compare(here, form, function, power, basis, exactly, f"{letter}_{power} at {where}")
                 if error >= worst[1]:
                     worst = (f"{place}, {where}", error)
             yield Figure(f"entries of {letter}_{power} at N = {modes}, of the norms of their terms", *worst, BOUND)
@@ -320,7 +320,7 @@ def _compare(
     if not np.isfinite(computed).all():
         raise VerificationError(f"{what}: not finite")
     exact, scale = pieces.form(form)
-    if _rational(form, pieces):
+    if in_fractions is not None:
         given = {name: fraction(value) for name, value in pieces.values.items()}
         found = function(in_fractions, **given)[power]
         if any(a != b for a, b in zip(found.flat, exact.flat, strict=True)):
@@ -348,8 +348,9 @@ def _samples(
     """Values of the parameters: where each monomial of the factors has a large share; and, of parameters in places or in
     functions of x, which cannot have any size, others between their `low` and `high`."""
     polynomials = [f for f in form.along.values() if f.is_polynomial(x)]
-    others = [f for f in form.along.values() if not f.is_polynomial(x)]
-    places = [v.place for pair in form.points for v in pair if v.place is not None]
+    others = [f for each in (*system.M, *system.C, *system.K) for f in each.along.values() if not f.is_polynomial(x)]
+    every = [each for forms in (system.M, system.C, system.K) for each in forms]
+    places = [v.place for each in every for pair in each.points for v in pair if v.place is not None]
     bounded = {str(s) for e in (*system.breaks, *places, *others) for s in e.free_symbols}
     factors = [c for f in polynomials for c in Poly(f, x).all_coeffs()]
     parts = dict(enumerate((*factors, *form.points.values())))
