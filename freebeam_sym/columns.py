@@ -5,8 +5,8 @@ from __future__ import annotations
 import difflib
 import os
 from collections import OrderedDict
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache, partial
 from importlib import import_module
@@ -38,6 +38,7 @@ BASES = ("modes", "legendre")
 USUAL = {"modes": 8, "legendre": 16}
 """N in a basis where none is asked for and the column states another basis."""
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
+_MOST_ON_A_SEGMENT = 256
 _KEPT = 64  # systems of matrices that a column remembers
 _FEW_PLACES = 8  # whose shapes are kept
 _SETTINGS = ("alpha", "beta", "basis", "kappa", "load", "load_max", "modes", "rigid")
@@ -96,10 +97,9 @@ class Column:
         return " ".join(str(self.kernel.COLUMN["title"]).split())
 
     @property
-    def ends(self) -> tuple[str, str]:
-        """Kinds of the ends at x = 0 and x = 1."""
-        first, second = self.kernel.COLUMN["ends"]
-        return first, second
+    def ends(self) -> tuple[str, ...]:
+        """Kinds of the ends at x = 0 and x = 1, of the first of several fields; empty where there is no field."""
+        return tuple(self.kernel.COLUMN["ends"])
 
     @property
     def basis_name(self) -> str:
@@ -126,6 +126,9 @@ class Column:
             stated = self.kernel.COLUMN.get("default", {})
             modes = int(stated.get("modes") if stated.get("basis") == self.basis_name else USUAL[self.basis_name])
         if self.basis_name == "legendre":
+            if self.general:
+                hint = "functions a segment and a field; 16 give ten digits"
+                return count("modes", modes, int(self.kernel.COLUMN["least"]), _MOST_ON_A_SEGMENT, hint)
             hint = "number N of elastic polynomials; 20 give ten digits"
             return count("modes", modes, 1, _MOST_POLYNOMIALS, hint)
         # a spectrum takes some twelve matrices of twice the size
@@ -140,6 +143,13 @@ class Column:
     def general(self) -> bool:
         """Whether it goes beyond the textbook's M, C = c_M M + c_E E and K = E + P H over one segment."""
         return bool(self.kernel.COLUMN.get("general"))
+
+    def textbook(self, what: str) -> None:
+        """InputError where the column is `general`, and something is computed that is known of the others alone."""
+        if self.general:
+            raise InputError(
+                f"{self.name}: {what} is known of columns with C = c_M M + c_E E and K = E + P H over one segment alone"
+            )
 
     @property
     def rigid_count(self) -> int:
@@ -209,6 +219,7 @@ class Column:
         n = modes, or the number of rigid functions more with `rigid`, which then come first. The arrays are kept and
         shared: they cannot be written to. Raises InputError for a number of modes below 1 or beyond the memory.
         """
+        self.textbook("the form M, E, H of its matrices")
         own, modes = self.own_parameters(parameters), self.number(modes)
 
         def build() -> tuple[Array, Array, Array]:
@@ -266,7 +277,7 @@ class Column:
                 X.flags.writeable = False
             return moved
 
-        with np.errstate(all="ignore"):
+        with np.errstate(all="ignore"), self._sound_places():
             bare, a, b = (kernel.rate_terms(basis, *d, **own) for d in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
             M, K = kernel.mass_terms(basis, **own), kernel.stiffness_terms(basis, **own)
         alone = [tuple(x - y for x, y in zip(terms, bare, strict=True)) for terms in (a, b)]
@@ -279,7 +290,8 @@ class Column:
         if not self.general or not r:
             return None
         basis = self.basis(modes)
-        R, M = self.kernel.rigid_motions(basis, **own), self.kernel.mass_terms(basis, **own)[0]
+        with self._sound_places():
+            R, M = self.kernel.rigid_motions(basis, **own), self.kernel.mass_terms(basis, **own)[0]
         # coordinates that the rigid motions can take the place of
         left, dropped = R.copy(), []
         for k in range(r):
@@ -290,6 +302,14 @@ class Column:
         others = np.delete(np.eye(len(R)), dropped, axis=1)
         return np.hstack([R, others - R @ np.linalg.solve(R.T @ M @ R, R.T @ M @ others)])
 
+    @contextmanager
+    def _sound_places(self) -> Iterator[None]:
+        """A kernel's refusal of places that are off the beam or out of their order, as an InputError."""
+        try:
+            yield
+        except ValueError as error:
+            raise InputError(f"{self.name}: {error}") from None
+
     def _remembered(self, key: Any, build: Any) -> Any:
         if key not in self._cache:
             self._cache[key] = build()
@@ -299,6 +319,7 @@ class Column:
 
     def damping_factors(self, alpha: float, beta: float, **parameters: float) -> tuple[float, float]:
         """c_M and c_E of C = c_M M + c_E E, Eq. (12): beta and alpha, unless the column's energies shift them."""
+        self.textbook("the form C = c_M M + c_E E")
         c_M, c_E = self.kernel.damping_factors(alpha, beta, **self.own_parameters(parameters))
         return float(c_M), float(c_E)
 
@@ -395,6 +416,13 @@ class System:
             f"alpha={self.alpha:g}, beta={self.beta:g}{own}{rigid}; M, C, K, E, H of shape {self.M.shape}>"
         )
 
+    def textbook(self, what: str) -> None:
+        """InputError where the column is `general`, and something is computed that is known of the others alone."""
+        if self.general:
+            raise InputError(
+                f"{self.name}: {what} is known of columns with C = c_M M + c_E E and K = E + P H over one segment alone"
+            )
+
     @property
     def rigid_count(self) -> int:
         """Number of leading rows that belong to rigid functions."""
@@ -461,7 +489,8 @@ class System:
             raise refusal("field", field, f"must be one of {', '.join(fields) or 'none: the column has no field'}")
         if self.column.general:
             own = self.parameters
-            return self._framed(self.column.kernel.shapes(self.basis, places, field, derivative, side, **own))
+            with self.column._sound_places():
+                return self._framed(self.column.kernel.shapes(self.basis, places, field, derivative, side, **own))
         if places.size <= _FEW_PLACES:
             few = _shapes_at(self.column, self.modes, self.rigid, derivative, places.tobytes())
             return few.reshape(-1, *places.shape).copy()

@@ -94,7 +94,8 @@ STATED: dict[str, tuple[dict[str, str], Asked]] = {
     "pipe": (
         {
             "W_c": "P ** 2 * integral(y.diff(x) ** 2) / 2",
-            "dW_nc": "-P ** 2 * at(y.diff(x), 1) * at(delta(y), 1) - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
+            "dW_nc": "-P ** 2 * at(y.diff(x), 1) * at(delta(y), 1)"
+            " - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
             "parameters": "(own(b, 0.1),)",
         },
         {},
@@ -135,7 +136,8 @@ STATED: dict[str, tuple[dict[str, str], Asked]] = {
     ),
     "step with a mass": (
         {
-            "T": "integral(Piecewise((1, x < 0.6), (half, True)) * y.diff(t) ** 2) / 2 + 0.3 * at(y.diff(t), 0.6) ** 2 / 2",
+            "T": "integral(Piecewise((1, x < 0.6), (half, True)) * y.diff(t) ** 2) / 2"
+            " + 0.3 * at(y.diff(t), 0.6) ** 2 / 2",
             "V": "integral(Piecewise((1, x < 0.6), (half, True)) * y.diff(x, 2) ** 2) / 2",
         },
         {},
@@ -152,7 +154,8 @@ STATED: dict[str, tuple[dict[str, str], Asked]] = {
         {
             "V": "V + 50 * integral(y ** 2) / 2",
             "W_c": "0",
-            "dW_nc": "-P ** 2 * integral(y.diff(x, 2) * delta(y)) - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
+            "dW_nc": "-P ** 2 * integral(y.diff(x, 2) * delta(y))"
+            " - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
             "parameters": "(own(b, 0.3),)",
         },
         {},

@@ -41,6 +41,7 @@ def content(column: Column) -> dict[str, Any]:
     Raises InputError where the column is not stable without load, or where it depends on its parameters in a way that
     no series of `LONGEST` terms holds.
     """
+    column.textbook("a page")
     names = [p.name for p in column.parameters]
     low, high = np.array([[p.low, p.high] for p in column.parameters]).reshape(-1, 2).T
     axial = _axial_terms(column)

@@ -239,10 +239,11 @@ def coalescence(question: Question, *, width: float = 0.04, points: int = 201) -
     # squares of u on both sides make the square root of the load a straight line
     u = np.linspace(-1.0, 1.0, points)
     P = np.unique(np.append(P_c * (1 + width * u * np.abs(u)), P_c))
-    M, E, H = question.column.matrices(question.modes, False, **question.parameters)
+    terms = question.column.coefficients(question.modes, **question.parameters)
 
     def pair(load: float) -> Complex:
-        s = np.linalg.eigvals(np.linalg.solve(M, E + load * H)).astype(complex)
+        M, _, K = terms.at(load)
+        s = np.linalg.eigvals(np.linalg.solve(M, K)).astype(complex)
         values = 1j * np.sqrt(s)
         both = values[np.argsort(np.abs(values - target))[:2]]
         # the growing one first, else the faster one; past the meeting λ and −λ̄ are one pair's
@@ -344,7 +345,7 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
     lam, v = complex(found.eigenvalues[k]), found.vectors[:, k]
     e = slice(system.rigid_count, None)
     u = v[e]
-    M, C, E, H = (np.asarray(X)[e, e] for X in (system.M, system.C, system.E, system.H))
+    M, C, K = (np.asarray(X)[e, e] for X in (system.M, system.C, system.K))
     r, w = lam.real, lam.imag
     phase = np.linspace(0.0, 2 * math.pi, points)
     t = phase / w
@@ -360,10 +361,10 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
         now = np.real(np.exp(lam * t)[:, None] * a)
         return np.asarray(np.einsum("ti,ij,tj->t", now, A, now))
 
-    P, half = system.load, H / 2
-    energy = (square(M, lam * u) + square(E + P * (half + half.T), u)) / 2
+    even, odd = (K + K.T) / 2, (K - K.T) / 2
+    energy = (square(M, lam * u) + square(even, u)) / 2
     size = (np.conj(lam * u) @ M @ (lam * u)).real / 2
-    given, taken = -P * integral(half - half.T, lam * u, u), integral(C, lam * u, lam * u)
+    given, taken = -integral(odd, lam * u, u), integral(C, lam * u, lam * u)
     return Cycle(system, lam, v, phase, given / size, taken / size, energy / size)
 
 
@@ -373,6 +374,7 @@ def follower_share(question: Question) -> float:
     From the equation of motion, whose axial force at the end is P a(1), and the end's condition, in which the
     shear takes up the rest, P (a(1) − η) y′.
     """
+    question.column.textbook("the share of the load that follows the slope")
     kernel = question.column.kernel
     axial = sum(kernel.equation(1.0, **question.parameters).get((2, 0), ()))
     for condition in kernel.end_conditions(1.0, **question.parameters)[1]:

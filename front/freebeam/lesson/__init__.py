@@ -52,6 +52,7 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     say = progress or (lambda _: None)
     say("kernels")
     facts = Facts(column_of(column), None)  # type: ignore[arg-type]
+    facts.column.textbook("a lesson")
     name = os.fspath(column)
     try:
         stated = pipeline.find(name)
