@@ -416,13 +416,6 @@ class System:
             f"alpha={self.alpha:g}, beta={self.beta:g}{own}{rigid}; M, C, K, E, H of shape {self.M.shape}>"
         )
 
-    def textbook(self, what: str) -> None:
-        """InputError where the column is `general`, and something is computed that is known of the others alone."""
-        if self.general:
-            raise InputError(
-                f"{self.name}: {what} is known of columns with C = c_M M + c_E E and K = E + P H over one segment alone"
-            )
-
     @property
     def rigid_count(self) -> int:
         """Number of leading rows that belong to rigid functions."""

@@ -1,7 +1,7 @@
 """Problems of any damping: M(P) q̈ + C(P) q̇ + K(P) q = 0, each matrix a polynomial in P, nothing symmetric in general.
 
-On the boundary two eigenvalues add up to zero. With A = [[−K, 0], [0, I]] and B = [[C, M], [I, 0]], where A z = λ B z for
-z = (q, λq), that is so exactly where
+On the boundary two eigenvalues add up to zero. With A = [[−K, 0], [0, I]] and B = [[C, M], [I, 0]], where A z = λ B z
+for z = (q, λq), that is so exactly where
 
     A X Bᵀ + B X Aᵀ = 0    for some antisymmetric X ≠ 0
 
@@ -19,7 +19,7 @@ load enters beyond K = E + P H, are scanned: by counts at equal steps, blind bet
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 from itertools import zip_longest
@@ -387,7 +387,7 @@ class General:
 
 def _largest_one(v: Complex | Real) -> Complex:
     v = np.asarray(v, dtype=complex)
-    return v / v[np.abs(v).argmax()]
+    return np.asarray(v / v[np.abs(v).argmax()])
 
 
 class _Operator:
@@ -435,7 +435,8 @@ class _Operator:
         half = np.linalg.solve(L, mass * np.outer(scale, scale))
         values, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
         B = scale[:, None] * np.linalg.solve(L.T, Y[:, np.argsort(-values)[:LARGEST]])
-        return tuple(X.T for X in ()) or tuple(tuple(B.T @ X @ B for X in terms) for terms in (M, C, K))  # type: ignore[return-value]
+        M, C, K = (tuple(B.T @ X @ B for X in terms) for terms in (M, C, K))
+        return M, C, K
 
     def __call__(self, z: Complex) -> Complex:
         parts = z.reshape(len(self.products), self.count)
@@ -489,5 +490,3 @@ class _Operator:
         self._basis[k + 1] = w / b if b else w
         self._steps += 1
 
-
-_Apply = Callable[[Complex], Complex]

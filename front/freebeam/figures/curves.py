@@ -239,7 +239,7 @@ def coalescence(question: Question, *, width: float = 0.04, points: int = 201) -
     # squares of u on both sides make the square root of the load a straight line
     u = np.linspace(-1.0, 1.0, points)
     P = np.unique(np.append(P_c * (1 + width * u * np.abs(u)), P_c))
-    terms = question.column.coefficients(question.modes, **question.parameters)
+    terms = question.column.coefficients(question.modes, False, 0.0, 0.0, **question.parameters)
 
     def pair(load: float) -> Complex:
         M, _, K = terms.at(load)
