@@ -297,7 +297,7 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
     orders = np.empty(len(basis.order), dtype=object)
     orders[:] = [fmpq(n) for n in range(len(orders))]
     in_fractions = module.complete(orders)
-    pieces = Pieces(system, defaults, basis.numbers, basis.count, modes + 2)
+    pieces = Pieces(system, defaults, basis.numbers, basis.size, modes + 2)
     say("functions")
     _space(pieces)
     yield from _functions(pieces, module, basis)

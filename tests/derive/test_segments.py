@@ -251,7 +251,7 @@ def test_functions_are_joined_and_jump_as_stated() -> None:
     assert sorted(set(step(1).tolist())) == [-1, 0, 1]
     assert np.count_nonzero(step(2))
     assert (module.shapes(basis, [0.0], "y", 0, **own) == 0).all()
-    assert basis.count == 2 * 10 - 2 - 1
+    assert basis.size == 2 * 10 - 2 - 1
 
 
 def test_derivatives_of_shapes_are_derivatives() -> None:
@@ -260,7 +260,7 @@ def test_derivatives_of_shapes_are_derivatives() -> None:
     for order in range(4):
         slope = (module.shapes(basis, places + h, "y", order) - module.shapes(basis, places - h, "y", order)) / (2 * h)
         found = module.shapes(basis, places, "y", order + 1)
-        assert found.shape == (basis.count, 2, 2)
+        assert found.shape == (basis.size, 2, 2)
         assert np.abs(slope - found).max() <= 1e-6 * np.abs(found).max()
 
 
