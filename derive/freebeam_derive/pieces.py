@@ -6,6 +6,7 @@ is no polynomial in x has its moments ∫ f ξ^k dξ as balls that enclose them.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -135,7 +136,7 @@ class Pieces:
 
     def lengths(self) -> list[fmpq]:
         breaks = self.breaks()
-        return [b - a for a, b in zip(breaks, breaks[1:], strict=False)]
+        return [b - a for a, b in itertools.pairwise(breaks)]
 
     def sizes(self, name: str, segment: int) -> Table:
         """The factor of each function on a segment: its length for those of unit slope."""
@@ -165,7 +166,8 @@ class Pieces:
         xi = (place - low) / length
         each = functions(self.joined[name], self.size)
         values = np.array([derivative(f, order)(xi) for f in each], dtype=object)
-        return self.sizes(name, segment) * values / length**order
+        found: Table = self.sizes(name, segment) * values / length**order
+        return found
 
     def along(self, key: Along, factor: Expr) -> tuple[Table, Table]:
         """An integral over a segment as a matrix, (n, n), exact or of 40 digits; what its terms can be, in floats."""
@@ -189,7 +191,9 @@ class Pieces:
         ]
         scale = np.zeros((self.count + 1, self.count + 1))
         ends = ({**self.values, "x": float(end)} for end in (low, low + length))
-        scale[place] = max(size(factor, end) for end in ends) * float(power) * np.outer(*norms)
+        # the length, a difference of breaks, is known to a rounding of them
+        known = float((low + length) / length)
+        scale[place] = max(size(factor, end) for end in ends) * known * float(power) * np.outer(*norms)
         return exact[:-1, :-1], scale[:-1, :-1]
 
     def form(self, form: BilinearForm) -> tuple[Table, Any]:
@@ -205,12 +209,14 @@ class Pieces:
         return exact, scale
 
     def most(self, value: Value) -> Any:
-        """The largest values on the segment of a place, in floats."""
-        found = np.zeros(self.count + 1)
-        segment = 0 if value.place is None else self.segment(self.number(value.place), value.side)
+        """The largest values on the segment of a place, in floats, and what a rounding of the place changes."""
+        if value.place is None:
+            return np.abs(self.at(value)).astype(float)
+        found, place = np.zeros(self.count + 1), self.number(value.place)
+        segment = self.segment(place, value.side)
         sizes = self.sizes(value.of, segment).astype(float) / float(self.lengths()[segment]) ** value.order
         found[self.numbers[value.of][segment]] = sizes * _largest(self.joined[value.of], value.order, self.size)
-        return found[:-1]
+        return found[:-1] + np.abs(place * self.at(replace(value, order=value.order + 1))).astype(float)
 
 
 def _polynomial(factor: Expr, pieces: Pieces) -> fmpq_poly:
@@ -230,7 +236,7 @@ def _enclosed(
             return lambda xi, analytic: xi**k * _complex(factor, {**given, "x": low + length * xi}, analytic)
 
         moments = [acb.integral(integrand(k), 0, 1).real for k in range(degree + 1)]
-        found = []
+        found: list[list[fmpq]] = []
         for row in products:
             found.append([])
             for product in row:
@@ -244,9 +250,9 @@ def _enclosed(
 
 
 def _ratio(value: arb) -> tuple[int, int]:
-    mantissa, exponent = value.man_exp()
-    exponent = int(exponent)
-    return int(mantissa) * 2 ** max(exponent, 0), 2 ** max(-exponent, 0)
+    mantissa, exponent = map(int, value.man_exp())
+    power: int = 2 ** abs(exponent)
+    return (mantissa * power, 1) if exponent > 0 else (mantissa, power)
 
 
 _FUNCTIONS = ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "asin", "acos", "atan", "asinh", "atanh")
@@ -291,7 +297,7 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
     orders = np.empty(len(basis.order), dtype=object)
     orders[:] = [fmpq(n) for n in range(len(orders))]
     in_fractions = module.complete(orders)
-    pieces = Pieces(system, defaults, basis.numbers, basis.count, modes + 2)
+    pieces = Pieces(system, defaults, basis.numbers, basis.size, modes + 2)
     say("functions")
     _space(pieces)
     yield from _functions(pieces, module, basis)
@@ -305,8 +311,8 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
             for values in _samples(column, system, form, given):
                 here = replace(pieces, values=values)
                 where = ", ".join(f"{name} = {value:.6g}" for name, value in values.items()) or "no parameters"
-                exactly = in_fractions if all(_rational(each, here) for each in forms) else None
-                error, place = _compare(here, form, function, power, basis, exactly, f"{letter}_{power} at {where}")
+                exact = in_fractions if all(_rational(each, here) for each in forms) else None
+                error, place = _compare(here, form, function, power, basis, exact, f"{letter}_{power} at {where}")
                 if error >= worst[1]:
                     worst = (f"{place}, {where}", error)
             yield Figure(f"entries of {letter}_{power} at N = {modes}, of the norms of their terms", *worst, BOUND)
@@ -315,7 +321,10 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
 def _compare(
     pieces: Pieces, form: BilinearForm, function: Any, power: int, basis: Any, in_fractions: Any, what: str
 ) -> tuple[float, str]:
-    """Largest error of a matrix, relative to what its terms can be, and where it is; equality in fractions."""
+    """Largest error of a matrix, relative to what its terms can be, and where it is.
+
+    in_fractions: the basis in which it must be equal, None where the data are not rational.
+    """
     computed = function(basis, **pieces.values)[power]
     if not np.isfinite(computed).all():
         raise VerificationError(f"{what}: not finite")
@@ -345,14 +354,15 @@ def _rational(form: BilinearForm, pieces: Pieces) -> bool:
 def _samples(
     column: Facts, system: GeneralSystem, form: BilinearForm, defaults: dict[str, float]
 ) -> list[dict[str, float]]:
-    """Values of the parameters: where each monomial of the factors has a large share; and, of parameters in places or in
-    functions of x, which cannot have any size, others between their `low` and `high`."""
-    polynomials = [f for f in form.along.values() if f.is_polynomial(x)]
-    others = [f for each in (*system.M, *system.C, *system.K) for f in each.along.values() if not f.is_polynomial(x)]
-    every = [each for forms in (system.M, system.C, system.K) for each in forms]
-    places = [v.place for each in every for pair in each.points for v in pair if v.place is not None]
+    """Values of the parameters: where each monomial of the factors has a large share.
+
+    Parameters in places or in functions of x cannot have any size: they take others between their `low` and `high`.
+    """
+    forms = (*system.M, *system.C, *system.K)
+    others = [f for each in forms for f in each.along.values() if not f.is_polynomial(x)]
+    places = [v.place for each in forms for pair in each.points for v in pair if v.place is not None]
     bounded = {str(s) for e in (*system.breaks, *places, *others) for s in e.free_symbols}
-    factors = [c for f in polynomials for c in Poly(f, x).all_coeffs()]
+    factors = [c for f in form.along.values() if f.is_polynomial(x) for c in Poly(f, x).all_coeffs()]
     parts = dict(enumerate((*factors, *form.points.values())))
     found = samples(Form({(k, 0, 0): c for k, c in parts.items()}, {}), defaults)
     found = [{n: defaults[n] if n in bounded else v for n, v in values.items()} for values in found]
@@ -367,7 +377,7 @@ def _ascend(system: GeneralSystem, values: dict[str, float], places: list[Expr])
     """Whether the breaks ascend and all places lie on the beam."""
     breaks = [number_with_digits(place, values)[0] for place in system.breaks]
     on = [number_with_digits(place, values)[0] for place in places]
-    return all(a < b for a, b in zip(breaks, breaks[1:], strict=False)) and all(0 <= place <= 1 for place in on)
+    return all(a < b for a, b in itertools.pairwise(breaks)) and all(0 <= place <= 1 for place in on)
 
 
 def _space(pieces: Pieces) -> None:

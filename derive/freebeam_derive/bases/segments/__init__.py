@@ -14,7 +14,8 @@ from functools import cached_property
 from types import ModuleType
 from typing import Any
 
-from sympy import Expr, Poly, PolynomialError, Symbol, expand, factor
+from sympy import Expr, Poly, PolynomialError, Symbol, expand
+from sympy import factor as factored
 
 from freebeam_derive import pieces
 from freebeam_derive.emit import source
@@ -77,7 +78,7 @@ class Integral:
         if not self.factor.has(x):
             return (self.factor,)
         powers = Poly(self.factor.subs(x, _middle + _half * _eta), _eta).all_coeffs()[::-1]
-        return tuple(factor(c) for c in powers)
+        return tuple(factored(c) for c in powers)
 
     @property
     def centred(self) -> bool:
