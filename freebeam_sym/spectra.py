@@ -283,8 +283,8 @@ def eigenvalues(
     points = {name: array.ravel() for name, array in zip(values, arrays, strict=True)}
     n = arrays[0].size
     if column.general:
-        given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
-        systems = (column.system(modes, **each) for each in given)
+        each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
+        systems = (column.system(modes, **each) for each in each_given)
         rows = [_elastic(system)[2] for system in systems]
         return np.array([row[_order(row)] for row in rows]).reshape(*arrays[0].shape, -1)
     size = 2 * modes

@@ -48,9 +48,9 @@ def assemble(column: Column, motion: EquationOfMotion) -> GeneralSystem:
 
 
 def _bounded(motion: EquationOfMotion) -> Expr:
-    """The point values of the weak form without those that the energies do not bound, as far as a natural condition says
-    what they are: the slope of a Timoshenko beam at its end is the rotation there, where no shear force is. A series of
-    functions that need not meet that condition would not converge."""
+    """The point values of the weak form without those that the energies do not bound, as far as a natural condition
+    says what they are: the slope of a Timoshenko beam at its end is the rotation there, where no shear force is. A
+    series of functions that need not meet that condition would not converge."""
     joined = {space.name: space.joined for space in motion.spaces}
     points = motion.weak.points
     for condition in motion.conditions:

@@ -72,7 +72,7 @@ class Space:
     name: str
     latex: str
     joined: int
-    held: frozenset[tuple[int, int]]
+    held: frozenset[tuple[int, int]] = frozenset()
     opened: frozenset[tuple[int, int]] = frozenset()
 
 
@@ -92,7 +92,7 @@ class GeneralSystem:
     M: tuple[BilinearForm, ...]
     C: tuple[BilinearForm, ...]
     K: tuple[BilinearForm, ...]
-    force: tuple[tuple[Value, Expr], ...]
-    rigid: tuple[dict[tuple[str, Any], Expr], ...]
-    parameters: tuple[Parameter, ...]
+    force: tuple[tuple[Value, Expr], ...] = ()
+    rigid: tuple[dict[tuple[str, Any], Expr], ...] = ()
+    parameters: tuple[Parameter, ...] = ()
     coupled: tuple[str, ...] = ()

@@ -152,8 +152,8 @@ class Energies:
     length: Expr = S.One
     cuts: tuple[Expr, ...] = ()
     scaling: Mapping[Expr, Expr] = field(default_factory=dict)
-    """Of a dimensional statement: what its own quantities are in nondimensional ones, {m_tip: mu * m * L}, and unknowns,
-    {q: L * q}."""
+    """Of a dimensional statement: what its own quantities are in nondimensional ones, {m_tip: mu * m * L}, and
+    unknowns, {q: L * q}."""
 
     @property
     def beam(self) -> Beam:

@@ -6,10 +6,10 @@ for z = (q, λq), that is so exactly where
     A X Bᵀ + B X Aᵀ = 0    for some antisymmetric X ≠ 0
 
 (the bialternate product: Fuller 1968). In the eigenvectors of A⁻¹B at a load P₀ at which all eigenvalues decay, whose
-eigenvalues are θ = 1/λ, the left-hand side is (θ_i + θ_j) X_ij and a polynomial in P − P₀ without constant term, so that
-1/(P − P₀) are the eigenvalues of one operator; Arnoldi's method finds the greatest. Newton's method on the whole
-matrices makes the load exact. The inverse of the state matrix keeps the digits of the low modes, and lets a coordinate
-have no mass: its eigenvalue is θ = 0.
+eigenvalues are θ = 1/λ, the left-hand side is (θ_i + θ_j) X_ij and a polynomial in P − P₀ without constant term: 1/(P −
+P₀) are the eigenvalues of one operator. Arnoldi's method finds the greatest, Newton's method on the whole matrices
+makes the load exact. The inverse of the state matrix keeps the digits of the low modes, and lets a coordinate have no
+mass: its eigenvalue is θ = 0.
 
 Without damping the crossing is where two frequencies meet, and the problem is that of `proportional.py`, taken about P₀
 where there is no stiffness at P = 0. Limits of vanishing damping, and undamped columns that are gyroscopic or whose
@@ -489,4 +489,3 @@ class _Operator:
         self._done = k == len(self._h) - 2 or b < 1e-14 * np.abs(self._h[: k + 1, : k + 1]).max()
         self._basis[k + 1] = w / b if b else w
         self._steps += 1
-

@@ -43,6 +43,9 @@ class Facts:
     modes: int = 12
     ends: Any = ("clamped", "free")
 
+    def supports(self, name: str) -> tuple[str, str]:
+        return self.ends
+
 
 def parameter(symbol: sp.Symbol, default: float, low: float, high: float) -> Parameter:
     return Parameter(symbol, "of the test", default, low, high)
