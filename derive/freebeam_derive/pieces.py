@@ -325,7 +325,8 @@ def _compare(
 
     in_fractions: the basis in which it must be equal, None where the data are not rational.
     """
-    computed = function(basis, **pieces.values)[power]
+    with np.errstate(all="ignore"):  # other powers of P may have no value here
+        computed = function(basis, **pieces.values)[power]
     if not np.isfinite(computed).all():
         raise VerificationError(f"{what}: not finite")
     exact, scale = pieces.form(form)
@@ -370,14 +371,15 @@ def _samples(
         between = {p.name: float(p.low + (p.high - p.low) * share) for p in column.parameters if p.name in bounded}
         found += [defaults | {name: value} for name, value in between.items()]
     unique = {tuple(values.items()): values for values in found}
-    return [values for values in unique.values() if _ascend(system, values, places)]
+    return [values for values in unique.values() if _sound(system, values, places)]
 
 
-def _ascend(system: GeneralSystem, values: dict[str, float], places: list[Expr]) -> bool:
-    """Whether the breaks ascend and all places lie on the beam."""
+def _sound(system: GeneralSystem, values: dict[str, float], places: list[Expr]) -> bool:
+    """Whether the breaks ascend, and places lie on the beam, none so near a break that rounding decides its side."""
     breaks = [number_with_digits(place, values)[0] for place in system.breaks]
     on = [number_with_digits(place, values)[0] for place in places]
-    return all(a < b for a, b in itertools.pairwise(breaks)) and all(0 <= place <= 1 for place in on)
+    apart = all(place == other or abs(place - other) > fmpq(1, 10**9) for place in on for other in breaks)
+    return apart and all(a < b for a, b in itertools.pairwise(breaks)) and all(0 <= place <= 1 for place in on)
 
 
 def _space(pieces: Pieces) -> None:
@@ -421,15 +423,16 @@ def _joined(pieces: Pieces, space: Space) -> None:
 
 def _functions(pieces: Pieces, module: ModuleType, basis: Any) -> Iterator[Figure]:
     """Functions and their derivatives up to the third, relative to the largest value on the segment."""
-    breaks = [float(b) for b in pieces.breaks()]
-    places = [(place, 0) for place in PLACES] + [(b, side) for b in breaks[1:-1] for side in (-1, 1)]
+    breaks = module.places(**pieces.values)
+    places = [(place, Rational(*place.as_integer_ratio()), 0) for place in PLACES if place not in breaks[1:-1]]
+    inner = zip(breaks[1:-1], pieces.system.breaks[1:-1], strict=True)
+    places += [(float(place), exact, side) for place, exact in inner for side in (-1, 1)]
     for space in pieces.system.spaces:
         for order in range(4):
             worst = ("", 0.0)
-            for place, side in places:
+            for place, stated, side in places:
                 computed = module.shapes(basis, place, space.name, order, side, **pieces.values)
-                value = Value(space.name, order, Rational(*place.as_integer_ratio()), side)
-                value = replace(value, place=_at_break(pieces, place, value.place))
+                value = Value(space.name, order, stated, side)
                 exact, most = pieces.at(value), pieces.most(value)
                 errors = np.abs(np.vectorize(fraction, otypes=[object])(computed) - exact).astype(float)
                 errors = np.divide(errors, most, out=np.where(errors > 0, np.inf, 0.0), where=most > 0)
@@ -438,11 +441,6 @@ def _functions(pieces: Pieces, module: ModuleType, basis: Any) -> Iterator[Figur
                     worst = (f"coordinate {n + 1}, x = {place:.4g}", float(errors[n]))
             what = f"derivative {order} of the functions of {space.name}, of the largest value"
             yield Figure(what, *worst, BOUND)
-
-
-def _at_break(pieces: Pieces, place: float, exact: Expr | None) -> Expr | None:
-    """A break that a float stands for."""
-    return next((b for b in pieces.system.breaks if float(pieces.number(b)) == place), exact)
 
 
 def _rigid(pieces: Pieces, module: ModuleType, in_fractions: Any, defaults: dict[str, float]) -> None:
