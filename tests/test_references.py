@@ -21,14 +21,16 @@ def test_each_value_by_elements_then_by_taylor_steps(value: Value) -> None:
     assert found is not None
     assert found.kind == ("divergence" if value.kind == "divergence" else "flutter")
     assert found.load == pytest.approx(float(value.printed), rel=3e-5)
-    assert value.beam.damped == (value.kind == "flutter") or value.kind == "divergence"
     if value.kind == "divergence":
         load = transfer.divergence(value.beam, found.load)
     elif value.kind == "flutter":
+        assert value.beam.damped
         load, _ = transfer.flutter(value.beam, found.omega, found.load)
     else:
+        assert not value.beam.damped
         load, _ = transfer.coalescence(value.beam, found.omega, found.load)
-    assert abs(load - mpf(value.printed)) <= mpf("0.5000001") * mpf(10) ** -value.places
+    with workdps(transfer.DIGITS):
+        assert abs(load - mpf(value.printed)) <= mpf("0.5") * mpf(10) ** -value.places
 
 
 def test_zieglers_pendulum() -> None:
@@ -53,7 +55,7 @@ def agree(beam: Beam, lam: mpc, P: mpf) -> None:
         assert abs(steps - transfer.exponential(beam, lam, P)) < mpf("1e-30") * abs(steps)
 
 
-@pytest.mark.parametrize("load", [0.0, 10.0, 20.0])
+@pytest.mark.parametrize("load", [0.0, 4.0, 8.0])
 def test_elements_converge_with_the_fourth_order(load: float) -> None:
     """Second ω² of a column with a step, a mass and a crack, next to the root of the exact F."""
     crack, place = At("jump slope", Q(2, 5)), Q(3, 5)
@@ -65,7 +67,7 @@ def test_elements_converge_with_the_fourth_order(load: float) -> None:
     )
     fine = elements.lowest(elements.assemble(beam, 80), load, 2)[1]
     with workdps(30):
-        exact = float(-mp.findroot(lambda s: transfer.of_square(beam, s, mpf(load)), -fine))
+        exact = float(-mp.findroot(lambda s: transfer.of_square(beam, s, mpf(load)), (-fine, -fine * 1.0001)))
     errors = [elements.lowest(elements.assemble(beam, n), load, 2)[1] - exact for n in (5, 10, 20)]
     orders = np.log2(np.divide(errors[:-1], errors[1:]))
     assert orders == pytest.approx(4, abs=0.2)
@@ -115,7 +117,7 @@ def test_the_only_damper_does_not_change_the_load() -> None:
 def test_beals_divergence_is_first_wherever_the_sensor_is() -> None:
     loads = [elements.first_loss(beal(Q(n, 10)), 30) for n in range(11)]
     assert all(found.kind == "divergence" for found in loads)
-    assert [found.load for found in loads] == pytest.approx(25.6381813768, rel=1e-5)
+    assert np.array([found.load for found in loads]) == pytest.approx(25.6381813768, rel=1e-5)
 
 
 def test_a_coordinate_held_stiffly_is_a_mass() -> None:

@@ -14,6 +14,7 @@ Numbers are fractions, so that each reference takes them at its own precision.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction as Q
@@ -47,7 +48,7 @@ def nothing(x: Any, P: Any) -> Any:
 
 def exp(x: Any) -> Any:
     """Of a series or of a float, whichever the reference gives."""
-    return x.exp() if hasattr(x, "exp") else 2.718281828459045235 ** float(x)
+    return x.exp() if hasattr(x, "exp") else math.exp(x)
 
 
 @dataclass(frozen=True)
