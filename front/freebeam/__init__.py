@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from freebeam.proofs import (
         Certified,
         CertifiedCrossing,
+        CertifiedPulse,
         ExactSpectrum,
         Truncation,
         certified_crossings,
         certified_load,
+        certified_pulse,
         exact_load,
         exact_spectrum,
         truncation_error,
@@ -63,8 +65,8 @@ __all__ = [
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
-    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -73,8 +75,8 @@ __all__ = [
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
 _HOMES = {"own": ["column"], "proofs": [
-    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
 ]}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 
