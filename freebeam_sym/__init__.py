@@ -24,12 +24,14 @@ if TYPE_CHECKING:
     from freebeam_sym.stability.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam_sym.stability.critical import CriticalLoad, critical_load
     from freebeam_sym.stability.maps import CriticalLoads, critical_loads, stability_map
+    from freebeam_sym.stability.pulse import PulsatingRegion, PulsatingRegions, pulse
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
     "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
+    "pulse", "PulsatingRegions", "PulsatingRegion",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -56,6 +58,9 @@ _HOMES = {
     "trace_boundary": ("stability.boundaries", "trace_boundary"),
     "Boundary": ("stability.boundaries", "Boundary"),
     "BoundaryEvent": ("stability.boundaries", "BoundaryEvent"),
+    "pulse": ("stability.pulse", "pulse"),
+    "PulsatingRegions": ("stability.pulse", "PulsatingRegions"),
+    "PulsatingRegion": ("stability.pulse", "PulsatingRegion"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
     "Harmonic": ("response", "Harmonic"),

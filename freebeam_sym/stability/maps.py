@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray
     from distributed import Client
 
-__all__ = ["CriticalLoads", "critical_loads", "stability_map"]
+__all__ = ["CriticalLoads", "critical_loads", "labels", "program", "stability_map"]
 
 _MEANINGS = {"alpha": "internal damping", "beta": "external damping"}
 _BYTES = 200
@@ -124,7 +124,7 @@ def stability_map(
     map that memory has no room for, for chunks that do not fit, and for a store of other settings.
     """
     question, axes = split(column, modes, parameters, load_max)
-    _xarray()  # said now, not when all is computed
+    labels()  # said now, not when all is computed
     return dataset(solved(question, axes, convergence, step, chunks, scheduler, workers, store))
 
 
@@ -230,13 +230,13 @@ def dataset(solved: Solved) -> xarray.Dataset:
         **solved.fixed,
         "fixed": " ".join(solved.fixed),
         "units": "nondimensional, Eq. (5)",
-        "source": f"freebeam {_version()}",
+        "source": f"freebeam {program()}",
     }
-    labelled: xarray.Dataset = _xarray().Dataset(variables, coordinates, settings)
+    labelled: xarray.Dataset = labels().Dataset(variables, coordinates, settings)
     return labelled
 
 
-def _xarray() -> Any:
+def labels() -> Any:
     """The package that holds a map. Raises InputError without it."""
     try:
         return import_module("xarray")
@@ -245,7 +245,7 @@ def _xarray() -> Any:
 
 
 @cache
-def _version() -> str:
+def program() -> str:
     from importlib.metadata import PackageNotFoundError, version
 
     try:

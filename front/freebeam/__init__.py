@@ -20,10 +20,12 @@ if TYPE_CHECKING:
     from freebeam.proofs import (
         Certified,
         CertifiedCrossing,
+        CertifiedPulse,
         ExactSpectrum,
         Truncation,
         certified_crossings,
         certified_load,
+        certified_pulse,
         exact_load,
         exact_spectrum,
         truncation_error,
@@ -38,6 +40,8 @@ if TYPE_CHECKING:
         CriticalLoads,
         Harmonic,
         InputError,
+        PulsatingRegion,
+        PulsatingRegions,
         Question,
         Response,
         Spectrum,
@@ -47,6 +51,7 @@ if TYPE_CHECKING:
         critical_load,
         critical_loads,
         eigenvalues,
+        pulse,
         respond,
         spectrum,
         stability_map,
@@ -59,8 +64,9 @@ __all__ = [
     "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
-    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+    "pulse", "PulsatingRegions", "PulsatingRegion",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -69,8 +75,8 @@ __all__ = [
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
 _HOMES = {"own": ["column"], "proofs": [
-    "certified_load", "certified_crossings", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
+    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
 ]}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 

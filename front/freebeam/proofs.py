@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
 __all__ = [
-    "Certified", "CertifiedCrossing", "ExactSpectrum", "Truncation", "certified_crossings", "certified_load",
-    "exact_load", "exact_spectrum", "rational", "truncation_error", "verify_certificate",
+    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "certified_crossings",
+    "certified_load", "certified_pulse", "exact_load", "exact_spectrum", "rational", "truncation_error",
+    "verify_certificate",
 ]  # fmt: skip
 
 MOST = 1_000_000
@@ -98,6 +99,22 @@ class Truncation:
     relative: float
     series: Certified
     beam: Certified
+
+
+@dataclass(frozen=True)
+class CertifiedPulse:
+    """What is proven of the motion of a Ritz series under the load P (1 + ε cos Ωt): "stable", it dies out, or
+    "unstable", it grows; nondimensional.
+
+    growth: (lower, upper) of ln |multiplier| in a period of the largest multiplier, as decimal text rounded outwards;
+    the lower one None where none is proven. question: what was asked, in floats, and inputs: what each input was taken
+    for.
+    """
+
+    kind: str
+    growth: tuple[str | None, str]
+    question: Question
+    inputs: Mapping[str, str]
 
 
 def rational(name: str, value: object) -> tuple[Fraction, str]:
@@ -550,6 +567,45 @@ def _decimals(interval: tuple[Fraction, Fraction], digits: int) -> tuple[str, st
     from freebeam_derive.certify.decimals import outward
 
     return ("0", "0") if not any(interval) else outward(*interval, digits + 2)
+
+
+def certified_pulse(
+    column: Column,
+    modes: int | None = None,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    load: object,
+    frequency: object,
+    amplitude: object,
+    **parameters: object,
+) -> CertifiedPulse:
+    """Whether the elastic motion of the Ritz series dies out or grows under a load P (1 + ε cos Ωt), proven.
+
+    load P, frequency Ω, amplitude ε: numbers, taken exactly, as the rest in `certified_load`; nondimensional. Time
+    grows with the frequency of the fastest function: a second at N = 4, some ten at N = 8.
+
+    Raises InputError for bad values, and where nothing could be proven: near a region's edge, and without damping
+    wherever the motion does not grow, because its multipliers lie on the unit circle then.
+    """
+    from freebeam_derive.certify import floquet
+    from freebeam_derive.certify.balls import Unproven, ends
+    from freebeam_derive.certify.decimals import outward
+
+    given = {"load": load, "frequency": frequency, "amplitude": amplitude}
+    taken = {name: rational(name, value) for name, value in given.items()}
+    positive("frequency", float(taken["frequency"][0]), "Ω of the load P (1 + ε cos Ωt)")
+    nonnegative("amplitude", float(taken["amplitude"][0]), "ε of the load P (1 + ε cos Ωt)")
+    asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta)
+    pulsation = floquet.Pulsation(**{name: value for name, (value, _) in taken.items()})
+    try:
+        found = floquet.prove(column.kernel, asked.certified, pulsation)
+    except Unproven as error:
+        raise InputError(f"not proven for {column.name} at N = {asked.question.modes}: {error}") from error
+    low, high = found.growth
+    lower = None if low is None else outward(*ends(low), 15)[0]
+    inputs = {**asked.inputs, **{name: text for name, (_, text) in taken.items()}}
+    return CertifiedPulse(found.kind, (lower, outward(*ends(high), 15)[1]), asked.question, inputs)
 
 
 def verify_certificate(path: str) -> Statement:

@@ -96,7 +96,9 @@ def scales(beam: dict[str, float]) -> tuple[float, float]:
 # --- the contract -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("command", ["columns", "generate", "critical", "figures", "spectrum", "respond", "validate"])
+@pytest.mark.parametrize(
+    "command", ["columns", "generate", "critical", "figures", "spectrum", "respond", "validate", "pulse"]
+)
 def test_help_has_an_example(freebeam, command):
     run = freebeam(command, "--help")
     assert run.status == 0

@@ -407,6 +407,11 @@ def response():
     return fb.respond(BECK.system(4, 5.0, 1e-3), 1.0, 0.01)
 
 
+@cache
+def regions():
+    return fb.pulse(BECK, 3, beta=0.1, load=12, frequency=np.linspace(3, 40, 75), amplitude=np.linspace(0, 0.8, 9))
+
+
 GRID = np.outer([1.0, 2.0, 3.0], [10.0, 20.0])
 DRAWINGS = {
     "beam": lambda f, ax: f.beam(EULER, ax=ax),
@@ -416,6 +421,7 @@ DRAWINGS = {
     "frequency_load": lambda f, ax: f.frequency_load(EULER, ax=ax),
     "history": lambda f, ax: f.history(response(), "ddy_elastic", ax=ax),
     "mode_shape": lambda f, ax: f.mode_shape(FREE, alpha=1e-3, rigid=True, ax=ax),
+    "pulsating_regions": lambda f, ax: f.pulsating_regions(regions(), ax=ax),
     "root_locus": lambda f, ax: f.root_locus(BECK, np.linspace(0, 30, 40), alpha=0.01, count=3, ax=ax),
     "stability_map": lambda f, ax: f.stability_map(GRID, [1, 2, 3], [1, 2], xlabel="a", ax=ax),
     "tangent": lambda f, ax: f.tangent(BECK, kappa=5.0, ax=ax),
@@ -483,6 +489,31 @@ def test_a_map_is_drawn_from_an_xarray_too(ax):
         fb.figures.stability_map(data["load"].expand_dims("eta"))
     with pytest.raises(fb.InputError, match="no variable 'load'"):
         fb.figures.stability_map(data.drop_vars("load"))
+
+
+def test_regions_are_told_apart_by_colour_and_name(ax):
+    """A rectangle a point, of its kind's colour; a line at each centre of order 1, whose name no other covers."""
+    found = regions()
+    fb.figures.pulsating_regions(found, ax=ax, size=2.0, unit="rad/s")
+    (mesh,) = ax.collections
+    colours = mesh.get_facecolor().reshape(9, 75, -1) if mesh.get_array() is None else mesh.get_array()
+    names = {text.get_text(): to_hex(patch.get_facecolor()) for text, patch in zip(
+        ax.get_legend().get_texts(), ax.get_legend().get_patches(), strict=True)}  # fmt: skip
+    assert set(names) == {"principal, period 2T", "principal, period T", "combination"}
+    kinds = dict(zip(("principal, period 2T", "principal, period T", "combination"), (1, 2, 3), strict=True))
+    for name, colour in names.items():
+        here = found.kind.T == kinds[name]
+        assert here.any() and {to_hex(c) for c in np.asarray(colours)[here][:, :3]} == {colour}
+        assert (np.asarray(colours)[here][:, 3] >= 0.3).all()
+    assert (np.asarray(colours)[found.kind.T == 0][:, 3] == 0).all()
+    first = [centre for centre in found.centres() if centre.k == 1]
+    lines = [line.get_xdata()[0] for line in ax.lines]
+    for centre in first:
+        assert np.min(np.abs(np.array(lines) - 2 * centre.frequency)) < 1e-9
+        assert centre.label in [text.get_text() for text in ax.texts]
+    places = sorted(text.get_position()[0] for text in ax.texts)
+    assert min(np.diff(places)) > 0.029 * 2 * 37
+    assert ax.get_xlabel().endswith("rad/s")
 
 
 def test_a_map_that_is_even_shows_one_value(ax):

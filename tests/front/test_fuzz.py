@@ -73,6 +73,10 @@ OPTIONS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
         "--alpha": st.tuples(number, number, whole), "--beta": st.tuples(number, number, whole),
         "--axis": st.tuples(st.sampled_from(["eta", "alpha", "beta", "load", ""]), number, number, whole),
     },
+    "pulse": {
+        **case, **damping, "--load": number, "--frequency": st.tuples(number, number, whole),
+        "--amplitude": st.tuples(number, number, whole), "--output": st.sampled_from(["p.txt", "no/p.csv", "p"]),
+    },
     "columns": {},
     "validate": {"--loads": st.just(None), "--output": st.sampled_from(["no/such.md", "."])},
     "verify": {},
@@ -81,14 +85,19 @@ OPTIONS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
     "lesson": {"--output": st.just("no/such.md"), "--format": st.sampled_from(["md", "doc"]), "--column": column},
     "generate": {"--output": st.sampled_from(["", "no"]), "--check": flag},
 }  # fmt: skip
-NEEDED = {"spectrum": ["--load"], "respond": ["--load"], "validate": ["--loads"]}
+NEEDED = {
+    "spectrum": ["--load"],
+    "pulse": ["--load", "--frequency", "--amplitude"],
+    "respond": ["--load"],
+    "validate": ["--loads"],
+}
 NAMED = {"verify": ["no/such.json", "/dev/null", "."], "figures": ["99", "x"], "generate": ["no-such", "no/such.py"]}
 
 
 @st.composite
 def lines(draw: st.DrawFn) -> list[str]:
     """A command with options, contradicting and repeated ones among them."""
-    command = draw(st.sampled_from([*["critical", "spectrum", "respond", "map"] * 4, *OPTIONS]))
+    command = draw(st.sampled_from([*["critical", "spectrum", "respond", "map", "pulse"] * 4, *OPTIONS]))
     options = OPTIONS[command]
     names = draw(st.lists(st.sampled_from([*options]), max_size=6)) if options else []
     words = [

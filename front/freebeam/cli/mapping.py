@@ -12,7 +12,7 @@ from functools import cached_property
 from importlib.util import find_spec
 from itertools import takewhile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import typer
 from typer.core import TyperCommand
@@ -38,6 +38,7 @@ FORMATS: dict[str, tuple[str, tuple[str, ...], str]] = {
 
 WORDS = {"--alpha": "LO HI COUNT", "--beta": "LO HI COUNT", "--axis": "NAME LO HI COUNT"}
 """What the options that are axes take."""
+EXAMPLES = {"--alpha": "1e-6 1e-1 100", "--beta": "1e-6 1e-1 100", "--axis": "eta 0.4 0.6 20"}
 BETWEEN = "\x1f"
 """Between the words of an axis, where these are one: no keyboard has it."""
 
@@ -45,18 +46,21 @@ BETWEEN = "\x1f"
 class Axes(TyperCommand):
     """The command with `--axis`, whose four words are made one, and told where a word of an axis is missing."""
 
+    words: ClassVar = WORDS
+    examples: ClassVar = EXAMPLES
+
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         from freebeam_sym.checks import InputError
 
         joined, k = [], 0
         while k < len(args):
             option, equals, first = args[k].partition("=")
-            wanted = WORDS.get(option, "").split()
+            wanted = self.words.get(option, "").split()
             following = takewhile(lambda text: not re.match(r"--?[a-zA-Z]", text), args[k + 1 :])
             given = [*([first] if equals else ()), *following][: len(wanted)]
             if len(given) < len(wanted):
                 missing = " ".join(wanted[len(given) :])
-                example = "--axis eta 0.4 0.6 20" if option == "--axis" else f"{option} 1e-6 1e-1 100"
+                example = f"{option} {self.examples[option]}"
                 raise InputError(f"{option} {' '.join(wanted)}: {missing} is missing; for example {example}")
             whole = option == "--axis"
             joined.append(f"{option}={BETWEEN.join(given)}" if whole else args[k])
@@ -138,7 +142,7 @@ class Map(FileOptions, SearchOptions):
         for word in self.extra or ():
             refuse(True, f"{word}: belongs to no option; the axes are {takes}")
         if self.output is not None:
-            _refuse_output(self.output, [*map(len, self.axes.values())])
+            refuse_output(self.output, [*map(len, self.axes.values())])
         elif self.as_json:
             most = f"JSON holds {MOST_PRINTED} at most; give --output FILE.csv or .nc"
             refuse(self.points > MOST_PRINTED, f"{self.points} points: {most}")
@@ -200,11 +204,11 @@ class Map(FileOptions, SearchOptions):
 
         suffix = self.output and self.output.suffix
         if suffix == ".csv":
-            return _csv(self.record(), self.axes, arrays)
+            return table_of("map", self.record(), self.axes, arrays)
         labelled = dataset(found)
         if self.units.sizes:
             labelled = self.in_si(labelled)
-        return _picture(labelled) if suffix == ".png" else _netcdf(labelled)
+        return _picture(labelled) if suffix == ".png" else netcdf_of(labelled)
 
     def in_si(self, found: xarray.Dataset) -> xarray.Dataset:
         """A map in the units in which it was asked; the column's own parameters stay nondimensional."""
@@ -230,14 +234,14 @@ def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> d
     for name, given in ranges:
         if given is not None:
             refuse(name in read, f"{name}: is an axis twice; leave one of them out")
-            read[name] = _range(name, given, linear)
+            read[name] = range_of(name, given, linear)
     refuse(not read, "a map needs an axis, such as --alpha 1e-6 1e-1 100 or --axis eta 0.4 0.6 20")
     counted([number_of for _, _, number_of in read.values()])
     by_factor = {name for name in read if name in ("alpha", "beta") and not linear}
     return {name: (np.geomspace if name in by_factor else np.linspace)(*given) for name, given in read.items()}
 
 
-def _range(name: str, given: Sequence[str], linear: bool) -> tuple[float, float, int]:
+def range_of(name: str, given: Sequence[str], linear: bool) -> tuple[float, float, int]:
     """First value, last value, how many, as typed. Raises InputError."""
     from freebeam_sym.checks import LARGEST, InputError, count
 
@@ -259,7 +263,7 @@ def _range(name: str, given: Sequence[str], linear: bool) -> tuple[float, float,
     return low, high, number_of
 
 
-def _refuse_output(output: Path, counts: list[int]) -> None:
+def refuse_output(output: Path, counts: list[int]) -> None:
     """What can be known of a file that will not come about, before the work is done. Raises InputError."""
     refuse(output.suffix not in FORMATS, f"{output}: must end in {', '.join(FORMATS)}")
     kind, packages, extra = FORMATS[output.suffix]
@@ -270,7 +274,7 @@ def _refuse_output(output: Path, counts: list[int]) -> None:
     refuse(not drawn, "a picture needs two axes, and two values or more along each; or write a .csv or .nc file")
 
 
-def _csv(head: dict[str, Any], axes: dict[str, Any], values: dict[str, Any]) -> bytes:
+def table_of(command: str, head: dict[str, Any], axes: dict[str, Any], values: dict[str, Any]) -> bytes:
     """A line of settings, a comment after #, then a row a point; numbers read back as the same floats."""
     import numpy as np
 
@@ -278,10 +282,10 @@ def _csv(head: dict[str, Any], axes: dict[str, Any], values: dict[str, Any]) -> 
     columns = [*places, *(array.ravel().tolist() for array in values.values())]
     rows = (",".join(x if isinstance(x, str) else repr(x) for x in row) for row in zip(*columns, strict=True))
     settings = json.dumps(plain(head), ensure_ascii=False)
-    return "\n".join([f"# freebeam map {settings}", ",".join([*axes, *values]), *rows, ""]).encode()
+    return "\n".join([f"# freebeam {command} {settings}", ",".join([*axes, *values]), *rows, ""]).encode()
 
 
-def _netcdf(found: xarray.Dataset) -> bytes:
+def netcdf_of(found: xarray.Dataset) -> bytes:
     stream = io.BytesIO()
     found.to_netcdf(stream, engine="h5netcdf")
     return stream.getvalue()

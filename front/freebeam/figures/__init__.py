@@ -19,12 +19,14 @@ from freebeam.figures.diagrams import (
 )
 from freebeam.figures.look import style
 from freebeam.figures.published import paper
+from freebeam.figures.regions import pulsating_regions
 from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_loop
 from freebeam.figures.sketch import beam
 
 __all__ = [
     "beam", "paper",
-    "coalescence", "critical_curve", "eigenvalues", "frequency_load", "root_locus", "stability_map", "tangent",
+    "coalescence", "critical_curve", "eigenvalues", "frequency_load", "pulsating_regions", "root_locus",
+    "stability_map", "tangent",
     "history", "mode_shape", "trajectory", "work", "work_loop",
     "style",
 ]  # fmt: skip
