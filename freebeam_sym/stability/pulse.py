@@ -87,6 +87,11 @@ class Pulsating:
     @staticmethod
     def of(question: Question) -> Pulsating:
         """The elastic motion of a question's column."""
+        if question.column.general:
+            M, C, K = question.column.coefficients(
+                question.modes, False, question.alpha, question.beta, **question.parameters
+            )
+            return Pulsating(M, C or (np.zeros_like(M[0]),), K)
         pencil, (c_E, c_M, _) = question.pencil, question.factors
         unit, E = np.eye(pencil.size), np.diag(pencil.e)
         return Pulsating((unit,), (c_M * unit + c_E * E,), (E, pencil.H))
