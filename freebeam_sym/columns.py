@@ -34,8 +34,8 @@ from freebeam_sym.kernels import load, read_kernel, text_of
 __all__ = ["Column", "Parameter", "System", "column", "names"]
 
 Array = NDArray[np.float64]
-BASES = ("modes", "legendre")
-USUAL = {"modes": 8, "legendre": 16}
+USUAL = {"modes": 8}
+USUAL_ELSE = 16
 """N in a basis where none is asked for and the column states another basis."""
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _MOST_ON_A_SEGMENT = 256
@@ -124,7 +124,11 @@ class Column:
         """
         if modes is None:
             stated = self.kernel.COLUMN.get("default", {})
-            modes = int(stated.get("modes") if stated.get("basis") == self.basis_name else USUAL[self.basis_name])
+            modes = int(
+                stated.get("modes")
+                if stated.get("basis") == self.basis_name
+                else USUAL.get(self.basis_name, USUAL_ELSE)
+            )
         if self.basis_name == "legendre":
             if self.general:
                 hint = "functions a segment and a field; 16 give ten digits"
@@ -524,6 +528,13 @@ def names() -> tuple[str, ...]:
     return tuple(import_module("freebeam_kernels").COLUMNS)
 
 
+def bases_of(name: str) -> tuple[str, ...]:
+    """The bases that a column has a kernel in, or any column of the package where `name` is none of theirs."""
+    known = import_module("freebeam_kernels").COLUMNS
+    kernels = [known[name]] if name in known else known.values()
+    return tuple(dict.fromkeys(basis for column in kernels for basis in column))
+
+
 def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     """A column by its name, or by the path of a kernel that was emitted for it.
 
@@ -556,9 +567,9 @@ def file_of(name: object, basis: object = None) -> Path | None:
     known = names()
     if not isinstance(name, str | os.PathLike):
         raise refusal("column", name, f"must be a name, one of {', '.join(known)}, or the path of a column's file")
-    if basis is not None and basis not in BASES:
-        raise refusal("basis", basis, f"must be one of {', '.join(BASES)}")
     text = os.fspath(name)
+    if basis is not None and basis not in (bases := bases_of(text)):
+        raise refusal("basis", basis, f"must be one of {', '.join(bases)}")
     if text in known:
         return None
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():

@@ -10,9 +10,9 @@ import numpy as np
 
 from freebeam.proofs import exact_load
 from freebeam_sym.checks import InputError
+from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
-from freebeam_sym.stability.critical import CriticalLoad, critical_load
-from freebeam_sym.stability.pencil import pencil_of
+from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
     from freebeam.proofs import Certified
@@ -33,9 +33,14 @@ class Facts:
     polynomials: Column
 
     @cached_property
+    def question(self) -> Question:
+        """The paper's number of modes, without damping."""
+        return Question.of(self.column, MODES)
+
+    @cached_property
     def critical(self) -> CriticalLoad:
         """Without damping."""
-        return critical_load(self.column, MODES)
+        return answer(self.question)
 
     @property
     def flutters(self) -> bool:
@@ -45,7 +50,7 @@ class Facts:
     def load(self) -> float:
         """The undamped critical load. Raises InputError where there is none."""
         if self.critical.load is None:
-            raise InputError(f"{self.column.name}: is stable up to P = {self.critical.question.load_max:g}")
+            raise InputError(f"{self.column.name}: is stable up to P = {self.question.load_max:g}")
         return self.critical.load
 
     @property
@@ -54,12 +59,13 @@ class Facts:
 
     def limit(self, kappa: float) -> CriticalLoad:
         """The limit of vanishing damping at β = κα."""
-        return critical_load(self.column, MODES, kappa=kappa)
+        return answer(Question.of(self.column, MODES, kappa=kappa))
 
     def damped(self, alpha: float, beta: float) -> CriticalLoad:
         """With damping; a damping that the column does not state is left at zero."""
         known = self.column.damping
-        return critical_load(self.column, MODES, alpha if "alpha" in known else 0.0, beta if "beta" in known else 0.0)
+        given = {"alpha": alpha, "beta": beta}
+        return answer(self.question.at(**{name: value for name, value in given.items() if name in known}))
 
     @cached_property
     def exact(self) -> Certified | str:
@@ -71,7 +77,7 @@ class Facts:
 
     @cached_property
     def pencil(self) -> Pencil:
-        return pencil_of(*self.column.matrices(MODES))
+        return self.question.pencil
 
     def squares(self, load: float) -> Any:
         """ω² of the undamped column at a load, ascending in the real part, (N,) complex."""
@@ -96,12 +102,12 @@ class Facts:
 
     def growth(self, load: float, alpha: float = 0.0, beta: float = 0.0) -> float:
         """Largest real part of an eigenvalue at a load."""
-        return spectrum(self.column.system(MODES, load, alpha, beta)).growth_rate
+        return spectrum(self.question.at(alpha=alpha, beta=beta).system(load)).growth_rate
 
     def ritz(self, modes: int, basis: str = "modes") -> float | None:
         """The undamped critical load at a number of functions; None where another kind of loss comes first."""
         try:
-            found = critical_load(self.column if basis == "modes" else self.polynomials, modes)
+            found = answer(Question.of(self.column if basis == "modes" else self.polynomials, modes))
         except InputError:
             return None
         return found.load if found.kind == self.critical.kind else None
