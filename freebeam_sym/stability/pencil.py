@@ -42,13 +42,6 @@ class Pencil:
         self.norm = float(np.linalg.norm(self.relative, 2))
         self.kept: dict[Any, Any] = {}
 
-    @staticmethod
-    def of_modes(e: Real, basis: Real, H: Real) -> Pencil:
-        """The pencil of a basis in which M = I and E = diag(e), ascending and positive, and H there."""
-        found = Pencil(np.eye(len(e)), np.diag(e), H)
-        found.basis = basis @ found.basis
-        return found
-
     @cached_property
     def conservative(self) -> bool:
         """H symmetric to rounding: the load has a potential, and damping or not, only divergence can come."""
