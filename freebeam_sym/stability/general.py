@@ -232,7 +232,7 @@ class General:
                 found = scan(self, 0.0, float(steps[-1] * (1 - NEAR)))
                 return iter((Event(found, True),) if found.kind == "flutter" else ())
             return iter(())
-        if self.size == 1 and isinstance(operator, _Vanishing) and not self.damped or bound <= operator.P:
+        if (self.size == 1 and isinstance(operator, _Vanishing) and not self.damped) or bound <= operator.P:
             return iter(())
         floor = (1 - NEAR) * operator.unit / (bound - operator.P)
         return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self.size)
