@@ -27,9 +27,11 @@ from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event
 
 __all__ = ["General"]
 
-LIGHT = 1e-6
-"""Largest entry of C in modes, relative to 2√(ωᵢωⱼ), below which damping moves flutters by rounding only, or so little
-that Newton's method starts from the limit of vanishing damping."""
+LIGHT = 1e-4
+"""Largest entry of C in modes, relative to 2√(ωᵢωⱼ), below which Newton's method starts from the limit of vanishing
+damping: flutters move by its square. Of `_States` the eigenvalues are then off by rounding over its square."""
+LIGHTEST = 1e-6
+"""The same below which growth is counted to first order."""
 GROWTH = 1e-13
 """Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows: below is rounding."""
 SPLIT = 1e-7
@@ -59,6 +61,7 @@ class General:
         self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in given)
         self.size, self.vanishing = n, vanishing
         self.damped = bool(np.any(self.C))
+        self._damping: float = float(np.abs(self.C).max()) if self.damped else 1.0  # its size, so that light is as any
 
     def _at(self, P: float) -> tuple[Real, Real, Real]:
         return _value(self.M, P), _value(self.C, P), _value(self.K, P)
@@ -70,7 +73,7 @@ class General:
     @cached_property
     def _light(self) -> bool:
         """Whether growth is that of branches s = ω² with their damping to first order."""
-        return not self.damped or self.vanishing or isinstance(self._operator, _Vanishing)
+        return not self.damped or self.vanishing or getattr(self._operator, "ratio", 1.0) < LIGHTEST
 
     # --- divergence ------------------------------------------------------------------------------------------------
 
@@ -90,7 +93,7 @@ class General:
         companion = np.zeros((n * d, n * d))
         companion[:n] = np.concatenate(list(R), axis=1)
         companion[np.arange(n, n * d), np.arange(n * (d - 1))] = 1
-        return base, np.linalg.eigvals(companion)
+        return base, np.linalg.eigvals(companion).astype(complex)
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
@@ -146,11 +149,11 @@ class General:
         M, C, K = self._at(P)
         inverse, V = np.linalg.eig(np.linalg.solve(K, M))
         with np.errstate(divide="ignore", invalid="ignore"):
-            s = 1 / inverse.astype(complex)
+            s: Complex = np.asarray(1 / inverse.astype(complex))
         if not self.damped:
-            return s, V, np.zeros(self.size)
+            return s, V.astype(complex), np.zeros(self.size)
         W = np.linalg.inv(M @ V)
-        return s, V, np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
+        return s, V.astype(complex), np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
 
     def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ, the motions and by how much each grows, positive where it does."""
@@ -159,17 +162,18 @@ class General:
             off = (np.abs(s.imag) > SPLIT * np.abs(s)) | (s.real <= 0)
             # a pair that rounding alone keeps apart has no growth to first order
             growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
-            return 1j * np.sqrt(s), V, np.where(off, np.inf, growth)
+            return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
         theta, V = np.linalg.eig(self._inverse(P))
         limit = self._threshold * np.abs(theta)
         limit = np.maximum(limit, GROWTH * np.abs(theta).max())
         with np.errstate(divide="ignore", invalid="ignore"):
-            return 1 / theta.astype(complex), V[self.size :], np.where(theta.real > limit, theta.real, 0.0)
+            growth = np.asarray(np.where(theta.real > limit, theta.real, 0.0))
+            return np.asarray(1 / theta.astype(complex)), V[self.size :].astype(complex), growth
 
     @cached_property
     def _threshold(self) -> float:
         """SPLIT where eigenvalues stay on the axis though C is not zero, else nothing."""
-        return 0.0 if isinstance(self._operator, _States) else SPLIT
+        return 0.0 if self._operator is not None else SPLIT
 
     def unstable(self, load: float) -> int:
         try:
@@ -240,12 +244,13 @@ class General:
     def _newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
         """The flutter near (ω² = w, P, v = a + iωb), of negative frequency where ω² < 0; None where there is none.
 
-        (K − wM) a − w C b = 0, (K − wM) b + C a = 0, c·a = 1, c·b = 0, without w C b where damping vanishes."""
-        n, share = self.size, float(self.damped and not self.vanishing)
-        damping = self.C if self.damped else self.M
+        (K − wM) a − w C b = 0, (K − wM) b + C a = 0, c·a = 1, c·b = 0, without w C b where damping
+        vanishes; b and C by the size of C."""
+        n, share = self.size, self._damping**2 * float(self.damped and not self.vanishing)
+        damping = self.C / self._damping if self.damped else self.M
         slopes = _slope(self.M), _slope(damping), _slope(self.K)
         c = a / (a @ a)
-        b = b - (c @ b) * a
+        b = (b - (c @ b) * a) / self._damping
         first, J, r = abs(w), np.zeros((2 * n + 2, 2 * n + 2)), np.zeros(2 * n + 2)
         before, astray = math.inf, 0
         for _ in range(25):
@@ -270,7 +275,11 @@ class General:
                 return None
             if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
                 omega = math.sqrt(w) if w > 0 else 0.0 if w > -1e-13 * first else -1.0
-                return Crossing(P, omega, self._vector(a + 1j * share * omega * b), "flutter") if P > 0 else None
+                return (
+                    Crossing(P, omega, self._vector(a + 1j * math.sqrt(share) * omega * b), "flutter")
+                    if P > 0
+                    else None
+                )
             before = step
         return None
 
@@ -416,7 +425,7 @@ class _Vanishing(_Operator):
     def __init__(self, problem: General, P: float, unit: float, light: float = math.inf) -> None:
         self.problem, self.P, self.unit = problem, P, unit
         M, K = _shifted(problem.M, P, unit), _shifted(problem.K, P, unit)
-        D = _shifted(problem.C if problem.damped else problem.M, P, unit)
+        D = _shifted(problem.C / problem._damping if problem.damped else problem.M, P, unit)
         inverse, V = np.linalg.eig(np.linalg.solve(K[0], M[0]))
         if np.iscomplexobj(inverse) or not (inverse > 0).all():
             raise np.linalg.LinAlgError("not stable")
@@ -426,7 +435,8 @@ class _Vanishing(_Operator):
         W = np.linalg.inv(M[0] @ V)
         self.V, self.M, self.D, self.K = V, W @ M @ V, W @ D @ V, W @ K @ V
         root = np.sqrt(np.sqrt(e))
-        if np.abs(self.D[0] / np.outer(root, root)).max() > 2 * light or np.linalg.cond(M[0]) > 1e13:
+        self.ratio = float(np.abs(self.D[0] / np.outer(root, root)).max()) * problem._damping / 2
+        if self.ratio > light or np.linalg.cond(M[0]) > 1e13:
             raise np.linalg.LinAlgError("not light")
         own = np.diagonal(self.D[0])
         if not (own > 1e-12 * np.abs(self.D[0]).max()).all() or (np.diff(e) < 1e-8 * e[1:]).any():
@@ -474,7 +484,7 @@ class _Vanishing(_Operator):
         sizes, vectors = np.linalg.eigh(S)
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
-        return self._polished(mu, a, -(Y @ a) / sizes[top])
+        return self._polished(mu, a, -self.problem._damping * (Y @ a) / sizes[top])
 
 
 def _value(X: Real, P: float) -> Real:
