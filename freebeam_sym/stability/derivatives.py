@@ -37,14 +37,14 @@ def load_derivative(omega: float, at: Triple, slope: Triple, change: Triple) -> 
     """
     rate = 1j * omega
     u, v = _null(_matrix(rate, at))
-    a, c = u @ _matrix(rate, slope) @ v, u @ _matrix(rate, change) @ v
+    a, c = (complex(u @ _matrix(rate, X) @ v) for X in (slope, change))
     b = complex(1j * (u @ (2 * rate * at[0] + at[1]) @ v))
     if omega and abs(b) * omega <= DOUBLE * _size(rate, at):
         if np.any(at[1]) or np.any(slope[1]) or np.any(change[1]):
             raise InputError("two frequencies meet: with damping the load has no derivative there")
         b = 0j
     if omega == 0 or b == 0:
-        top, bottom = -(a.conj() * c).real, abs(a) ** 2
+        top, bottom = -(a.conjugate() * c).real, abs(a) ** 2
     else:
         top, bottom = -(b.conjugate() * c).imag, (b.conjugate() * a).imag
     if abs(bottom) <= DOUBLE**2 * abs(a) * max(abs(a), abs(b)):

@@ -214,3 +214,11 @@ def test_derivative_of_an_eigenvalue_by_differences(seed: int) -> None:
         near = [min(rates(p), key=lambda x: abs(x - rate)) for p in (h, -h)]
         found = eigenvalue_derivative(complex(rate), at, tuple(d))
         assert found == pytest.approx((near[0] - near[1]) / (2 * h), rel=1e-4, abs=1e-5)
+
+
+def test_gyroscopic_stabilisation_is_lost_as_flutter() -> None:
+    """K = −(1 + P), C = 4J: (λ² − 1 − P)² + 16 λ² = 0 has its roots on the axis up to 1 + P = 4."""
+    J = np.array([[0.0, -1], [1, 0]])
+    found = first_loss(General([np.eye(2)], [4 * J], [-np.eye(2), -np.eye(2)]), 10.0).crossing
+    assert found is not None and found.kind == "flutter"
+    assert (found.load, found.frequency) == (pytest.approx(3, rel=1e-9), pytest.approx(2, rel=1e-4))
