@@ -10,7 +10,7 @@ Sturmfels 1997). The blocks of X are made of S = −ω Re(v vᴴ) = Sᵀ and Y =
 
 linear in P, and regular down to size = 0, the limit of vanishing damping. At P = 0 each pair of modes stands alone, so
 this is z = P T z, and T z costs two products of N × N matrices (`_Operator`). Arnoldi's method finds the eigenvalues
-1/P of greatest modulus (`_Krylov`), Newton's method makes them exact (`newton`).
+1/P of greatest modulus (`Krylov`), Newton's method makes them exact (`newton`).
 On the boundary λ = iω the equations are real and regular down to vanishing damping, so that the limit is no special
 case. Eqs. (12), (24), (25).
 """
@@ -18,7 +18,7 @@ case. Eqs. (12), (24), (25).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -26,8 +26,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
+from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
+from freebeam_sym.stability.problem import NEAR, Complex, Crossing, Event, Real
 
 __all__ = ["LIGHTEST_SCAN", "Proportional", "newton"]
 
@@ -38,13 +39,6 @@ LIGHTEST_SCAN = 1e-5
 and Newton's method ends at the true damping. Far below it their imaginary parts are rounding."""
 ROUNDING = 1e-15
 """Of the matrices' entries, relative to the matrices' norms."""
-TOLERANCE = 1e-9
-"""Residual, relative, at which an eigenvalue of T is taken. Newton's method starts from it."""
-DOUBLE = 1e-13
-"""The same for eigenvalues of T that are close together, whose errors are as the root of their residuals."""
-STEPS = 400
-"""Most steps of Arnoldi's method. Of 4,000 random questions of the package's columns (N to 40, any damping) 86 % were
-answered at the first look, after 16, and none took more than 136."""
 
 
 @dataclass(frozen=True)
@@ -287,82 +281,16 @@ def _pairs(n: int) -> tuple[NDArray[np.intp], ...]:
     return *(np.concatenate([a * n + b, n * n + a * n + b]) for a, b in ((i, j), (j, i))), i, j
 
 
-class _Krylov:
-    """Arnoldi's method, taken as many steps as is asked for."""
-
-    def __init__(self, apply: Callable[[Real], Real], order: int) -> None:
-        self._apply, self.most = apply, min(order, STEPS)
-        start = np.cos(np.arange(order) + 0.3)  # any vector
-        self._basis, self._h = np.empty((self.most + 1, order)), np.zeros((self.most + 1, self.most))
-        self._basis[0] = start / np.linalg.norm(start)
-        self.steps, self._look = 0, 16  # so many serve the paper's column at N = 8; a look costs some five steps
-        self.done = False
-
-    def _step(self) -> None:
-        """One more vector of the basis."""
-        k = self.steps
-        Q = self._basis[: k + 1]
-        w = self._apply(Q[k])
-        for _ in range(2):  # once more, so that the basis stays orthogonal to rounding
-            c = Q @ w
-            w = w - c @ Q
-            self._h[: k + 1, k] += c
-        b = self._h[k + 1, k] = float(np.linalg.norm(w))
-        self.done = k == self.most - 1 or b < 1e-14 * np.abs(self._h[: k + 1, : k + 1]).max()
-        self._basis[k + 1] = w / b if b else w
-        self.steps += 1
-
-    def values(self, floor: float, after: float) -> tuple[Complex, Complex]:
-        """Eigenvalues of positive real part and modulus above `floor`, descending, (m,), and their vectors (m, order):
-        among them the greatest real one below `after`, and all of greater modulus than it."""
-        while True:
-            while not self.done and self.steps < self._look:
-                self._step()
-            k = self.steps
-            self._look = int(1.25 * k) + 1  # to look costs k³, a step k: a quarter more steps each time
-            theta, s = np.linalg.eig(self._h[:k, :k])
-            size, left = np.abs(theta), self._h[k, k - 1] * np.abs(s[-1])
-            real = (np.abs(theta.imag) <= NEAR * size) & (theta.real > floor) & (theta.real < after)
-            least = max(floor, float(theta.real[real].max(initial=0.0)) * (1 - 1e-3))
-            need = size + left >= least
-            near = np.abs(theta[:, None] - theta) + np.diag(np.full(k, np.inf)) < CLOSE * size
-            tolerance = np.where(real & near.any(axis=1), DOUBLE, TOLERANCE)
-            if self.done or (left <= tolerance * size)[need].all():
-                break
-        found = np.flatnonzero(need & (theta.real > floor))
-        found = found[np.argsort(-theta.real[found])]
-        return theta[found], np.asarray(s[:, found].T @ self._basis[:k], dtype=complex)
-
-
 def _flutters(problem: Proportional, bound: float) -> Iterator[Event]:
     """Flutters and their touches below `bound`, ascending, found when they are asked for."""
     operator = _Operator(problem)
-    krylov = _Krylov(operator, operator.order)
-    floor, after = (1 - NEAR) / bound, math.inf
-    while True:
-        mu, vectors = krylov.values(floor, after)
-        real = np.flatnonzero((np.abs(mu.imag) <= NEAR * mu.real) & (mu.real < after))
-        if not len(real):
-            return
-        real = real[mu.real[real] >= mu.real[real[0]] * (1 - 2 * NEAR)]
-        yield from _told_apart(problem, operator, mu[real], vectors[real])
-        after = float(mu.real[real[-1]]) * (1 - NEAR / 10)
-
-
-def _told_apart(problem: Proportional, operator: _Operator, mu: Complex, vectors: Complex) -> list[Event]:
-    """Close eigenvalues of T as simple flutters, ascending, where Newton's method tells them apart, else as one
-    event."""
-    roots = [_flutter(problem, operator, float(m.real), z.real) for m, z in zip(mu, vectors, strict=True)]
-    if (mu.imag == 0).all() and None not in roots:
-        events = sorted((Event(root, True) for root in roots if root), key=lambda event: event.crossing.load)
-        loads = np.array([event.crossing.load for event in events])
-        if (np.diff(loads) > NEAR / 10 * loads[:-1]).all():
-            return [event for event in events if event.crossing.frequency >= 0]
-    root = next((root for root in roots if root), None)
-    omega, vector = (
-        (0.0, np.ones(problem.pencil.size, complex)) if root is None else (max(root.frequency, 0.0), root.vector)
+    return events(
+        Krylov(operator, operator.order),
+        (1 - NEAR) / bound,
+        lambda mu, z: _flutter(problem, operator, mu, z),
+        lambda mu: 1 / mu,
+        problem.pencil.size,
     )
-    return [Event(Crossing(float(1 / mu.real.mean()), omega, vector, "flutter"), False)]
 
 
 def _flutter(problem: Proportional, operator: _Operator, mu: float, z: Real) -> Crossing | None:

@@ -13,11 +13,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
+from freebeam_sym.stability.arnoldi import Krylov
 from freebeam_sym.stability.critical import critical_load
 from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.crossings import scan as scan_for
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.proportional import Proportional, _Krylov, _Operator
+from freebeam_sym.stability.proportional import Proportional, _Operator
 from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
@@ -522,7 +523,7 @@ def test_arnoldis_method_finds_all_eigenvalues_of_greater_modulus(floor: float) 
     rng = np.random.default_rng(7)
     A = rng.normal(size=(60, 60)) / math.sqrt(60)
     dense = np.linalg.eigvals(A)
-    found, vectors = _Krylov(lambda z: A @ z, 60).values(floor, math.inf)
+    found, vectors = Krylov(lambda z: A @ z, 60).values(floor, math.inf)
     real = dense.real[(dense.imag == 0) & (dense.real > floor)]
     wanted = dense[(np.abs(dense) >= max(real.max(initial=0.0), floor)) & (dense.real > floor)]
     assert all(np.abs(found - value).min() < 1e-7 for value in wanted)

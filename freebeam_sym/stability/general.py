@@ -1,0 +1,516 @@
+"""Problems of any damping: M(P) q̈ + C(P) q̇ + K(P) q = 0, each matrix a polynomial in the load, nothing symmetric.
+
+As in `proportional`: where x = (v, iωv) is a state, the antisymmetric X = Im(x xᴴ) solves A X Bᵀ + B X Aᵀ = 0 with
+A = [[0, 1], [−K, −C]] and B = diag(1, M), and some X ≠ 0 does so exactly where two eigenvalues add up to zero. In the
+eigenvectors of a stable reference load P₀ the part without p = P − P₀ is a division by λᵢ + λⱼ, and the powers of p
+are a companion matrix, so that Arnoldi's method finds 1/p (`_States`). Without damping, where it vanishes or is very
+light, λᵢ + λⱼ is zero or nearly so; S = a aᵀ and Y = a bᵀ − b aᵀ of the motion v = a + iωb then solve
+
+    K S Mᵀ − M S Kᵀ = 0,    K Y Mᵀ − M Y Kᵀ = D S Mᵀ + M S Dᵀ
+
+with D the damping, or D = M where there is none: frequencies then meet (`_Vanishing`). Newton's method ends both.
+Where neither is to be had (gyroscopic without damping; two modes of one frequency; M singular) the loads are scanned.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import cached_property
+
+import numpy as np
+
+from freebeam_sym.checks import InputError
+from freebeam_sym.stability.arnoldi import Krylov, events
+from freebeam_sym.stability.crossings import scan
+from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
+
+__all__ = ["General"]
+
+LIGHT = 1e-4
+"""Largest entry of C in modes, relative to 2√(ωᵢωⱼ), below which Newton's method starts from the limit of vanishing
+damping: flutters move by its square. Of `_States` the eigenvalues are then off by rounding over its square."""
+LIGHTEST = 1e-6
+"""The same below which growth is counted to first order."""
+GROWTH = 1e-13
+"""Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows: below is rounding."""
+SPLIT = 1e-7
+"""Relative. The same where eigenvalues stay on the axis: rounding splits two that meet by its root."""
+SINGULAR = 1e-14
+"""Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding."""
+ROUNDING = 1e-15
+"""Of the matrices' entries, relative to the matrices' norms."""
+
+
+class General:
+    """The problem of matrices M, C, K, each a sequence of (n, n) arrays by powers of the load P.
+
+    vanishing: C is the direction of a damping that vanishes, C = small × C. Raises InputError where shapes differ or
+    entries are not finite, where K is singular at every load, and where something grows at the smallest loads.
+    """
+
+    def __init__(self, M: Sequence[Real], C: Sequence[Real], K: Sequence[Real], vanishing: bool = False) -> None:
+        given = [np.array([np.asarray(a, dtype=float) for a in X]) for X in (M, C, K)]
+        n = given[0].shape[-1]
+        for name, X in zip("MCK", given, strict=True):
+            if X.ndim != 3 or X.shape[1:] != (n, n) or not n or not np.isfinite(X).all():
+                raise InputError(f"{name}: must be finite square matrices by powers of the load, all of one size")
+        size = np.abs(np.diagonal(given[2], axis1=1, axis2=2)).sum(axis=0)
+        size = np.where(size > 0, size, np.abs(np.diagonal(given[0][0])))
+        self._scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+        self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in given)
+        self.size, self.vanishing = n, vanishing
+        self.damped = bool(np.any(self.C))
+        self._damping: float = float(np.abs(self.C).max()) if self.damped else 1.0  # its size, so that light is as any
+
+    def _at(self, P: float) -> tuple[Real, Real, Real]:
+        return _value(self.M, P), _value(self.C, P), _value(self.K, P)
+
+    def _vector(self, v: Real | Complex) -> Complex:
+        q = (self._scale * v).astype(complex)
+        return np.asarray(q / q[np.abs(q).argmax()])
+
+    @cached_property
+    def _light(self) -> bool:
+        """Whether growth is that of branches s = ω² with their damping to first order."""
+        return not self.damped or self.vanishing or getattr(self._operator, "ratio", 1.0) < LIGHTEST
+
+    # --- divergence ------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _roots(self) -> tuple[float, Complex]:
+        """A load at which K is regular, and 1/(P − it) of all P with det K(P) = 0."""
+        for base in (0.0, 0.01, 0.0371, 0.293):
+            shifted = _shifted(self.K, base)
+            if np.linalg.cond(shifted[0]) < 1e13:
+                break
+        else:
+            raise InputError("K is singular at every load: rigid motions that nothing restores must be left out")
+        R, n = -np.linalg.solve(shifted[0], shifted[1:]), self.size
+        d = len(R)
+        if not d:
+            return base, np.zeros(0, complex)
+        companion = np.zeros((n * d, n * d))
+        companion[:n] = np.concatenate(list(R), axis=1)
+        companion[np.arange(n, n * d), np.arange(n * (d - 1))] = 1
+        return base, np.linalg.eigvals(companion).astype(complex)
+
+    @cached_property
+    def divergences(self) -> tuple[Event, ...]:
+        """Where det K(P) = 0 for real P > 0, as of a pencil: ascending, to the first simple root."""
+        base, mu = self._roots
+        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]
+        P = base + 1 / mu
+        P = P[(np.abs(P.imag) <= CLOSE * P.real) & (P.real > 1e-7 * np.abs(P).min(initial=np.inf)) & (P.real > 1e-9)]
+        P = P[np.argsort(P.real)]
+        found: list[Event] = []
+        while len(P):
+            if len(P) > 1 and P[1].real < P[0].real * (1 + CLOSE):
+                middle = float(P[:2].real.mean())
+                if self._least(middle) <= SINGULAR:
+                    found.append(Event(self._divergence(middle), False))
+                    P = P[2:]
+                    continue
+            if P[0].imag == 0:
+                crossing = self._divergence(float(P[0].real))
+                if self._least(crossing.load) <= 100 * SINGULAR:
+                    found.append(Event(crossing, True))
+                    break
+            P = P[1:]
+        return tuple(found)
+
+    def _least(self, P: float) -> float:
+        terms = sum(abs(P) ** k * np.linalg.norm(K, 2) for k, K in enumerate(self.K))
+        return float(np.linalg.svd(_value(self.K, P), compute_uv=False)[-1] / terms)
+
+    def _divergence(self, load: float) -> Crossing:
+        v = np.ones(self.size)
+        for _ in range(3):
+            left, _, right = np.linalg.svd(_value(self.K, load))
+            u, v = left[:, -1], right[-1]
+            slope, residual = float(u @ _value(_slope(self.K), load) @ v), float(u @ _value(self.K, load) @ v)
+            if abs(residual) < CLOSE * abs(slope * load):
+                load -= residual / slope
+        return Crossing(float(load), 0.0, self._vector(v), "divergence")
+
+    # --- counts ----------------------------------------------------------------------------------------------------
+
+    def _inverse(self, P: float) -> Real:
+        """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits."""
+        M, C, K = self._at(P)
+        n = self.size
+        A = np.zeros((2 * n, 2 * n))
+        A[:n] = -np.linalg.solve(K, np.concatenate([C, M], axis=1))
+        A[n:, :n] = np.eye(n)
+        return A
+
+    def _branches(self, P: float) -> tuple[Complex, Complex, Real]:
+        """s = ω², their vectors and their growth to first order, 0 without damping."""
+        M, C, K = self._at(P)
+        inverse, V = np.linalg.eig(np.linalg.solve(K, M))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            s: Complex = np.asarray(1 / inverse.astype(complex))
+        if not self.damped:
+            return s, V.astype(complex), np.zeros(self.size)
+        W = np.linalg.inv(M @ V)
+        return s, V.astype(complex), np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
+
+    def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
+        """λ, the motions and by how much each grows, positive where it does."""
+        if self._light:
+            s, V, growth = self._branches(P)
+            off = (np.abs(s.imag) > SPLIT * np.abs(s)) | (s.real <= 0)
+            # a pair that rounding alone keeps apart has no growth to first order
+            growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
+            return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
+        theta, V = np.linalg.eig(self._inverse(P))
+        limit = self._threshold * np.abs(theta)
+        limit = np.maximum(limit, GROWTH * np.abs(theta).max())
+        with np.errstate(divide="ignore", invalid="ignore"):
+            growth = np.asarray(np.where(theta.real > limit, theta.real, 0.0))
+            return np.asarray(1 / theta.astype(complex)), V[self.size :].astype(complex), growth
+
+    @cached_property
+    def _threshold(self) -> float:
+        """SPLIT where eigenvalues stay on the axis though C is not zero, else nothing."""
+        return 0.0 if self._operator is not None else SPLIT
+
+    def unstable(self, load: float) -> int:
+        try:
+            return int((self._bad(load)[2] > 0).sum())
+        except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
+            return 1
+
+    def onset(self, load: float) -> Crossing:
+        try:
+            rate, V, growth = self._bad(load)
+        except np.linalg.LinAlgError:
+            return self._divergence(load)
+        worst = int(np.argmax(growth))
+        omega, v = abs(float(rate[worst].imag)), V[:, worst].astype(complex)
+        if omega < 1e-6 * np.abs(rate).min() or omega == 0:
+            return Crossing(load, 0.0, self._vector(v), "divergence")
+        v = v * np.exp(-0.5j * np.angle(v @ v)) / math.sqrt(abs(v @ v.conj()))
+        found = self._newton(omega**2, load, v.real.copy(), v.imag / omega)
+        if found is not None and found.frequency > 0 and abs(found.load - load) < 1e-3 * load:
+            return found
+        return Crossing(load, omega, self._vector(v), "flutter")
+
+    # --- flutter ---------------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _operator(self) -> _States | _Vanishing | None:
+        """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
+        base, mu = self._roots
+        roots = np.abs(base + 1 / mu[mu != 0])
+        roots = roots[roots > 1e-6 * roots.max(initial=0.0)]
+        unit = float(roots.min()) if len(roots) else 1.0
+        for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
+            operator = self._made(P, unit)
+            if operator is not None and not operator.passed_before():
+                return operator
+        return None
+
+    def _made(self, P: float, unit: float) -> _States | _Vanishing | None:
+        try:
+            if not self.damped or self.vanishing:
+                return _Vanishing(self, P, unit)
+            try:
+                return _Vanishing(self, P, unit, LIGHT)
+            except np.linalg.LinAlgError:
+                return _States(self, P, unit)
+        except np.linalg.LinAlgError:
+            return None
+
+    def flutters(self, bound: float) -> Iterator[Event]:
+        """Raises InputError where something grows at the smallest loads."""
+        operator = self._operator
+        low = 1e-4 * bound if operator is None or operator.P else 0.0
+        if operator is not None:
+            low = min(low, operator.P / 2)
+        if low and self.unstable(low) and self.unstable(low / 8):
+            raise InputError("something grows at the smallest loads: there is no first loss of stability")
+        if operator is None:
+            steps = np.linspace(0, bound, 257)[1:]
+            if any(self.unstable(P) for P in steps * (1 - NEAR)):
+                found = scan(self, 0.0, float(steps[-1] * (1 - NEAR)))
+                return iter((Event(found, True),) if found.kind == "flutter" else ())
+            return iter(())
+        if (self.size == 1 and isinstance(operator, _Vanishing) and not self.damped) or bound <= operator.P:
+            return iter(())
+        floor = (1 - NEAR) * operator.unit / (bound - operator.P)
+        return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self.size)
+
+    def _newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
+        """The flutter near (ω² = w, P, v = a + iωb), of negative frequency where ω² < 0; None where there is none.
+
+        (K − wM) a − w C b = 0, (K − wM) b + C a = 0, c·a = 1, c·b = 0, without w C b where damping
+        vanishes; b and C by the size of C."""
+        n, share = self.size, self._damping**2 * float(self.damped and not self.vanishing)
+        damping = self.C / self._damping if self.damped else self.M
+        slopes = _slope(self.M), _slope(damping), _slope(self.K)
+        c = a / (a @ a)
+        b = (b - (c @ b) * a) / self._damping
+        first, J, r = abs(w), np.zeros((2 * n + 2, 2 * n + 2)), np.zeros(2 * n + 2)
+        before, astray = math.inf, 0
+        for _ in range(25):
+            M, C, K = _value(self.M, P), _value(damping, P), _value(self.K, P)
+            dM, dC, dK = (_value(X, P) for X in slopes)
+            G, dG = K - w * M, dK - w * dM
+            J[:n, :n] = J[n : 2 * n, n : 2 * n] = G
+            J[:n, n : 2 * n], J[n : 2 * n, :n] = -share * w * C, C
+            J[: 2 * n, 2 * n] = np.concatenate([-M @ a - share * (C @ b), -M @ b])
+            J[: 2 * n, 2 * n + 1] = np.concatenate([dG @ a - share * w * (dC @ b), dG @ b + dC @ a])
+            J[2 * n, :n] = J[2 * n + 1, n : 2 * n] = c
+            r[:] = J[:, : 2 * n] @ np.concatenate([a, b])
+            r[2 * n] -= 1
+            try:
+                change = np.linalg.solve(J, r)
+            except np.linalg.LinAlgError:
+                return None
+            a, b, w, P = a - change[:n], b - change[n : 2 * n], w - float(change[2 * n]), P - float(change[-1])
+            astray = 0 if w > -1e-7 * first and P > 0 else astray + 1
+            step = abs(change[2 * n]) / (abs(w) + 1e-7 * first) + abs(change[-1] / P) if P else math.inf
+            if astray > 3 or not step < 1e6:
+                return None
+            if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
+                omega = math.sqrt(w) if w > 0 else 0.0 if w > -1e-13 * first else -1.0
+                return (
+                    Crossing(P, omega, self._vector(a + 1j * math.sqrt(share) * omega * b), "flutter")
+                    if P > 0
+                    else None
+                )
+            before = step
+        return None
+
+    def rounding(self, crossing: Crossing) -> float:
+        """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order: with
+        the null vectors u, v of G = K + iωC − ω²M, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
+        without damping uᴴG_ω v = 0, and one part is left."""
+        P, omega = crossing.load, crossing.frequency
+        (M, C, K), (dM, dC, dK) = self._at(P), (_value(_slope(X), P) for X in (self.M, self.C, self.K))
+        share = 0.0 if self.vanishing else 1.0
+        G = K + 1j * omega * share * C - omega**2 * M
+        left, _, right = np.linalg.svd(G)
+        u, v = left[:, -1].conj(), right[-1].conj()
+        a = u @ (dK + 1j * omega * share * dC - omega**2 * dM) @ v
+        b = u @ (1j * share * C - 2 * omega * M) @ v
+        change = ROUNDING * sum(P**k * float(np.linalg.norm(X, 2)) for k, X in enumerate(self.K))
+        if omega == 0 or not self.damped or self.vanishing:
+            moved = change / abs(a)
+        else:
+            moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
+        return float(min(moved / P, 1.0))
+
+
+class _Operator:
+    """z = (X₁ … X_d), X_k = p X_{k+1}, to (−L₀⁻¹(L₁X₁ + … + L_d X_d), X₁, …): eigenvalues are unit/(P − P₀)."""
+
+    problem: General
+    P: float
+    unit: float
+    order: int
+    degree: int
+
+    def load(self, mu: float) -> float:
+        """The load that an eigenvalue stands for."""
+        return self.P + self.unit / mu
+
+    def __call__(self, z: Real) -> Real:
+        raise NotImplementedError
+
+    def passed_before(self) -> bool:
+        """Whether an eigenvalue crosses the axis between 0 and P₀: the reference is then too far."""
+        if not self.P:
+            return False
+        krylov = Krylov(lambda z: -self(z), self.order)
+        mu, _ = krylov.values(self.unit / self.P * (1 + 1e-3), math.inf)
+        return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
+
+    def _polished(self, mu: float, a: Real, b: Real) -> Crossing | None:
+        """The flutter that Newton's method finds from the load of mu and the motion a + iωb."""
+        problem, load = self.problem, self.load(mu)
+        M, C, K = problem._at(load)
+        share = float(problem.damped and not problem.vanishing)
+        w = float(a @ (K @ a)) / float(a @ (M @ a) + share * (a @ (C @ b)))
+        found = problem._newton(w, load, a, b)
+        return found if found is not None and abs(found.load / load - 1) < CLOSE else None
+
+
+class _States(_Operator):
+    """Any damping: X antisymmetric, (2n, 2n), in the eigenvectors at P₀, real: Re, Im of each pair, then real ones."""
+
+    def __init__(self, problem: General, P: float, unit: float) -> None:
+        self.problem, self.P, self.unit = problem, P, unit
+        n = problem.size
+        theta, V = np.linalg.eig(problem._inverse(P))
+        if not (theta.real < -GROWTH * np.abs(theta).max()).all() or np.linalg.cond(problem._at(P)[0]) > 1e13:
+            raise np.linalg.LinAlgError("not strictly stable")
+        up, real = np.flatnonzero(theta.imag > 0), np.flatnonzero(theta.imag == 0)
+        self.k = k = len(up)
+        lam = 1 / np.concatenate([theta[up], theta[real]])
+        V = V[:, np.concatenate([up, real])]
+        V = np.concatenate([V[n:], lam * V[n:]])  # (v, λv)
+        V = V / np.sqrt(np.abs((V[:n].conj() * (problem._at(P)[0] @ V[:n])).sum(axis=0)))
+        self.V = np.concatenate([V[:, :k].real, V[:, :k].imag, V[:, k:].real], axis=1)
+        M, C, K = (_shifted(X, P, unit) for X in (problem.M, problem.C, problem.K))
+        W = np.linalg.inv(_blocks(n, np.eye(n), M[0]) @ self.V)
+        self.A, self.B = [], []
+        for j in range(max(len(M), len(C), len(K))):
+            a = np.zeros((2 * n, 2 * n))
+            if j < len(K):
+                a[n:, :n] = -K[j]
+            if j < len(C):
+                a[n:, n:] = -C[j]
+            if not j:
+                a[:n, n:] = np.eye(n)
+            self.A.append(W @ a @ self.V)
+            self.B.append(W @ _blocks(n, np.zeros((n, n)), M[j]) @ self.V if 0 < j < len(M) else None)
+        while len(self.A) > 1 and not np.any(self.A[-1]) and self.B[-1] is None:
+            self.A.pop()
+            self.B.pop()
+        moving = max((j for j, b in enumerate(self.B) if b is not None and np.any(b)), default=0)
+        self.degree = max(1, len(self.A) - 1 + moving)
+        sums = lam[:, None] + lam
+        self.uu, self.uv = 0.5 / sums[:k, :k], 0.5 / (lam[:k, None] + lam[:k].conj())
+        self.ur, self.rr = 1 / sums[:k, k:], 1 / sums[k:, k:].real
+        size = np.abs(np.concatenate([lam[:k], lam[:k], lam[k:]]))
+        self.pairs = np.triu_indices(2 * n, 1)
+        self.scale = size[self.pairs[0]] * size[self.pairs[1]]
+        self.order = self.degree * len(self.scale)
+
+    def _unpacked(self, z: Real) -> Real:
+        Y = np.zeros(self.V.shape)
+        Y[self.pairs] = z / self.scale
+        return np.asarray(Y - Y.T)
+
+    def _divided(self, R: Real) -> Real:
+        """Y with Λ Y + Y Λᵀ = R."""
+        k, Y = self.k, np.empty_like(R)
+        a = R[:k] - 1j * R[k : 2 * k]
+        uu = (a[:, :k] - 1j * a[:, k : 2 * k]) * self.uu
+        uv = (a[:, :k] + 1j * a[:, k : 2 * k]) * self.uv
+        ur, first, second = a[:, 2 * k :] * self.ur, uu + uv, 1j * (uu - uv)
+        Y[:k] = np.concatenate([first.real, second.real, ur.real], axis=1)
+        Y[k : 2 * k] = -np.concatenate([first.imag, second.imag, ur.imag], axis=1)
+        Y[2 * k :, : 2 * k] = -Y[: 2 * k, 2 * k :].T
+        Y[2 * k :, 2 * k :] = R[2 * k :, 2 * k :] * self.rr
+        return Y
+
+    def __call__(self, z: Real) -> Real:
+        parts = z.reshape(self.degree, -1)
+        Z = np.zeros(self.V.shape)
+        for j, part in enumerate(parts, 1):
+            Y = self._unpacked(part)
+            if j < len(self.A):
+                Z += self.A[j] @ Y
+            for i, B in enumerate(self.B):
+                if B is not None and 0 <= j - i < len(self.A):
+                    Z += self.A[j - i] @ Y @ B.T
+        new = self._divided(Z.T - Z)[self.pairs] * self.scale
+        return np.concatenate([new, *parts[:-1]])
+
+    def flutter(self, mu: float, z: Real) -> Crossing | None:
+        X = self.V @ self._unpacked(z.reshape(self.degree, -1)[0]) @ self.V.T
+        n = self.problem.size
+        sizes, vectors = np.linalg.eigh(X[:n, n:] + X[:n, n:].T)
+        top = int(np.abs(sizes).argmax())
+        a = vectors[:, top]
+        return self._polished(mu, a, -2 * (X[:n, :n] @ a) / sizes[top])
+
+
+class _Vanishing(_Operator):
+    """Damping that is absent, vanishes, or is light: S symmetric, Y antisymmetric, (n, n), in the modes at P₀."""
+
+    def __init__(self, problem: General, P: float, unit: float, light: float = math.inf) -> None:
+        self.problem, self.P, self.unit = problem, P, unit
+        M, K = _shifted(problem.M, P, unit), _shifted(problem.K, P, unit)
+        D = _shifted(problem.C / problem._damping if problem.damped else problem.M, P, unit)
+        inverse, V = np.linalg.eig(np.linalg.solve(K[0], M[0]))
+        if np.iscomplexobj(inverse) or not (inverse > 0).all():
+            raise np.linalg.LinAlgError("not stable")
+        order = np.argsort(-inverse)
+        e, V = 1 / inverse[order], V[:, order]
+        V = V / np.sqrt(np.abs((V * (M[0] @ V)).sum(axis=0)))
+        W = np.linalg.inv(M[0] @ V)
+        self.V, self.M, self.D, self.K = V, W @ M @ V, W @ D @ V, W @ K @ V
+        root = np.sqrt(np.sqrt(e))
+        self.ratio = float(np.abs(self.D[0] / np.outer(root, root)).max()) * problem._damping / 2
+        if self.ratio > light or np.linalg.cond(M[0]) > 1e13:
+            raise np.linalg.LinAlgError("not light")
+        own = np.diagonal(self.D[0])
+        if not (own > 1e-12 * np.abs(self.D[0]).max()).all() or (np.diff(e) < 1e-8 * e[1:]).any():
+            raise np.linalg.LinAlgError("a mode is not damped, or two have one frequency")
+        gap = e[:, None] - e
+        np.fill_diagonal(gap, 1.0)
+        self.own, self.over = own, (1 - np.eye(len(e))) / gap
+        self.degree = max(1, max(len(self.K), len(self.D)) - 1 + len(self.M) - 1)
+        self.i, self.j = np.triu_indices(len(e))
+        self.upper = self.i < self.j
+        w = np.sqrt(e[self.i] * e[self.j])
+        self.scale = np.concatenate([w, w[self.upper]])
+        self.order = self.degree * len(self.scale)
+
+    def _unpacked(self, z: Real) -> tuple[Real, Real]:
+        z, m = z / self.scale, len(self.i)
+        S, Y = np.zeros(self.V.shape), np.zeros(self.V.shape)
+        S[self.i, self.j] = S[self.j, self.i] = z[:m]
+        Y[self.i[self.upper], self.j[self.upper]] = z[m:]
+        return S, np.asarray(Y - Y.T)
+
+    def __call__(self, z: Real) -> Real:
+        parts = z.reshape(self.degree, -1)
+        first, second = np.zeros(self.V.shape), np.zeros(self.V.shape)
+        for power, part in enumerate(parts, 1):
+            S, Y = self._unpacked(part)
+            for j in range(min(power, len(self.M) - 1) + 1):
+                i, Mt = power - j, self.M[j].T
+                if i < len(self.K):
+                    second += self.K[i] @ S @ Mt
+                    first += self.K[i] @ Y @ Mt
+                if i < len(self.D):
+                    first -= self.D[i] @ S @ Mt
+        first, second = -(first + first.T), second.T - second
+        S = second * self.over
+        DS = self.D[0] @ S
+        np.fill_diagonal(S, -(np.diagonal(first) / 2 + np.diagonal(DS)) / self.own)
+        DS = self.D[0] @ S
+        Y = (first + DS + DS.T) * self.over
+        new = np.concatenate([S[self.i, self.j], Y[self.i[self.upper], self.j[self.upper]]]) * self.scale
+        return np.concatenate([new, *parts[:-1]])
+
+    def flutter(self, mu: float, z: Real) -> Crossing | None:
+        S, Y = (self.V @ X @ self.V.T for X in self._unpacked(z.reshape(self.degree, -1)[0]))
+        sizes, vectors = np.linalg.eigh(S)
+        top = int(np.abs(sizes).argmax())
+        a = vectors[:, top]
+        return self._polished(mu, a, -self.problem._damping * (Y @ a) / sizes[top])
+
+
+def _value(X: Real, P: float) -> Real:
+    """A polynomial of matrices at a load."""
+    total = X[-1]
+    for A in X[-2::-1]:
+        total = A + P * total
+    return np.asarray(total)
+
+
+def _slope(X: Real) -> Real:
+    """Derivative by the load, by powers of it."""
+    return X[1:] * np.arange(1, len(X))[:, None, None] if len(X) > 1 else np.zeros_like(X)
+
+
+def _shifted(X: Real, P: float, unit: float = 1.0) -> Real:
+    """By powers of p, where the load is P + unit·p."""
+    X = X.copy()
+    for low in range(len(X) - 1):
+        for k in range(len(X) - 2, low - 1, -1):
+            X[k] += P * X[k + 1]
+    return np.asarray(X * float(unit) ** np.arange(len(X))[:, None, None])
+
+
+def _blocks(n: int, first: Real, second: Real) -> Real:
+    """diag(first, second), (2n, 2n)."""
+    A = np.zeros((2 * n, 2 * n))
+    A[:n, :n], A[n:, n:] = first, second
+    return A

@@ -1,0 +1,224 @@
+"""First losses of problems with any damping, against dense scans of eigenvalues, exact values and the proportional
+form."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import freebeam_sym as fb
+from freebeam_sym.checks import InputError
+from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.stability.derivatives import eigenvalue_derivative, load_derivative
+from freebeam_sym.stability.general import General
+from freebeam_sym.stability.pencil import Pencil
+
+Matrices = list[np.ndarray]
+
+
+def value(X: Matrices, P: float) -> np.ndarray:
+    return sum(P**k * A for k, A in enumerate(X))
+
+
+def growth(M: Matrices, C: Matrices, K: Matrices, P: float) -> float:
+    """Largest real part of the eigenvalues at a load, by inverting the mass matrix."""
+    n = len(M[0])
+    A = np.linalg.solve(value(M, P), np.hstack([-value(K, P), -value(C, P)]))
+    return float(np.linalg.eigvals(np.vstack([np.hstack([np.zeros((n, n)), np.eye(n)]), A])).real.max())
+
+
+def scanned(M: Matrices, C: Matrices, K: Matrices, top: float, tiny: float = 1e-12, count: int = 1500) -> float | None:
+    """The first load up to `top` at which something grows, by equal steps and bisection."""
+    low = 0.0
+    for P in np.linspace(top / count, top, count):
+        if growth(M, C, K, P) > tiny:
+            high = float(P)
+            while high - low > 1e-12 * high:
+                middle = (low + high) / 2
+                low, high = (low, middle) if growth(M, C, K, middle) > tiny else (middle, high)
+            return high
+        low = float(P)
+    return None
+
+
+def random_system(rng: np.random.Generator) -> tuple[Matrices, Matrices, Matrices]:
+    """Springs, masses, dashpots, gyroscopic terms and loads of degree 1 to 3, nothing symmetric, stable at load 0."""
+    n = int(rng.integers(1, 13))
+    while True:
+        L = rng.normal(size=(n, n)) / math.sqrt(n)
+        M0 = np.eye(n) + 0.3 * L @ L.T
+        E = np.diag(np.arange(1, n + 1.0) ** 2) + 0.3 * rng.normal(size=(n, n)) * rng.integers(2)
+        H = [rng.normal(size=(n, n)) / 3 ** (k + 1) for k in range(rng.integers(1, 4))]
+        G, s = rng.normal(size=(n, n)), rng.normal(size=n)
+        C0 = 10 ** rng.uniform(-3, 0) * np.outer(s, s) + 10 ** rng.uniform(-3, -1) * np.eye(n)
+        C0 = C0 + rng.integers(2) * (G - G.T)
+        C = [C0] if rng.integers(2) else [C0, 0.1 * rng.normal(size=(n, n))]
+        M = [M0] if rng.integers(4) else [M0, 0.02 * L]
+        if growth(M, C, [E], 0.0) < -1e-4:
+            return M, C, [E, *H]
+
+
+@pytest.mark.parametrize("seed", range(200))
+def test_random_systems_lose_stability_where_a_scan_says(seed: int) -> None:
+    M, C, K = random_system(np.random.default_rng(seed))
+    found = first_loss(General(M, C, K), 8.0).crossing
+    expected = scanned(M, C, K, 8.0 if found is None else min(8.0, 1.01 * found.load), count=400)
+    if expected is None:
+        assert found is None
+        return
+    assert found is not None
+    assert found.load == pytest.approx(expected, rel=1e-6)
+    G = value(K, found.load) + 1j * found.frequency * value(C, found.load) - found.frequency**2 * value(M, found.load)
+    assert np.abs(G @ found.vector).max() < 1e-10 * np.abs(value(K, 0.0)).max()
+    assert (found.frequency == 0) == (found.kind == "divergence")
+
+
+ZIEGLER = (
+    np.array([[3.0, 1], [1, 1]]),
+    np.array([[2.0, -1], [-1, 1]]),
+    np.array([[-1.0, 1], [0, 0]]),
+)
+
+
+def test_zieglers_pendulum() -> None:
+    """Undamped, and in the limit of equal joint dampers: Ziegler's paradox, exactly."""
+    M, E, H = ZIEGLER
+    undamped = first_loss(General([M], [0 * E], [E, H])).crossing
+    vanishing = first_loss(General([M], [E], [E, H], vanishing=True)).crossing
+    assert undamped is not None and vanishing is not None
+    assert undamped.load == pytest.approx(7 / 2 - math.sqrt(2), rel=1e-14)
+    assert vanishing.load == pytest.approx(41 / 28, rel=1e-14)
+    assert General([M], [E], [E, H], vanishing=True).rounding(vanishing) < 1e-12
+
+
+@pytest.mark.parametrize("name", ["beck", "free-free"])
+@pytest.mark.parametrize("modes", [4, 9])
+@pytest.mark.parametrize(
+    ("alpha", "beta", "kappa"),
+    [(1e-3, 0.1, None), (0, 0, None), (0, 0, 0.0), (0, 0, 3.0), (1e-8, 0, None), (0, 1e-6, None), (1, 2, None)],
+)
+def test_proportional_damping_is_a_case_of_any(
+    name: str, modes: int, alpha: float, beta: float, kappa: float | None
+) -> None:
+    M, E, H = fb.column(name).matrices(modes, False)
+    expected = first_crossing(Pencil(M, E, H), alpha, beta, kappa=kappa)
+    C = alpha * E + beta * M if kappa is None else E + kappa * M
+    problem = General([M], [C], [E, H], vanishing=kappa is not None)
+    found = first_loss(problem).crossing
+    assert expected is not None and found is not None
+    assert (found.load, found.kind) == (pytest.approx(expected.load, rel=1e-9), expected.kind)
+    assert found.frequency == pytest.approx(expected.frequency, rel=1e-6)
+    assert problem.rounding(found) < 1e-6
+
+
+def pipe(modes: int, beta: float) -> tuple[Matrices, Matrices, Matrices]:
+    """A cantilevered pipe that conveys fluid, u = P, in powers of x from x² on, made orthonormal."""
+    x, weight = np.polynomial.legendre.leggauss(3 * modes + 6)
+    x, weight = (x + 1) / 2, weight / 2
+    powers = [
+        np.polynomial.Polynomial([0, 0, 1])
+        * np.polynomial.Legendre.basis(k, domain=[0, 1]).convert(kind=np.polynomial.Polynomial)
+        for k in range(modes)
+    ]
+    f, d, dd = (np.array([p.deriv(k)(x) if k else p(x) for p in powers]) for k in range(3))
+    C = 2 * math.sqrt(beta) * (f * weight) @ d.T
+    return [(f * weight) @ f.T], [0 * C, C], [(dd * weight) @ dd.T, 0 * C, (f * weight) @ dd.T]
+
+
+def test_a_pipe_is_damped_by_its_flow() -> None:
+    """C = 0 without flow. Gregory and Paidoussis's problem: 4.74989677312 from the exact solution."""
+    found = first_loss(General(*pipe(12, 0.1)), 20.0).crossing
+    assert found is not None
+    assert found.load == pytest.approx(4.74989677312, rel=1e-9)
+
+
+def test_a_rotation_restored_by_the_load_alone() -> None:
+    """E is singular: ω² of the rotation is P k near 0; then two frequencies meet, by the discriminant of s."""
+    M, E = np.eye(2), np.diag([0.0, 4.0])
+    H = np.array([[1.0, 2.0], [-2.0, 0.0]])
+    # s² − (4 + P) s + 4 P + 4 P² = 0: discriminant (4 + P)² − 16 P − 16 P² = 16 − 8 P − 15 P²
+    found = first_loss(General([M], [0 * M], [E, H]), 5.0).crossing
+    assert found is not None
+    assert found.load == pytest.approx((-8 + math.sqrt(64 + 960)) / 30, rel=1e-12)
+    damped = first_loss(General([M], [0.1 * M], [E, H]), 5.0).crossing
+    assert damped is not None
+    assert damped.load == pytest.approx(scanned([M], [0.1 * M], [E, H], 2.0), rel=1e-8)
+
+
+def test_what_is_unstable_from_the_start_is_refused() -> None:
+    with pytest.raises(InputError, match="smallest loads"):
+        first_loss(General([np.eye(2)], [0.1 * np.eye(2)], [np.diag([0.0, 4.0]), -np.eye(2)]), 5.0)
+    with pytest.raises(InputError, match="singular at every load"):
+        first_loss(General([np.eye(2)], [np.eye(2)], [np.diag([0.0, 4.0])]), 5.0)
+
+
+def triples(seed: int) -> tuple[Matrices, Matrices, Matrices, Matrices]:
+    rng = np.random.default_rng(seed)
+    while True:
+        M, C, K = random_system(rng)
+        if len(M[0]) > 2:
+            return M, C, K, [0.1 * rng.normal(size=M[0].shape) for _ in range(3)]
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_derivative_of_a_critical_load_by_differences(seed: int) -> None:
+    M, C, K, d = triples(seed)
+
+    def load(p: float) -> float:
+        system = ([X[0] + p * D, *X[1:]] for X, D in zip((M, C, K), d, strict=True))
+        crossing = first_loss(General(*system)).crossing
+        assert crossing is not None
+        return crossing.load
+
+    found = first_loss(General(M, C, K)).crossing
+    assert found is not None
+    at = tuple(value(X, found.load) for X in (M, C, K))
+    slope = tuple(value([(k + 1) * A for k, A in enumerate(X[1:])] or [0 * X[0]], found.load) for X in (M, C, K))
+    h = 1e-6 * min(1.0, found.load)
+    derivative = load_derivative(found.frequency, at, slope, tuple(d))
+    assert derivative == pytest.approx((load(h) - load(-h)) / (2 * h), rel=1e-4, abs=1e-6)
+
+
+def test_derivative_where_frequencies_meet() -> None:
+    """Ziegler's pendulum with a spring 1 + p at the root; damping makes the load jump and is refused."""
+    M, E, H = ZIEGLER
+    spring, zero = np.diag([1.0, 0.0]), np.zeros((2, 2))
+
+    def flutter(p: float) -> tuple[float, float]:
+        found = first_loss(General([M], [zero], [E + p * spring, H])).crossing
+        assert found is not None
+        return found.load, found.frequency
+
+    P, omega = flutter(0.0)
+    at, slope = (M, zero, E + P * H), (zero, zero, H)
+    expected = (flutter(1e-5)[0] - flutter(-1e-5)[0]) / 2e-5
+    assert load_derivative(omega, at, slope, (zero, zero, spring)) == pytest.approx(expected, rel=1e-7)
+    with pytest.raises(InputError, match="frequencies meet"):
+        load_derivative(omega, at, slope, (zero, spring, zero))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_derivative_of_an_eigenvalue_by_differences(seed: int) -> None:
+    M, C, K, d = triples(seed)
+    n, at = len(M[0]), (M[0], C[0], K[0])
+
+    def rates(p: float) -> np.ndarray:
+        m, c, k = (X + p * D for X, D in zip(at, d, strict=True))
+        top = np.hstack([np.zeros((n, n)), np.eye(n)])
+        return np.linalg.eigvals(np.vstack([top, np.linalg.solve(m, np.hstack([-k, -c]))]))
+
+    h = 1e-6
+    for rate in rates(0.0):
+        near = [min(rates(p), key=lambda x: abs(x - rate)) for p in (h, -h)]
+        found = eigenvalue_derivative(complex(rate), at, tuple(d))
+        assert found == pytest.approx((near[0] - near[1]) / (2 * h), rel=1e-4, abs=1e-5)
+
+
+def test_gyroscopic_stabilisation_is_lost_as_flutter() -> None:
+    """K = −(1 + P), C = 4J: (λ² − 1 − P)² + 16 λ² = 0 has its roots on the axis up to 1 + P = 4."""
+    J = np.array([[0.0, -1], [1, 0]])
+    found = first_loss(General([np.eye(2)], [4 * J], [-np.eye(2), -np.eye(2)]), 10.0).crossing
+    assert found is not None and found.kind == "flutter"
+    assert (found.load, found.frequency) == (pytest.approx(3, rel=1e-9), pytest.approx(2, rel=1e-4))
