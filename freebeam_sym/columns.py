@@ -68,6 +68,11 @@ class Coefficients(NamedTuple):
         M, C, K = (sum((load**k * X for k, X in enumerate(terms)), np.zeros_like(self.M[0])) for terms in self)
         return M, C, K
 
+    @property
+    def slope(self) -> Coefficients:
+        """Their derivatives by the load."""
+        return Coefficients(*(tuple(k * X for k, X in enumerate(terms))[1:] or (0 * self.M[0],) for terms in self))
+
 
 @dataclass(frozen=True, eq=False)
 class Column:

@@ -99,7 +99,8 @@ class Question:
         terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
         if not terms.C and self.kappa is None and _textbook(terms):
             return Proportional(pencil_of(terms.M[0], *terms.K))
-        return General(*terms, vanishing=self._direction)
+        C = terms.C if self._direction is None else self._direction
+        return General(terms.M, C or (np.zeros_like(terms.M[0]),), terms.K, self._direction is not None)
 
     @property
     def _direction(self) -> tuple[Real, ...] | None:

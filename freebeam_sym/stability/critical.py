@@ -6,15 +6,17 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.columns import Column
+from freebeam_sym.checks import InputError
+from freebeam_sym.columns import Coefficients, Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
+from freebeam_sym.stability.derivatives import load_derivative
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.grids import KINDS, Answers
 from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
@@ -73,6 +75,26 @@ class CriticalLoad:
             return 0.0
         return self.question.problem.rounding(Crossing(self.load, self.frequency, self.mode, self.kind))
 
+    @cached_property
+    def gradient(self) -> dict[str, float]:
+        """Derivatives of `load` by alpha, beta and the column's own parameters, by name: from the left and right null
+        vectors at the crossing, and central differences of the matrices, of fourth order. nan where there is none:
+        where two frequencies meet and the parameter is a damping. Raises InputError where there is no load, or the
+        question is of a limit of vanishing damping.
+        """
+        if self.load is None or self.frequency is None or self.question.kappa is not None:
+            raise InputError("gradient: of a critical load that there is, and not of a limit of vanishing damping")
+        q, P = self.question, self.load
+        terms = _coefficients(q, {})
+        at, rate = terms.at(P), terms.slope.at(P)
+        found = {}
+        for name in (*q.column.damping, *q.parameters):
+            try:
+                found[name] = load_derivative(self.frequency, at, rate, _change(q, name, P))
+            except InputError:
+                found[name] = math.nan
+        return found
+
     @property
     def error(self) -> float | None:
         """Estimated error of `load` against the beam itself, relative to the beam's load; None where there is no load
@@ -90,6 +112,28 @@ class CriticalLoad:
         beam = self.beam
         uncertainty = np.array([math.inf if beam is None else beam.uncertainty])
         return judge(_as_arrays(self), _as_arrays(beam or self), uncertainty)
+
+
+def _coefficients(question: Question, values: dict[str, float]) -> Coefficients:
+    """M, C and K of a question by powers of the load, at other values of some of its parameters."""
+    given: dict[str, Any] = {**question.values, **values}
+    return question.column.coefficients(question.modes, False, **given)
+
+
+def _change(question: Question, name: str, load: float) -> tuple[Real, Real, Real]:
+    """Derivatives of M, C and K at a load by a parameter."""
+    value = question.values[name]
+
+    def moved(to: float) -> Any:
+        return _coefficients(question, {name: to}).at(load)
+
+    if name in ("alpha", "beta"):  # C is linear in them
+        M, C, K = (b - a for a, b in zip(moved(value), moved(value + 1), strict=True))
+        return M, C, K
+    h = 1e-3 * max(abs(value), 1e-2)
+    near, far = ([b - a for a, b in zip(moved(value - s), moved(value + s), strict=True)] for s in (h, 2 * h))
+    M, C, K = ((8 * a - b) / (12 * h) for a, b in zip(near, far, strict=True))
+    return M, C, K
 
 
 def _as_arrays(found: CriticalLoad | BeamLoss) -> Answers:

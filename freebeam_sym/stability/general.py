@@ -36,6 +36,9 @@ GROWTH = 1e-13
 """Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows: below is rounding."""
 SPLIT = 1e-7
 """Relative. The same where eigenvalues stay on the axis: rounding splits two that meet by its root."""
+STRICT = 1e-10
+"""Damping ratio from which every mode must be damped at the reference load of `_States`: a point dashpot damps the
+high modes by little (120 Hermite elements with a tip damper pass), rounding damps the low modes by 1e-15."""
 SINGULAR = 1e-14
 """Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding."""
 ROUNDING = 1e-15
@@ -344,7 +347,7 @@ class _States(_Operator):
         self.problem, self.P, self.unit = problem, P, unit
         n = problem.size
         theta, V = np.linalg.eig(problem._inverse(P))
-        if not (theta.real < -GROWTH * np.abs(theta).max()).all() or np.linalg.cond(problem._at(P)[0]) > 1e13:
+        if not (theta.real < -STRICT * np.abs(theta)).all() or np.linalg.cond(problem._at(P)[0]) > 1e13:
             raise np.linalg.LinAlgError("not strictly stable")
         up, real = np.flatnonzero(theta.imag > 0), np.flatnonzero(theta.imag == 0)
         self.k = k = len(up)
