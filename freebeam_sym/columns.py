@@ -65,7 +65,10 @@ class Coefficients(NamedTuple):
 
     def at(self, load: float) -> tuple[Array, Array, Array]:
         """M, C and K at a load, each (n, n)."""
-        M, C, K = (sum((load**k * X for k, X in enumerate(terms)), np.zeros_like(self.M[0])) for terms in self)
+        M, C, K = (
+            terms[0] if len(terms) == 1 else sum((load**k * X for k, X in enumerate(terms)), np.zeros_like(self.M[0]))
+            for terms in self
+        )
         return M, C, K
 
     @property
