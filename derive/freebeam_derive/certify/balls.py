@@ -274,8 +274,12 @@ def coefficients(
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
     dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises
-    Unproven for a column with a factor that is no polynomial in x.
+    Unproven for a column with a factor that is no polynomial in x, and for damping that couples its rigid motions to the
+    bending, so that they may not be left out.
     """
+    for name, value in zip(("alpha", "beta"), dampings, strict=True):
+        if value != 0 and name in kernel.COLUMN["coupled"]:
+            raise Unproven(f"{name}: this damping couples the rigid motions of {kernel.COLUMN['name']} to its bending")
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
     try:
