@@ -102,7 +102,7 @@ def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> d
         "coordinates": list(kernel.COORDINATES),
         "forms": {
             "M": [_form(form) for form in bare["M"]],
-            "C": [_form(form) for form in bare["C"]],
+            "C_1": [_form(form) for form in bare["C"]],
             "C_alpha": [_form(*pair) for pair in zip(of_alpha["C"], bare["C"], strict=True)],
             "C_beta": [_form(*pair) for pair in zip(of_beta["C"], bare["C"], strict=True)],
             "K": [_form(form) for form in bare["K"]],

@@ -15,23 +15,31 @@ Stable means: all eigenvalues of λ² M + λ C + K in the open left half plane; 
 simple; in the limit (vanishing) that this is so, and that damping of the given direction makes every motion decay to
 first order.
 
+Of forms on segments (format 2) M, K and C = C_1 + alpha C_alpha + beta C_beta are polynomials in P, of forms and of a
+space in the file; undamped is where C is nothing. Where C is nothing at P = 0 alone, as in a pipe that conveys fluid,
+the theorem is one of 0 < P ≤ low, and at P = 0 all λ² are real, negative and simple. Rigid motions R are left out: it
+is checked that M, C and K take them to M_0 R for every P, and that among them λ is 0 or −c, c ≥ 0. The eigenvalues of
+the whole are these and those of the functions M_0-orthogonal to R, of which the theorem is; along R a displacement may
+grow as a power of time.
+
 PROOF, in full in docs/proofs.md. det(K − x M + iωC) = h(P, x) + iω g(P, x) with x = ω², polynomials of degree N in P
-and x together (N − 1 for g); in the limit g is the first order in C, without damping it stands for h_x. An eigenvalue
-on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0. They are interpolated here from
-determinants of balls, and checked:
+and x together (N − 1 for g; of forms by powers of P of degree N in x, N − 1 for g, and as many in P as rows of M, C and
+K can have); in the limit g is the first order in C, without damping it stands for h_x. Where C is P^k times another, g
+is divided by P^k. An eigenvalue on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0.
+They are interpolated here from determinants of balls, and checked:
 
 (i) On stretches from 0 to low, lines on which h, and g, have alternating signs leave a root of each between neighbours
     and use up the degrees: the roots are real, positive, simple and (with damping) interlace. Hermite and Biehler.
 (ii) On [low, high], outside the box x_low < x < x_high, cells of x in [0, ∞), the last in 1/x, on each of which h or g
-    is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there.
+    is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. ∎
 
-Products of trial functions are integrated as the bilinear forms say, in closed form. Numbers are balls: a comparison is
-true only where it is proven. Where `column` is one of this program's, ends and forms are those that it has at
-`parameters`, and the factors of the damping are its at alpha, beta and kappa; of any other column all is proven of the
-ends, forms and damping in the file, and the statement says so.
+Products of trial functions are integrated as the bilinear forms say, in closed form; on segments all is rational until
+determinants are taken. Numbers are balls: a comparison is true only where it is proven. Where `column` is one of this
+program's and of format 1, ends and forms are those that it has at `parameters`, and the factors of the damping are its
+at alpha, beta and kappa; of any other column all is proven of what is in the file, and the statement says so.
 """
 
 from __future__ import annotations
@@ -71,7 +79,7 @@ MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 MOST_CELLS = 100_000
 MOST_UNKNOWNS, MOST_ENTRIES = 400, 200_000  # of piecewise polynomials; of matrices, summed up
-MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 8, 20, 10, 4
+MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 9, 20, 10, 4
 LONGEST = 400  # characters of a number of the forms
 
 
@@ -166,16 +174,12 @@ class Statement:
     def record(self) -> dict[str, Any]:
         """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
         load, frequency = ((None, None) if v is None else shown(*v) for v in (self.load, self.frequency))
+        if self.kind == "divergence":
+            frequency = "0", "0"
         return {
-            "column": self.column,
-            "modes": self.modes,
-            "kind": self.kind,
-            "load_lower": load[0],
-            "load_upper": load[1],
-            "frequency_lower": "0" if self.kind == "divergence" else frequency[0],
-            "frequency_upper": "0" if self.kind == "divergence" else frequency[1],
-            "stable_to": load[0] or said(self.end),
-        }
+            "column": self.column, "modes": self.modes, "kind": self.kind, "load_lower": load[0], "load_upper": load[1],
+            "frequency_lower": frequency[0], "frequency_upper": frequency[1], "stable_to": load[0] or said(self.end),
+        }  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -197,19 +201,17 @@ class OfBeam(Statement):
         return self.proven(f"{what}, {self.damped}", self.damping is not None)
 
     def record(self) -> dict[str, Any]:
-        ours, damping = self.ours, self.damping
+        ours, factors = self.ours, None
+        if self.damping is not None:
+            of_M, of_E = said(self.damping.of_M), said(self.damping.of_E)
+            factors = {"of_M": of_M, "of_E": of_E, "vanishing": self.damping.vanishing}
         return super().record() | {
             "of": f"the column {self.column}" if ours else "the forms in this file",
-            "ends": list(self.ends),
-            "basis": self.basis,
+            "ends": list(self.ends), "basis": self.basis,
             "parameters": {name: said(value) for name, value in self.parameters.items()} if ours else None,
-            "alpha": said(self.alpha) if ours else None,
-            "beta": said(self.beta) if ours else None,
-            "kappa": said(self.kappa) if ours and self.kappa is not None else None,
-            "damping": None
-            if damping is None
-            else {"of_M": said(damping.of_M), "of_E": said(damping.of_E), "vanishing": damping.vanishing},
-        }
+            "alpha": said(self.alpha) if ours else None, "beta": said(self.beta) if ours else None,
+            "kappa": said(self.kappa) if ours and self.kappa is not None else None, "damping": factors,
+        }  # fmt: skip
 
     @property
     def damped(self) -> str:
@@ -233,19 +235,15 @@ class OfForms(Statement):
     """
 
     breaks: tuple[Fraction, ...]
-    fields: tuple[str, ...]
-    coordinates: tuple[str, ...]
+    unknowns: tuple[str, ...]
     size: int
     motions: int
     damped: bool
     above_zero: bool
 
     def __str__(self) -> str:
-        breaks = ", ".join(map(said, self.breaks))
-        what = (
-            f"{self.forms}, of {' and '.join((*self.fields, *self.coordinates))}, breaks at {breaks}, N = {self.modes}"
-        )
-        what += f" ({self.size} functions)"
+        what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
+        what += f", N = {self.modes} ({self.size} functions)"
         if self.motions:
             what += f", {self.motions} rigid motion{'s' if self.motions > 1 else ''} left out"
         of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
@@ -253,18 +251,11 @@ class OfForms(Statement):
 
     def record(self) -> dict[str, Any]:
         return super().record() | {
-            "of": "the forms in this file",
-            "breaks": [said(place) for place in self.breaks],
-            "fields": list(self.fields),
-            "coordinates": list(self.coordinates),
-            "functions": self.size,
-            "rigid_motions_left_out": self.motions,
-            "parameters": None,
-            "alpha": said(self.alpha),
-            "beta": said(self.beta),
-            "damped": self.damped,
+            "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
+            "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
+            "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped,
             "stable_at_zero_load": None if self.above_zero else True,
-        }
+        }  # fmt: skip
 
 
 Read = tuple[Statement, int, Callable[[], "System"], list[Stretch]]
@@ -287,16 +278,10 @@ def _claims(data: dict[str, Any]) -> dict[str, Any]:
     named = len(parameters) <= MOST_TERMS and all(name.isidentifier() and len(name) <= 200 for name in parameters)
     require(named, "a parameter has no name, or there are too many")
     return {
-        "column": column,
-        "parameters": {name: _number(value) for name, value in parameters.items()},
-        "modes": N,
-        "alpha": _number(data["alpha"]),
-        "beta": _number(data["beta"]),
-        "kind": kind,
-        "load": load,
-        "square": square,
+        "column": column, "parameters": {name: _number(value) for name, value in parameters.items()}, "modes": N,
+        "alpha": _number(data["alpha"]), "beta": _number(data["beta"]), "kind": kind, "load": load, "square": square,
         "load_max": None if crosses else _number(data["load_max"]),
-    }
+    }  # fmt: skip
 
 
 def _of_beam(data: dict[str, Any]) -> Read:
@@ -575,31 +560,26 @@ class Space:
     D: int
 
     @property
-    def segments(self) -> int:
-        return len(self.breaks) - 1
-
-    @property
     def size(self) -> int:
-        return len(self.fields) * self.segments * self.D + len(self.coordinates)
+        return len(self.fields) * (len(self.breaks) - 1) * self.D + len(self.coordinates)
 
     def start(self, name: str, segment: int) -> int:
         if name in self.fields:
-            return (list(self.fields).index(name) * self.segments + segment) * self.D
-        return len(self.fields) * self.segments * self.D + self.coordinates.index(name)
+            return (list(self.fields).index(name) * (len(self.breaks) - 1) + segment) * self.D
+        return self.size - len(self.coordinates) + self.coordinates.index(name)
 
-    def local(self, polynomial: fmpq_poly, segment: int) -> fmpq_poly:
-        """A polynomial in x as one in ξ."""
-        return polynomial(fmpq_poly([exact(self.breaks[segment]), self.length(segment)]))
-
-    def length(self, segment: int) -> fmpq:
-        return exact(self.breaks[segment + 1] - self.breaks[segment])
+    def ends(self, segment: int) -> tuple[fmpq, fmpq]:
+        """Left end and length of a segment."""
+        low, high = self.breaks[segment : segment + 2]
+        return exact(low), exact(high - low)
 
     def value(self, name: str, order: int, place: Fraction | None, side: int) -> tuple[int, list[fmpq]]:
         """A derivative at a place, as factors of the unknowns from some number on; a coordinate where there is none."""
         if place is None:
             return self.start(name, 0), [fmpq(1)]
         segment = sum(low < place or (low == place and side >= 0) for low in self.breaks[1:-1])
-        length, xi = self.length(segment), exact(place - self.breaks[segment]) / self.length(segment)
+        low, length = self.ends(segment)
+        xi = (exact(place) - low) / length
         values = [math.perm(k, order) * xi ** max(k - order, 0) / length**order for k in range(self.D)]
         return self.start(name, segment), values
 
@@ -607,21 +587,16 @@ class Space:
         """Rows of factors that vanish on the trial functions."""
         rows = []
         for name, (joined, held, opened) in self.fields.items():
-            seen = [(name, order, self.breaks[-end], 0) for end, order in held]
-            rows += [self._row((value, 1)) for value in seen]
-            for k, order in product(range(1, self.segments), range(joined)):
-                if (k, order) not in opened:
-                    left, right = ((name, order, self.breaks[k], side) for side in (-1, 1))
-                    rows.append(self._row((left, -1), (right, 1)))
+            joints = {*product(range(1, len(self.breaks) - 1), range(joined))} - opened
+            alone = [[((name, order, self.breaks[-end], 0), 1)] for end, order in held]
+            pairs = [[((name, order, self.breaks[k], side), side) for side in (-1, 1)] for k, order in joints]
+            for values in alone + pairs:
+                row = [fmpq(0)] * self.size
+                for value, sign in values:
+                    start, factors = self.value(*value)
+                    row[start : start + self.D] = [sign * factor for factor in factors]
+                rows.append(row)
         return rows
-
-    def _row(self, *values: tuple[Value, int]) -> list[fmpq]:
-        row = [fmpq(0)] * self.size
-        for value, sign in values:
-            start, factors = self.value(*value)
-            for k, factor in enumerate(factors):
-                row[start + k] += sign * factor
-        return row
 
     def matrix(self, *forms: tuple[fmpq, GeneralForm]) -> fmpq_mat:
         """Forms times numbers, as a matrix of all unknowns."""
@@ -629,19 +604,17 @@ class Space:
         for times, (along, points) in forms:
             for segment, test, p, trial, q, factor in along:
                 rows, columns = (self.D if name in self.fields else 1 for name in (test, trial))
-                weight, length = self.local(times * factor, segment), self.length(segment)
-                weight *= length ** (1 - p - q)
-                weights = [weight[m] for m in range(weight.degree() + 1)]
-                moments = [
-                    sum((w / (k + m + 1) for m, w in enumerate(weights)), fmpq(0)) for k in range(rows + columns)
-                ]
+                low, length = self.ends(segment)
+                weight = times * length ** (1 - p - q) * factor(fmpq_poly([low, length]))
+                weights = [*enumerate(weight.coeffs())]
+                moments = [sum((w / (k + m + 1) for m, w in weights), fmpq(0)) for k in range(rows + columns)]
                 first, other = self.start(test, segment), self.start(trial, segment)
                 for i, j in product(range(p, rows), range(q, columns)):
                     total[first + i][other + j] += math.perm(i, p) * math.perm(j, q) * moments[i + j - p - q]
-            for test, trial, factor in points:
-                (first, ones), (other, others) = self.value(*test), self.value(*trial)
+            for one, two, number in points:
+                (first, ones), (other, others) = self.value(*one), self.value(*two)
                 for (i, u), (j, v) in product(enumerate(ones), enumerate(others)):
-                    total[first + i][other + j] += times * factor * u * v
+                    total[first + i][other + j] += times * number * u * v
         return fmpq_mat(total)
 
 
@@ -649,89 +622,74 @@ def exact(value: Fraction) -> fmpq:
     return fmpq(value.numerator, value.denominator)
 
 
-def nothing(matrix: fmpq_mat) -> bool:
-    return all(v == 0 for v in matrix.entries())
+def nothing(*matrices: fmpq_mat) -> bool:
+    return all(v == 0 for X in matrices for v in X.entries())
+
+
+def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> list[list[fmpq_mat]]:
+    """M, C, K of the trial functions that are M_0-orthogonal to the rigid motions R; C empty where it is nothing.
+
+    Checked is that R meets the conditions, that M_0 is regular on it, that M, C and K take it to M_0 R for every load,
+    and that among these motions K² = 0 and C = c M_0 with c ≥ 0, so that λ is 0 or −c.
+    """
+    rows, R, M_0 = space.conditions(), fmpq_mat(motions).transpose(), terms[0][0]
+    if motions:
+        require(not rows or nothing(fmpq_mat(rows) * R), "a rigid motion does not meet the supports and joints")
+        among = R.transpose() * M_0 * R
+        require(among.det() != 0, "the rigid motions are not independent, or without mass")
+        rows += (R.transpose() * M_0).tolist()
+    found, N = fmpq_mat([*rows, [0] * space.size]).numer_denom()[0].nullspace()
+    require(0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
+    W = fmpq_mat([[found[k, n] for n in range(N)] for k in range(space.size)])
+    if motions:
+        alone = nothing(*(W.transpose() * X * R for powers in terms for X in powers))
+        require(alone, "a rigid motion is not left to itself by M, C and K")
+        M, C, K = ([among.solve(R.transpose() * X * R) for X in powers] for powers in terms)
+        decay = C[0][0, 0] if C else fmpq(0)
+        rates = [C[0] - decay * M[0]] if C else []  # M[0] is the identity
+        require(decay >= 0 and nothing(*M[1:], *C[1:], *rates), "a rigid motion is not known to rest, or to decay")
+        require(nothing(*(one * other for one in K for other in K)), "the load or a spring acts on a rigid motion")
+    M, C, K = ([W.transpose() * X * W for X in powers] for powers in terms)
+    while C and nothing(C[-1]):
+        C.pop()
+    return [M, C, K]
 
 
 def _of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
     differ = ", ".join(sorted(GENERAL_FIELDS ^ set(data)))[:100]
     require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
-    claims = _claims(data)
-    space = _space(data)
-    require(set(data["forms"]) == {"M", "C", "C_alpha", "C_beta", "K"}, "the forms are not M, C, C_alpha, C_beta and K")
-    entries = [0]
-    forms = {name: [_general_form(f, space, entries) for f in powers] for name, powers in data["forms"].items()}
-    require(all(len(powers) <= MOST_POWERS for powers in forms.values()), "a load's power is higher than any written")
+    claims, space, given = _claims(data), _space(data), data["forms"]
+    require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
+    require(all(len(powers) <= MOST_POWERS for powers in given.values()), "a load's power is higher than any written")
+    terms = sum(len(form["along"]) + len(form["points"]) for powers in given.values() for form in powers)
+    require(terms * space.D**2 <= MOST_ENTRIES, "the forms have too many terms")
+    require(len(data["rigid"]) <= MOST_MOTIONS, "there are too many rigid motions")
+    forms = {name: [_form(form, space) for form in powers] for name, powers in given.items()}
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
-    motions = [_motion(motion, space) for motion in data["rigid"]]
-    one, alpha, beta = fmpq(1), exact(claims["alpha"]), exact(claims["beta"])
-    M, K = ([space.matrix((one, f)) for f in forms[name]] for name in "MK")
-    parts = [[(factor, f) for f in forms[name]] for factor, name in ((one, "C"), (alpha, "C_alpha"), (beta, "C_beta"))]
+    M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
+    sizes = {"C_1": fmpq(1), "C_alpha": exact(claims["alpha"]), "C_beta": exact(claims["beta"])}
+    parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
     C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
-    M, C, K = reduced(space, motions, M, C, K)
+    M, C, K = reduced(space, [_motion(motion, space) for motion in data["rigid"]], M, C, K)
     N, damped = M[0].nrows(), bool(C)
     stated = OfForms(
-        **claims, breaks=space.breaks, fields=tuple(space.fields), coordinates=space.coordinates, size=N,
-        motions=len(motions), damped=damped, above_zero=damped and nothing(C[0]),
+        **claims, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
+        motions=len(data["rigid"]), damped=damped, above_zero=damped and nothing(C[0]),
     )  # fmt: skip
 
     def system() -> System:
-        return System(*([arb_mat(X) for X in terms] for terms in (M, C, K)), vanishing=False)
+        at_hand = [[arb_mat(X) for X in powers] for powers in (M, C, K)]
+        return System(at_hand[0], at_hand[1], at_hand[2], vanishing=False)
 
     return stated, N, system, _stretches(data["stretches"], stated.end, N, damped)
 
 
-def reduced(
-    space: Space, motions: list[list[fmpq]], M: list[fmpq_mat], C: list[fmpq_mat], K: list[fmpq_mat]
-) -> tuple[list[fmpq_mat], list[fmpq_mat], list[fmpq_mat]]:
-    """M, C, K of the trial functions that are M_0-orthogonal to the rigid motions R; C empty where it is nothing.
-
-    Checked is that R meets the conditions, that M_0 is regular on it, that M, C and K take it to M_0 R for every load,
-    and that among these motions K is nilpotent and C = c M_0 with c ≥ 0: λ = 0 and λ = −c.
-    """
-    rows, R = space.conditions(), fmpq_mat([[m[k] for m in motions] for k in range(space.size)])
-    if motions:
-        require(not rows or nothing(fmpq_mat(rows) * R), "a rigid motion does not meet the supports and joints")
-        among = R.transpose() * M[0] * R
-        require(among.det() != 0, "the rigid motions are not independent, or without mass")
-        rows += (R.transpose() * M[0]).tolist()
-    found, N = fmpq_mat([*rows, [0] * space.size]).numer_denom()[0].nullspace()
-    require(0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
-    W = fmpq_mat([[found[k, n] for n in range(N)] for k in range(space.size)])
-    if motions:
-        apart = all(nothing(W.transpose() * X * R) for X in (*M, *C, *K))
-        require(apart, "a rigid motion is not left to itself by M, C and K")
-        m, c, k = ([among.inv() * R.transpose() * X * R for X in terms] for terms in (M, C, K))
-        decay = c[0][0, 0] if c else fmpq(0)
-        one = fmpq_mat([[int(i == j) for j in range(len(motions))] for i in range(len(motions))])
-        steady = all(map(nothing, (*m[1:], *c[1:], *([c[0] - decay * one] if c else []))))
-        require(steady and decay >= 0, "a rigid motion is not known to decay, or to rest")
-        require(nilpotent(k), "a rigid motion is not known to rest: the load or a spring acts on it")
-    M, C, K = ([W.transpose() * X * W for X in terms] for terms in (M, C, K))
-    while C and nothing(C[-1]):
-        C.pop()
-    return M, C, K
-
-
-def nilpotent(terms: list[fmpq_mat]) -> bool:
-    """Whether a polynomial in P of matrices has no power left of the order of its size, whatever P."""
-    power = terms
-    for _ in range(terms[0].nrows() - 1):
-        product_ = [terms[0] * 0 for _ in range(len(power) + len(terms) - 1)]
-        for (i, one), (j, other) in product(enumerate(power), enumerate(terms)):
-            product_[i + j] += one * other
-        power = product_
-    return all(map(nothing, power))
-
-
 def _space(data: dict[str, Any]) -> Space:
     """Breaks, fields and coordinates, as few and small as any that are written."""
-    require(2 <= len(data["breaks"]) <= MOST_UNKNOWNS, "there are no breaks, or too many")
-    breaks = tuple(_factor(place) for place in data["breaks"])
-    require(breaks[0] == 0 and breaks[-1] == 1, "the breaks do not begin with 0 and end with 1")
-    require(all(a < b for a, b in pairwise(breaks)), "the breaks do not ascend")
-    given, coordinates = data["fields"], tuple(data["coordinates"])
+    breaks, given, coordinates = tuple(map(_short_number, data["breaks"])), data["fields"], tuple(data["coordinates"])
+    ascend = len(breaks) > 1 and all(a < b for a, b in pairwise(breaks))
+    require(ascend and breaks[0] == 0 and breaks[-1] == 1, "the breaks do not ascend from 0 to 1")
     names = [*given, *coordinates]
     require(0 < len(names) == len(set(names)) <= MOST_NAMES, "a name stands twice, or there are none, or too many")
     known = all(type(name) is str and name.isidentifier() and len(name) <= 200 for name in names)
@@ -739,65 +697,52 @@ def _space(data: dict[str, Any]) -> Space:
     fields = {}
     for name, field in given.items():
         require(set(field) == {"joined", "held", "opened"}, "a field is not joined, held and opened")
-        joined = _whole(field["joined"], 0, 2)
-        held, opened = ([(k, order) for k, order in field[part]] for part in ("held", "opened"))
-        require(len(held) + len(opened) <= 2 * len(breaks), "a field is held or opened too often")
-        for places, least, most in ((held, 0, 1), (opened, 1, len(breaks) - 2)):
-            for k, order in places:
-                _whole(k, least, most), _whole(order, 0, joined - 1)
-        fields[name] = joined, set(held), set(opened)
+        joined, last = _whole(field["joined"], 0, 2), len(breaks) - 2
+        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in field["held"]}
+        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in field["opened"]}
+        fields[name] = joined, held, opened
     space = Space(breaks, fields, coordinates, data["modes"] + 2)
     require(space.size <= MOST_UNKNOWNS, f"there are more than {MOST_UNKNOWNS} unknowns")
     return space
 
 
-def _whole(value: object, least: int, most: int) -> int:
-    require(type(value) is int and least <= value <= most, f"a number is not from {least} to {most}")
-    assert isinstance(value, int)
-    return value
+def _whole(value: Any, least: int, most: int) -> int:
+    require(type(value) is int and least <= value <= most, f"a number is not a whole one from {least} to {most}")
+    return int(value)
 
 
-def _factor(value: object) -> Fraction:
-    require(type(value) is not str or len(value) <= LONGEST, "a number of the forms is longer than any written")
+def _short_number(value: Any) -> Fraction:
+    require(
+        type(value) is str and len(value) <= LONGEST, "a number of the forms is no text, or longer than any written"
+    )
     return _number(value)
 
 
 def _polynomial(factors: Any, most: int) -> fmpq_poly:
     require(0 < len(factors) <= most, "a polynomial has no factors, or too many")
-    return fmpq_poly([exact(_factor(v)) for v in factors])
+    return fmpq_poly([exact(_short_number(v)) for v in factors])
 
 
-def _general_form(data: dict[str, Any], space: Space, entries: list[int]) -> GeneralForm:
-    """Integrals over a segment of polynomials times Dᵖ test D^q trial, and products of values; `entries` are counted."""
+def _form(data: dict[str, Any], space: Space) -> GeneralForm:
+    """Integrals over a segment of polynomials times Dᵖ test D^q trial, and products of values."""
     require(set(data) == {"along", "points"}, "a form has other parts than integrals and values")
 
-    def of(name: Any, order: Any) -> tuple[str, int]:
-        field = name in space.fields
-        require(field or name in space.coordinates, "a form is of a field or coordinate that there is not")
-        entries[0] += space.D if field else 1
-        return name, _whole(order, 0, HIGHEST_ORDER if field else 0)
+    def of(name: str, order: Any) -> tuple[str, int]:
+        known = name in (*space.fields, *space.coordinates)
+        require(known, "a form is of a field or coordinate that there is not")
+        return name, _whole(order, 0, HIGHEST_ORDER if name in space.fields else 0)
 
-    def value(given: Any) -> Value:
-        name, order, place, side = given
-        known = of(name, order)
+    def value(name: str, order: Any, place: Any, side: Any) -> Value:
         require((place is None) == (name in space.coordinates), "a value has no place, or a coordinate has one")
-        at = None if place is None else _factor(place)
+        at = None if place is None else _short_number(place)
         require(at is None or 0 <= at <= 1, "a place lies off the beam")
-        return *known, at, _whole(side, -1, 1)
+        return *of(name, order), at, _whole(side, -1, 1)
 
-    def size(*names: str) -> None:
-        entries[0] += math.prod(space.D if name in space.fields else 1 for name in names)
-        require(entries[0] <= MOST_ENTRIES, "the forms have too many terms")
-
-    along, points = [], []
-    for segment, test, p, trial, q, factors in data["along"]:
-        size(test, trial)
-        term = _whole(segment, 0, space.segments - 1), *of(test, p), *of(trial, q)
-        along.append((*term, _polynomial(factors, HIGHEST_POWER + 1)))
-    for test, trial, factor in data["points"]:
-        size(test[0], trial[0])
-        points.append((value(test), value(trial), exact(_factor(factor))))
-    return along, points
+    along = [
+        (_whole(segment, 0, len(space.breaks) - 2), *of(test, p), *of(trial, q), _polynomial(f, HIGHEST_POWER + 1))
+        for segment, test, p, trial, q, f in data["along"]
+    ]
+    return along, [(value(*test), value(*trial), exact(_short_number(f))) for test, trial, f in data["points"]]
 
 
 def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
@@ -805,22 +750,19 @@ def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
     unknowns = [fmpq(0)] * space.size
     for name, given in data.items():
         if name in space.coordinates:
-            unknowns[space.start(name, 0)] = exact(_factor(given))
+            unknowns[space.start(name, 0)] = exact(_short_number(given))
             continue
-        require(name in space.fields and len(given) == space.segments, "a rigid motion is not of these fields")
+        require(name in space.fields and len(given) == len(space.breaks) - 1, "a rigid motion is of other fields")
         for segment, factors in enumerate(given):
-            line = space.local(_polynomial(factors, 2), segment)
-            for k in range(line.degree() + 1):
-                unknowns[space.start(name, segment) + k] = line[k]
+            line = _polynomial(factors, 2)(fmpq_poly([*space.ends(segment)]))
+            for k, factor in enumerate(line.coeffs()):
+                unknowns[space.start(name, segment) + k] = factor
     return unknowns
-
-
-READERS = {FORMAT: _of_beam, GENERAL: _of_forms}
 
 
 # --- stability ----------------------------------------------------------------------------------------------
 
-Polynomials = list[arb_poly]  # over the powers of x, polynomials in P
+Rows = list[arb_poly]  # over the powers of x, polynomials in P
 
 
 @dataclass(frozen=True)
@@ -854,17 +796,16 @@ class Series:
             require(bool(sign * values[-1][0][0] > 0), "the roots of h are not separated without load")
         for x, row in zip(places, values, strict=True):
             row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
-        of_M, of_C, of_K = (max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K))
-        tops = [highest(b, N, of_M, of_C, of_K) for b in range(N + 1)]
+        degrees = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
+        tops = [highest(b, N, *degrees) for b in range(N + 1)]
         self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], tops)
         self.g = by_x(self.h)
         if self.damped:
-            tops = [of_C - self.power + highest(b, N - 1, of_M, of_C, of_K) for b in range(N)]
-            first = min(self.power, 1)
-            rows = [
-                [g / ball(P) ** self.power for (_, g), P in zip(row, loads, strict=True)][first:] for row in values[:-1]
-            ]
-            self.g = _interpolated(places[:-1], loads[first:], rows, tops)
+            tops = [degrees[1] - self.power + highest(b, N - 1, *degrees) for b in range(N)]
+            used = loads[min(self.power, 1) :]
+            sizes = [ball(P) ** self.power for P in used]
+            rows = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values[:-1]]
+            self.g = _interpolated(places[:-1], used, rows, tops)
 
     def _determinant(self, P: arb, x: arb) -> tuple[arb, arb]:
         M, C, K = (_at_load(terms, P) for terms in (self.system.M, self.system.C, self.system.K))
@@ -945,7 +886,7 @@ class Over:
         self.width = loads - self.middle
         self.moved = cache(self._moved)
 
-    def __call__(self, which: Polynomials, x: arb) -> arb:
+    def __call__(self, which: Rows, x: arb) -> arb:
         """By Taylor's theorem in P to second order, so that what cancels at the middle stays cancelled."""
         at_middle, first, second = self.moved(tuple(which))
         slope = _near(first, x) + self.width * _near(second, x)
@@ -958,7 +899,7 @@ class Over:
         rest = (arb_poly([p[k] for k in range(2, p.degree() + 1)])(self.width) for p in rows)
         return arb_poly([p[0] for p in rows]), arb_poly([p[1] for p in rows]), arb_poly(list(rest))
 
-    def apart(self, h: Polynomials, g: Polynomials, low: arb, high: arb) -> None:
+    def apart(self, h: Rows, g: Rows, low: arb, high: arb) -> None:
         """h and g have no common root from low to high at any of the loads: cells on which one of them is not zero."""
         waiting = [(low, high)]
         for _ in range(MOST_CELLS):
@@ -978,11 +919,11 @@ def opposite(one: arb, other: arb) -> bool:
     return bool(one < 0 < other or other < 0 < one)
 
 
-def by_load(which: Polynomials) -> Polynomials:
+def by_load(which: Rows) -> Rows:
     return [p.derivative() for p in which]
 
 
-def by_x(which: Polynomials) -> Polynomials:
+def by_x(which: Rows) -> Rows:
     return [k * p for k, p in enumerate(which)][1:]
 
 
@@ -1002,18 +943,15 @@ def _at_load(terms: list[arb_mat], P: arb) -> arb_mat:
     return total
 
 
-def _interpolated(
-    places: list[Fraction], loads: list[Fraction], values: list[list[arb]], tops: list[int]
-) -> Polynomials:
-    """The polynomial that has these values, a row for each x, in it one for each P; tops: highest powers of P for those
-    of x."""
+def _interpolated(places: list[Fraction], loads: list[Fraction], values: list[list[arb]], tops: list[int]) -> Rows:
+    """The polynomial that has these values, a row for each x, in it one for each P; tops: of P, by powers of x."""
     nodes, across = [ball(P) for P in loads], [ball(x) for x in places]
     rows = [arb_poly.interpolate(nodes, row) for row in values]
     columns = [arb_poly.interpolate(across, [row[a] for row in rows]) for a in range(max(tops) + 1)]
     return [arb_poly([columns[a][b] for a in range(top + 1)]) for b, top in enumerate(tops)]
 
 
-def _along(which: Polynomials, line: arb_poly) -> arb_poly:
+def _along(which: Rows, line: arb_poly) -> arb_poly:
     """The polynomial on a line."""
     total = arb_poly([0])
     for p in reversed(which):
@@ -1051,9 +989,9 @@ def positive(polynomial: arb_poly, low: arb, high: arb) -> bool:
 def verify(certificate: dict[str, Any]) -> Statement:
     """Check a certificate; what it proves. Raises Refused where it does not."""
     try:
-        known = type(certificate) is dict and certificate.get("format") in (FORMAT, GENERAL)
-        require(known, "this is no certificate of a known format")
-        stated, N, system, stretches = READERS[certificate["format"]](certificate)
+        kind = certificate.get("format") if type(certificate) is dict else None
+        require(kind in (FORMAT, GENERAL), "this is no certificate of a known format")
+        stated, N, system, stretches = (_of_forms if kind == GENERAL else _of_beam)(certificate)
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
         # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
         with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):

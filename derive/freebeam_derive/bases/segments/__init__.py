@@ -264,7 +264,7 @@ def _stated(form: BilinearForm) -> tuple[list[Any], list[Any]]:
     along = []
     for term in grouped(form):
         powers = () if term.sampled else Poly(term.factor, x).all_coeffs()[::-1]
-        along.append((term.segments, *term.test, *term.trial, [source.scalar(factor(c)) for c in powers]))
+        along.append((term.segments, *term.test, *term.trial, [source.scalar(factored(c)) for c in powers]))
 
     def value(given: Value) -> str:
         place = "None" if given.place is None else source.scalar(given.place)
