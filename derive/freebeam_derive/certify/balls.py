@@ -18,6 +18,7 @@ from typing import Any
 import flint
 import numpy as np
 from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
+from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
 
@@ -286,7 +287,7 @@ def coefficients(
         M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
         parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
         R = kernel.rigid_motions(basis, **given)
-    except (AttributeError, TypeError, ValueError) as error:
+    except (AttributeError, DomainError, TypeError, ValueError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions: {error}") from None
     T = _elastic(R, M[0])
     if fmpq_mat((K[0] if T is None else T.T @ K[0] @ T).tolist()).det() == 0:

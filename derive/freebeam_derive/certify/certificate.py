@@ -12,6 +12,8 @@ from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
+from flint import fmpq
+
 from freebeam_derive.certify.balls import Exact, Root, Unproven, parameters
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure
@@ -81,7 +83,8 @@ def _of_beam(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> 
 
 def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
     """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
-    bare, of_alpha, of_beta = (kernel.forms(Fraction(1), *map(Fraction, d), **own) for d in ((0, 0), (1, 0), (0, 1)))
+    given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
+    bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
     segments = len(bare["breaks"]) - 1
     motions = []
     for motion in bare["rigid"]:
@@ -135,9 +138,9 @@ def _value(value: tuple[str, int, Any, int]) -> list[Any]:
 
 
 def _text(value: Any) -> str:
-    if isinstance(value, float):
+    if not isinstance(value, int | fmpq):
         raise Unproven(f"a factor is no fraction, {value!r}, and is not for a file")
-    return written(value)
+    return written(Fraction(int(value)) if isinstance(value, int) else Fraction(int(value.p), int(value.q)))
 
 
 __all__ = ["FORMAT", "GENERAL", "write"]

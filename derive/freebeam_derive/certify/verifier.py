@@ -661,21 +661,21 @@ def _of_forms(data: dict[str, Any]) -> Read:
     require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
     claims, space, given = _claims(data), _space(data), data["forms"]
     require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
-    require(all(len(powers) <= MOST_POWERS for powers in given.values()), "a load's power is higher than any written")
-    terms = sum(len(form["along"]) + len(form["points"]) for powers in given.values() for form in powers)
+    powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
+    terms = sum(len(_list(form[part], MOST_ENTRIES)) for form in powers for part in ("along", "points"))
     require(terms * space.D**2 <= MOST_ENTRIES, "the forms have too many terms")
-    require(len(data["rigid"]) <= MOST_MOTIONS, "there are too many rigid motions")
-    forms = {name: [_form(form, space) for form in powers] for name, powers in given.items()}
+    forms = {name: [_form(form, space) for form in given[name]] for name in given}
+    motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
     M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
     sizes = {"C_1": fmpq(1), "C_alpha": exact(claims["alpha"]), "C_beta": exact(claims["beta"])}
     parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
     C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
-    M, C, K = reduced(space, [_motion(motion, space) for motion in data["rigid"]], M, C, K)
+    M, C, K = reduced(space, motions, M, C, K)
     N, damped = M[0].nrows(), bool(C)
     stated = OfForms(
         **claims, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
-        motions=len(data["rigid"]), damped=damped, above_zero=damped and nothing(C[0]),
+        motions=len(motions), damped=damped, above_zero=damped and nothing(C[0]),
     )  # fmt: skip
 
     def system() -> System:
@@ -687,7 +687,8 @@ def _of_forms(data: dict[str, Any]) -> Read:
 
 def _space(data: dict[str, Any]) -> Space:
     """Breaks, fields and coordinates, as few and small as any that are written."""
-    breaks, given, coordinates = tuple(map(_short_number, data["breaks"])), data["fields"], tuple(data["coordinates"])
+    breaks = tuple(_short_number(place) for place in _list(data["breaks"], MOST_UNKNOWNS))
+    given, coordinates = data["fields"], tuple(_list(data["coordinates"], MOST_NAMES))
     ascend = len(breaks) > 1 and all(a < b for a, b in pairwise(breaks))
     require(ascend and breaks[0] == 0 and breaks[-1] == 1, "the breaks do not ascend from 0 to 1")
     names = [*given, *coordinates]
@@ -698,12 +699,17 @@ def _space(data: dict[str, Any]) -> Space:
     for name, field in given.items():
         require(set(field) == {"joined", "held", "opened"}, "a field is not joined, held and opened")
         joined, last = _whole(field["joined"], 0, 2), len(breaks) - 2
-        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in field["held"]}
-        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in field["opened"]}
+        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in _list(field["held"], 4)}
+        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in _list(field["opened"], 2 * last)}
         fields[name] = joined, held, opened
     space = Space(breaks, fields, coordinates, data["modes"] + 2)
     require(space.size <= MOST_UNKNOWNS, f"there are more than {MOST_UNKNOWNS} unknowns")
     return space
+
+
+def _list(value: Any, most: int) -> list[Any]:
+    require(type(value) is list and len(value) <= most, "what should be a list is none, or longer than any written")
+    return list(value)
 
 
 def _whole(value: Any, least: int, most: int) -> int:
@@ -719,8 +725,8 @@ def _short_number(value: Any) -> Fraction:
 
 
 def _polynomial(factors: Any, most: int) -> fmpq_poly:
-    require(0 < len(factors) <= most, "a polynomial has no factors, or too many")
-    return fmpq_poly([exact(_short_number(v)) for v in factors])
+    require(len(factors) > 0, "a polynomial has no factors")
+    return fmpq_poly([exact(_short_number(v)) for v in _list(factors, most)])
 
 
 def _form(data: dict[str, Any], space: Space) -> GeneralForm:
@@ -734,8 +740,10 @@ def _form(data: dict[str, Any], space: Space) -> GeneralForm:
 
     def value(name: str, order: Any, place: Any, side: Any) -> Value:
         require((place is None) == (name in space.coordinates), "a value has no place, or a coordinate has one")
-        at = None if place is None else _short_number(place)
-        require(at is None or 0 <= at <= 1, "a place lies off the beam")
+        if place is None:
+            return *of(name, order), None, _whole(side, 0, 0)
+        at = _short_number(place)
+        require(0 <= at <= 1, "a place lies off the beam")
         return *of(name, order), at, _whole(side, -1, 1)
 
     along = [
