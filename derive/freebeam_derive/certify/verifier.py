@@ -46,7 +46,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
@@ -56,7 +56,7 @@ from pathlib import Path
 from typing import Any
 
 import flint
-from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series, fmpz_mat
 
 from freebeam_derive.certify.decimals import read, roots, said, shown
 from freebeam_kernels import COLUMNS
@@ -78,9 +78,9 @@ LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 d
 MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 MOST_CELLS = 100_000
-MOST_UNKNOWNS, MOST_ENTRIES = 400, 200_000  # of piecewise polynomials; of matrices, summed up
-MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 9, 20, 10, 4
-LONGEST = 400  # characters of a number of the forms
+MOST_UNKNOWNS, MOST_PARTS, MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 400, 1000, 9, 20, 10, 4
+LONGEST, LONGEST_BREAKS = 200, 1000  # characters of a number of forms on segments, and of all breaks
+MOST_WORK = 20_000_000  # terms times sizes times digits: a second; 5,000,000 are 20 segments of 12 functions
 
 
 class Refused(Exception):
@@ -606,8 +606,7 @@ class Space:
                 rows, columns = (self.D if name in self.fields else 1 for name in (test, trial))
                 low, length = self.ends(segment)
                 weight = times * length ** (1 - p - q) * factor(fmpq_poly([low, length]))
-                weights = [*enumerate(weight.coeffs())]
-                moments = [sum((w / (k + m + 1) for m, w in weights), fmpq(0)) for k in range(rows + columns)]
+                moments = [(power(k) * weight).integral()(1) for k in range(rows + columns)]
                 first, other = self.start(test, segment), self.start(trial, segment)
                 for i, j in product(range(p, rows), range(q, columns)):
                     total[first + i][other + j] += math.perm(i, p) * math.perm(j, q) * moments[i + j - p - q]
@@ -638,9 +637,11 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
         among = R.transpose() * M_0 * R
         require(among.det() != 0, "the rigid motions are not independent, or without mass")
         rows += (R.transpose() * M_0).tolist()
-    found, N = fmpq_mat([*rows, [0] * space.size]).numer_denom()[0].nullspace()
+    whole = [fmpq_mat([row]).numer_denom()[0].tolist()[0] for row in [*rows, [fmpq(0)] * space.size]]
+    found, N = fmpz_mat(whole).nullspace()
     require(0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
-    W = fmpq_mat([[found[k, n] for n in range(N)] for k in range(space.size)])
+    units = [next(found[k, n] for k in reversed(range(space.size)) if found[k, n] != 0) for n in range(N)]
+    W = fmpq_mat([[fmpq(found[k, n], units[n]) for n in range(N)] for k in range(space.size)])
     if motions:
         alone = nothing(*(W.transpose() * X * R for powers in terms for X in powers))
         require(alone, "a rigid motion is not left to itself by M, C and K")
@@ -662,8 +663,11 @@ def _of_forms(data: dict[str, Any]) -> Read:
     claims, space, given = _claims(data), _space(data), data["forms"]
     require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
     powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
-    terms = sum(len(_list(form[part], MOST_ENTRIES)) for form in powers for part in ("along", "points"))
-    require(terms * space.D**2 <= MOST_ENTRIES, "the forms have too many terms")
+    terms = [term for form in powers for part in ("along", "points") for term in _list(form[part], MOST_PARTS)]
+    degree = max((len(term[-1]) for term in terms if type(term[-1]) is list), default=0)
+    longest = max(map(len, _texts([data["breaks"], given, data["rigid"], data["alpha"], data["beta"]])))
+    work = len(terms) * (space.D + degree) ** 3 * longest
+    require(longest <= LONGEST and work <= MOST_WORK, "the forms have more terms, or longer ones, than any written")
     forms = {name: [_form(form, space) for form in given[name]] for name in given}
     motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
@@ -687,7 +691,9 @@ def _of_forms(data: dict[str, Any]) -> Read:
 
 def _space(data: dict[str, Any]) -> Space:
     """Breaks, fields and coordinates, as few and small as any that are written."""
-    breaks = tuple(_short_number(place) for place in _list(data["breaks"], MOST_UNKNOWNS))
+    places = _list(data["breaks"], MOST_UNKNOWNS)
+    require(sum(map(len, places)) <= LONGEST_BREAKS, "the breaks are longer than any written")
+    breaks = tuple(map(_number, places))
     given, coordinates = data["fields"], tuple(_list(data["coordinates"], MOST_NAMES))
     ascend = len(breaks) > 1 and all(a < b for a, b in pairwise(breaks))
     require(ascend and breaks[0] == 0 and breaks[-1] == 1, "the breaks do not ascend from 0 to 1")
@@ -717,16 +723,18 @@ def _whole(value: Any, least: int, most: int) -> int:
     return int(value)
 
 
-def _short_number(value: Any) -> Fraction:
-    require(
-        type(value) is str and len(value) <= LONGEST, "a number of the forms is no text, or longer than any written"
-    )
-    return _number(value)
+def _texts(data: Any) -> Iterator[str]:
+    """All texts in lists and objects."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, list | dict):
+        for value in data.values() if isinstance(data, dict) else data:
+            yield from _texts(value)
 
 
-def _polynomial(factors: Any, most: int) -> fmpq_poly:
+def _polynomial(factors: Any) -> fmpq_poly:
     require(len(factors) > 0, "a polynomial has no factors")
-    return fmpq_poly([exact(_short_number(v)) for v in _list(factors, most)])
+    return fmpq_poly([exact(_number(v)) for v in _list(factors, HIGHEST_POWER)])
 
 
 def _form(data: dict[str, Any], space: Space) -> GeneralForm:
@@ -742,15 +750,15 @@ def _form(data: dict[str, Any], space: Space) -> GeneralForm:
         require((place is None) == (name in space.coordinates), "a value has no place, or a coordinate has one")
         if place is None:
             return *of(name, order), None, _whole(side, 0, 0)
-        at = _short_number(place)
+        at = _number(place)
         require(0 <= at <= 1, "a place lies off the beam")
         return *of(name, order), at, _whole(side, -1, 1)
 
     along = [
-        (_whole(segment, 0, len(space.breaks) - 2), *of(test, p), *of(trial, q), _polynomial(f, HIGHEST_POWER + 1))
+        (_whole(segment, 0, len(space.breaks) - 2), *of(test, p), *of(trial, q), _polynomial(f))
         for segment, test, p, trial, q, f in data["along"]
     ]
-    return along, [(value(*test), value(*trial), exact(_short_number(f))) for test, trial, f in data["points"]]
+    return along, [(value(*test), value(*trial), exact(_number(f))) for test, trial, f in data["points"]]
 
 
 def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
@@ -758,11 +766,12 @@ def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
     unknowns = [fmpq(0)] * space.size
     for name, given in data.items():
         if name in space.coordinates:
-            unknowns[space.start(name, 0)] = exact(_short_number(given))
+            unknowns[space.start(name, 0)] = exact(_number(given))
             continue
         require(name in space.fields and len(given) == len(space.breaks) - 1, "a rigid motion is of other fields")
         for segment, factors in enumerate(given):
-            line = _polynomial(factors, 2)(fmpq_poly([*space.ends(segment)]))
+            line = _polynomial(factors)(fmpq_poly([*space.ends(segment)]))
+            require(line.degree() < min(2, space.D), "a rigid motion is no line")
             for k, factor in enumerate(line.coeffs()):
                 unknowns[space.start(name, segment) + k] = factor
     return unknowns
