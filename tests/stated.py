@@ -182,11 +182,16 @@ STATED: dict[str, tuple[dict[str, str], Asked]] = {
 def stated(folder: Path, name: str) -> tuple[Path, Asked]:
     """The file of a column, and what is asked of it."""
     changes, asked = STATED[name]
-    fields = {"name": '"sample"', "title": repr(name.replace("'", "")), **BECK, **changes}
+    return file_of(folder, name, changes), asked
+
+
+def file_of(folder: Path, title: str, changes: dict[str, str]) -> Path:
+    """The file of Beck's column with changes."""
+    fields = {"name": '"sample"', "title": repr(title.replace("'", "")), **BECK, **changes}
     path = folder / "sample.py"
     body = ",\n    ".join(f"{key}={value}" for key, value in fields.items())
     path.write_text(f"{HEAD}\ncolumn = Column(\n    {body},\n)\n", encoding="utf-8")
-    return path, asked
+    return path
 
 
 def asked_of(name: str) -> Any:

@@ -41,8 +41,8 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None of the beam itself, in SI
-    units and of a column beyond the textbook's.
+    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI
+    units.
     """
 
     load: tuple[str, str] | None
@@ -291,7 +291,7 @@ def certified_load(
         digits,
         asked.question,
         asked.inputs,
-        certificate.write(column.kernel, enclosure) if beam is None and not column.general else None,
+        certificate.write(column.kernel, enclosure) if beam is None else None,
     )
 
 

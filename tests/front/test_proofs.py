@@ -367,6 +367,40 @@ def test_certificates_are_written_kept_and_verified(tmp_path: Path, capsys: pyte
     assert capsys.readouterr().err.count("\n") == 1
 
 
+CRACKED = """
+from freebeam_derive.notation import P, alpha, t, x, y
+from freebeam_derive.statement import Column, at, delta, integral, jump
+column = Column(
+    name="cracked", title="Cracked cantilever under a follower force",
+    T=integral(y.diff(t) ** 2) / 2, V=integral(y.diff(x, 2) ** 2) / 2 + 5 * jump(y.diff(x), 0.4) ** 2,
+    W_c=P * integral(y.diff(x) ** 2) / 2,
+    dW_nc=-alpha * integral(y.diff(x, 2, t) * delta(y.diff(x, 2))) - P * at(y.diff(x), 1) * at(delta(y), 1),
+    ends=("clamped", "free"),
+)
+"""
+
+
+def test_certificates_of_any_column_are_written_and_verified(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    path, target = tmp_path / "cracked.py", tmp_path / "certificate.json"
+    path.write_text(CRACKED)
+    asked = ["critical", "--column", str(path), "--modes", "3", "--alpha", "0.01", "--digits", "12"]
+    status, proven, _ = run(capsys, *asked, "--certificate", str(target), "--json")
+    assert status == 0 and proven["kind"] == "flutter"
+    status, found, _ = run(capsys, "verify", str(target), "--json")
+    assert status == 0 and found["verified"] and found["of"] == "the forms in this file"
+    assert found["breaks"] == ["0", "0.4", "1"] and found["damped"] and found["alpha"] == "0.01"
+    low, high = (Fraction(found[f"load_{end}"]) for end in ("lower", "upper"))
+    assert low <= Fraction(proven["load_upper"]) and Fraction(proven["load_lower"]) <= high
+    said = run(capsys, "verify", str(target))[1]
+    assert "names them cracked; that they are its is not checked" in said and found["load_lower"] in said
+    target.write_text(target.read_text().replace('"10"', '"11"'))
+    assert main(["verify", str(target)]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
 @pytest.mark.parametrize(
     "arguments",
     [

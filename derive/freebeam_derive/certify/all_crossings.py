@@ -154,6 +154,9 @@ class _Survey:
         zero = Fraction(0)
         if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
             raise Unproven("the column is not known to be stable without load")
+        leading = arb_poly([row[self.found.N] for row in self.found.h.rows])
+        if 0 in signs_on([leading], zero, self.load_max):
+            raise Unproven("det M is not known to keep its sign, and eigenvalues may come from infinity")
         try:
             self._divergences(zero, self.load_max, 0)
         except Inseparable as open_:

@@ -18,6 +18,7 @@ from typing import Any
 import flint
 import numpy as np
 from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
+from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
 
@@ -274,17 +275,23 @@ def coefficients(
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
     dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises
-    Unproven for a column with a factor that is no polynomial in x.
+    Unproven for a column with a factor that is no polynomial in x or no fraction, for damping that couples its rigid
+    motions to the bending, and for a motion that has no stiffness without load.
     """
+    for name, value in zip(("alpha", "beta"), dampings, strict=True):
+        if value != 0 and name in kernel.COLUMN["coupled"]:
+            raise Unproven(f"{name}: this damping couples the rigid motions of {kernel.COLUMN['name']} to its bending")
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
     try:
         M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
         parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
         R = kernel.rigid_motions(basis, **given)
-    except (TypeError, AttributeError) as error:
+    except (AttributeError, DomainError, TypeError, ValueError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions: {error}") from None
     T = _elastic(R, M[0])
+    if fmpq_mat((K[0] if T is None else T.T @ K[0] @ T).tolist()).det() == 0:
+        raise Unproven(f"{kernel.COLUMN['name']}: has a motion that the load alone restores; it is not stable without")
     size = [exact(value) for value in dampings]
     bare, of_alpha, of_beta = ([_balls(T, X) for X in terms] for terms in parts)
     C = [b + size[0] * (x - b) + size[1] * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]

@@ -1,50 +1,42 @@
 """A proof as a file: what was proven and the data that prove it. `verifier.py` checks it with code of its own.
 
-All numbers are rational and written as text. The bilinear forms, the ends and the damping are in the file, so that
-it speaks for itself: whoever reads it need not trust the emitted kernels, nor the program that wrote it.
+All numbers are rational and written as text. The bilinear forms, the ends and the damping are in the file, of a column
+beyond the textbook's its breaks, fields, coordinates and rigid motions too, so that it speaks for itself: whoever reads
+it need not trust the emitted kernels, nor the program that wrote it.
 """
 
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
-from freebeam_derive.certify.balls import Root, parameters
+from flint import fmpq
+
+from freebeam_derive.certify.balls import Exact, Root, Unproven, parameters
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure
 
-FORMAT = "freebeam certificate 1"
+FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
-    """The certificate of an enclosure whose dampings are rational numbers, as a JSON object."""
+    """The certificate of an enclosure whose dampings are rational numbers, as a JSON object.
+
+    Raises Unproven for a column with a factor that is no fraction.
+    """
     question = found.question
-    alpha, beta, kappa = question.alpha, question.beta, question.kappa
-    assert isinstance(alpha, Fraction) and isinstance(beta, Fraction) and not isinstance(kappa, Root)
     own = parameters(kernel, question.own)
-    c_M, c_E = kernel.damping_factors(*((alpha, beta) if kappa is None else (Fraction(1), kappa)), **own)
-    forms = {
-        letter: {
-            "along": [[k, p, q, written(v)] for (k, p, q), v in along.items()],
-            "points": [[int(a), p, int(b), q, written(v)] for (a, p, b, q), v in points.items()],
-        }
-        for letter, (along, points) in kernel.forms(Fraction(1), **own).items()
-    }
+    general = bool(kernel.COLUMN.get("general"))
     return {
-        "format": FORMAT,
+        "format": GENERAL if general else FORMAT,
         "column": kernel.COLUMN["name"],
-        "ends": list(kernel.COLUMN["ends"]),
         "parameters": {name: written(value) for name, value in own.items()},
-        "basis": kernel.COLUMN.get("basis", "modes"),
         "modes": question.modes,
-        "forms": forms,
-        "alpha": written(alpha),
-        "beta": written(beta),
-        "kappa": None if kappa is None else written(kappa),
-        "damping": None
-        if question.undamped
-        else {"of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None},
+        "alpha": _rational(question.alpha),
+        "beta": _rational(question.beta),
+        **(_of_any if general else _of_beam)(kernel, found, own),
         "kind": found.kind,
         "load": None if found.load is None else [written(v) for v in found.load],
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],
@@ -62,4 +54,93 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
     }
 
 
-__all__ = ["FORMAT", "write"]
+def _rational(value: Exact) -> str:
+    assert not isinstance(value, Root)
+    return written(value)
+
+
+def _of_beam(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+    """Ends, basis, M, E, H and damping of a textbook's column."""
+    question, kappa = found.question, found.question.kappa
+    dampings = (question.alpha, question.beta) if kappa is None else (Fraction(1), kappa)
+    c_M, c_E = kernel.damping_factors(*dampings, **own)
+    return {
+        "ends": list(kernel.COLUMN["ends"]),
+        "basis": kernel.COLUMN.get("basis", "modes"),
+        "forms": {
+            letter: {
+                "along": [[k, p, q, written(v)] for (k, p, q), v in along.items()],
+                "points": [[int(a), p, int(b), q, written(v)] for (a, p, b, q), v in points.items()],
+            }
+            for letter, (along, points) in kernel.forms(Fraction(1), **own).items()
+        },
+        "kappa": None if kappa is None else _rational(kappa),
+        "damping": None
+        if question.undamped
+        else {"of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None},
+    }
+
+
+def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+    """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
+    given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
+    bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
+    segments = len(bare["breaks"]) - 1
+    motions = []
+    for motion in bare["rigid"]:
+        stated: dict[str, Any] = {}
+        for name, where, factors in motion:
+            if where is None:
+                stated[name] = _text(factors[0])
+                continue
+            for segment in where:
+                stated.setdefault(name, [["0"]] * segments)[segment] = [_text(v) for v in factors]
+        motions.append(stated)
+    return {
+        "breaks": [_text(place) for place in bare["breaks"]],
+        "fields": {
+            name: {"joined": joined, "held": sorted(map(list, held)), "opened": sorted(map(list, opened))}
+            for name, (joined, held, opened) in kernel.FIELDS.items()
+        },
+        "coordinates": list(kernel.COORDINATES),
+        "forms": {
+            "M": [_form(form) for form in bare["M"]],
+            "C_1": [_form(form) for form in bare["C"]],
+            "C_alpha": [_form(*pair) for pair in zip(of_alpha["C"], bare["C"], strict=True)],
+            "C_beta": [_form(*pair) for pair in zip(of_beta["C"], bare["C"], strict=True)],
+            "K": [_form(form) for form in bare["K"]],
+        },
+        "rigid": motions,
+    }
+
+
+def _form(form: tuple[Any, Any], less: tuple[Any, Any] | None = None) -> dict[str, Any]:
+    """A form, or what it has more than another of the same terms; terms of nothing are left out."""
+    along, points = form
+    no_along, no_points = less or ([], [])
+    written_along, written_points = [], []
+    for term, other in zip_longest(along, no_along):
+        *where, factors = term
+        factors = [v - w for v, w in zip_longest(factors, other[-1] if other else [], fillvalue=0)]
+        if any(factors):
+            segments, *rest = where
+            written_along += [[segment, *rest, [_text(v) for v in factors]] for segment in segments]
+    for term, other in zip_longest(points, no_points):
+        test, trial, factor = term
+        if factor := factor - (other[-1] if other else 0):
+            written_points.append([_value(test), _value(trial), _text(factor)])
+    return {"along": written_along, "points": written_points}
+
+
+def _value(value: tuple[str, int, Any, int]) -> list[Any]:
+    name, order, place, side = value
+    return [name, order, None if place is None else _text(place), side]
+
+
+def _text(value: Any) -> str:
+    if not isinstance(value, int | fmpq):
+        raise Unproven(f"a factor is no fraction, {value!r}, and is not for a file")
+    return written(Fraction(int(value)) if isinstance(value, int) else Fraction(int(value.p), int(value.q)))
+
+
+__all__ = ["FORMAT", "GENERAL", "write"]

@@ -15,58 +15,72 @@ Stable means: all eigenvalues of λ² M + λ C + K in the open left half plane; 
 simple; in the limit (vanishing) that this is so, and that damping of the given direction makes every motion decay to
 first order.
 
+Of forms on segments (format 2) M, K and C = C_1 + alpha C_alpha + beta C_beta are polynomials in P, of forms and of a
+space in the file; undamped is where C is nothing. Where C is nothing at P = 0 alone, as in a pipe that conveys fluid,
+the theorem is one of 0 < P ≤ low, and at P = 0 all λ² are real, negative and simple. Rigid motions R are left out: it
+is checked that M, C and K take them to M_0 R for every P, and that among them λ is 0 or −c, c ≥ 0. The eigenvalues of
+the whole are these and those of the functions M_0-orthogonal to R, of which the theorem is; along R a displacement may
+grow as a power of time.
+
 PROOF, in full in docs/proofs.md. det(K − x M + iωC) = h(P, x) + iω g(P, x) with x = ω², polynomials of degree N in P
-and x together (N − 1 for g); in the limit g is the first order in C, without damping it stands for h_x. An eigenvalue
-on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0. They are interpolated here from
-determinants of balls, and checked:
+and x together (N − 1 for g; of forms by powers of P of degree N in x, N − 1 for g, and as many in P as rows of M, C and
+K can have); in the limit g is the first order in C, without damping it stands for h_x. Where C is P^k times another, g
+is divided by P^k. An eigenvalue on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0.
+They are interpolated here from determinants of balls, and checked:
 
 (i) On stretches from 0 to low, lines on which h, and g, have alternating signs leave a root of each between neighbours
     and use up the degrees: the roots are real, positive, simple and (with damping) interlace. Hermite and Biehler.
 (ii) On [low, high], outside the box x_low < x < x_high, cells of x in [0, ∞), the last in 1/x, on each of which h or g
-    is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there.
+    is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. ∎
 
-Products of trial functions are integrated as the bilinear forms say, in closed form. Numbers are balls: a comparison is
-true only where it is proven. Where `column` is one of this program's, ends and forms are those that it has at
-`parameters`, and the factors of the damping are its at alpha, beta and kappa; of any other column all is proven of the
-ends, forms and damping in the file, and the statement says so.
+Products of trial functions are integrated as the bilinear forms say, in closed form; on segments all is rational until
+determinants are taken. Numbers are balls: a comparison is true only where it is proven. Where `column` is one of this
+program's and of format 1, ends and forms are those that it has at `parameters`, and the factors of the damping are its
+at alpha, beta and kappa; of any other column all is proven of what is in the file, and the statement says so.
 """
 
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 from importlib import import_module
-from itertools import pairwise
+from itertools import pairwise, product, zip_longest
 from pathlib import Path
 from typing import Any
 
 import flint
-from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series, fmpz_mat
 
 from freebeam_derive.certify.decimals import read, roots, said, shown
 from freebeam_kernels import COLUMNS
 
-FORMAT = "freebeam certificate 1"
-FIELDS = {
-    "format", "column", "ends", "parameters", "basis", "modes", "forms", "alpha", "beta", "kappa", "damping", "kind",
-    "load", "frequency_squared", "load_max", "proof", "stretches",
-}  # fmt: skip
+FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
+CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
+         "load_max", "proof", "stretches"}  # fmt: skip
+FIELDS = CLAIM | {"ends", "basis", "kappa", "damping"}
+GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid"}
 ORDERS = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2), "sliding": (1, 3)}
 Basis = tuple[Callable[..., arb], Callable[..., arb]]
 Line = tuple[Fraction, Fraction]
 Form = tuple[tuple[tuple[int, int, int, Fraction], ...], tuple[tuple[int, int, int, int, Fraction], ...]]
+Value = tuple[str, int, Fraction | None, int]  # name, order of derivative, place (None: a coordinate), side
+GeneralForm = tuple[list[tuple[int, str, int, str, int, fmpq_poly]], list[tuple[Value, Value, fmpq]]]
 
 # More than any certificate holds that is written: files that would only use up time and memory are not begun.
 LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
 MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 MOST_CELLS = 100_000
+MOST_UNKNOWNS, MOST_PARTS, MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 400, 1000, 9, 20, 10, 4
+LONGEST, LONGEST_BREAKS = 200, 1000  # characters of a number of forms on segments, and of all breaks
+MOST_WORK = 20_000_000  # terms times sizes times digits: a second; 5,000,000 are 20 segments of 12 functions
 
 
 class Refused(Exception):
@@ -109,20 +123,14 @@ class Stretch:
 class Statement:
     """What acceptance of a certificate proves: the theorem at the head of this file, of this column.
 
-    ours: the column is one of this program's, and ends, forms and damping are its; else all is of those in the file.
     load, square: rational intervals of P* and ω² (None where there is none). All nondimensional.
     """
 
     column: str
-    ours: bool
-    ends: tuple[str, str]
     parameters: dict[str, Fraction]
-    basis: str
     modes: int
     alpha: Fraction
     beta: Fraction
-    kappa: Fraction | None
-    damping: Damping | None
     kind: str
     load: tuple[Fraction, Fraction] | None
     square: tuple[Fraction, Fraction] | None
@@ -140,15 +148,19 @@ class Statement:
         """A rational interval of ω, nondimensional; None where λ = 0 or there is no crossing."""
         return None if self.square is None else roots(*self.square)
 
-    def __str__(self) -> str:
+    @property
+    def named(self) -> str:
+        """The column and its parameters."""
+        return self.column + "".join(f", {name} = {said(value)}" for name, value in self.parameters.items())
+
+    @property
+    def forms(self) -> str:
+        return f"the forms in this file (which names them {self.named}; that they are its is not checked)"
+
+    def proven(self, what: str, damped: bool, above_zero: bool = False) -> str:
         """The statement in full, in one line."""
-        own = "".join(f", {name} = {said(value)}" for name, value in self.parameters.items())
-        if self.ours:
-            what = f"column {self.column}{own}"
-        else:
-            what = f"the forms in this file (which names them {self.column}{own}; that they are its is not checked)"
-        what += f", {self.ends[0]} at x = 0 and {self.ends[1]} at x = 1, N = {self.modes} ({self.basis})"
-        stable = f"proven of {what}, {self.damped}: stable at every load P from 0 to"
+        loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
+        stable = f"proven of {what}: stable at {loads}"
         if self.load is None:
             return f"{stable} {said(self.end)}"
         low, high = shown(*self.load)
@@ -156,34 +168,50 @@ class Statement:
         where = "where det K = 0"
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
-        other = "no other frequencies meet" if self.damping is None else "no other eigenvalue has Re = 0"
+        other = "no other eigenvalue has Re = 0" if damped else "no other frequencies meet"
         return f"{stable} {low}; {lost}, {where}; {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
         """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
-        ours = self.ours
         load, frequency = ((None, None) if v is None else shown(*v) for v in (self.load, self.frequency))
-        damping = self.damping
+        if self.kind == "divergence":
+            frequency = "0", "0"
         return {
-            "column": self.column,
+            "column": self.column, "modes": self.modes, "kind": self.kind, "load_lower": load[0], "load_upper": load[1],
+            "frequency_lower": frequency[0], "frequency_upper": frequency[1], "stable_to": load[0] or said(self.end),
+        }  # fmt: skip
+
+
+@dataclass(frozen=True)
+class OfBeam(Statement):
+    """A statement of M, E, H over one segment.
+
+    ours: the column is one of this program's, and ends, forms and damping are its; else all is of those in the file.
+    """
+
+    ours: bool
+    ends: tuple[str, str]
+    basis: str
+    kappa: Fraction | None
+    damping: Damping | None
+
+    def __str__(self) -> str:
+        what = f"column {self.named}" if self.ours else self.forms
+        what += f", {self.ends[0]} at x = 0 and {self.ends[1]} at x = 1, N = {self.modes} ({self.basis})"
+        return self.proven(f"{what}, {self.damped}", self.damping is not None)
+
+    def record(self) -> dict[str, Any]:
+        ours, factors = self.ours, None
+        if self.damping is not None:
+            of_M, of_E = said(self.damping.of_M), said(self.damping.of_E)
+            factors = {"of_M": of_M, "of_E": of_E, "vanishing": self.damping.vanishing}
+        return super().record() | {
             "of": f"the column {self.column}" if ours else "the forms in this file",
-            "ends": list(self.ends),
-            "basis": self.basis,
-            "modes": self.modes,
+            "ends": list(self.ends), "basis": self.basis,
             "parameters": {name: said(value) for name, value in self.parameters.items()} if ours else None,
-            "alpha": said(self.alpha) if ours else None,
-            "beta": said(self.beta) if ours else None,
-            "kappa": said(self.kappa) if ours and self.kappa is not None else None,
-            "damping": None
-            if damping is None
-            else {"of_M": said(damping.of_M), "of_E": said(damping.of_E), "vanishing": damping.vanishing},
-            "kind": self.kind,
-            "load_lower": load[0],
-            "load_upper": load[1],
-            "frequency_lower": "0" if self.kind == "divergence" else frequency[0],
-            "frequency_upper": "0" if self.kind == "divergence" else frequency[1],
-            "stable_to": load[0] or said(self.end),
-        }
+            "alpha": said(self.alpha) if ours else None, "beta": said(self.beta) if ours else None,
+            "kappa": said(self.kappa) if ours and self.kappa is not None else None, "damping": factors,
+        }  # fmt: skip
 
     @property
     def damped(self) -> str:
@@ -198,28 +226,74 @@ class Statement:
         return f"C = {factors}{asked}"
 
 
-def _statement(data: dict[str, Any]) -> tuple[Statement, dict[str, Form], list[Stretch]]:
-    """A certificate's fields, each of the type and size that it must be, and whether they fit each other."""
-    require(type(data) is dict and data.get("format") == FORMAT, "this is no certificate of a known format")
-    require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
-    column, kind, basis, N = (data[k] for k in ("column", "kind", "basis", "modes"))
+@dataclass(frozen=True)
+class OfForms(Statement):
+    """A statement of the forms in a file, of fields on segments and coordinates.
+
+    modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
+    damped: C is not nothing; above_zero: but is at P = 0, and what is said is said of P > 0.
+    """
+
+    breaks: tuple[Fraction, ...]
+    unknowns: tuple[str, ...]
+    size: int
+    motions: int
+    damped: bool
+    above_zero: bool
+
+    def __str__(self) -> str:
+        what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
+        what += f", N = {self.modes} ({self.size} functions)"
+        if self.motions:
+            what += f", {self.motions} rigid motion{'s' if self.motions > 1 else ''} left out"
+        of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
+        return self.proven(what + of, self.damped, self.above_zero)
+
+    def record(self) -> dict[str, Any]:
+        return super().record() | {
+            "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
+            "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
+            "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped,
+            "stable_at_zero_load": None if self.above_zero else True,
+        }  # fmt: skip
+
+
+Read = tuple[Statement, int, Callable[[], "System"], list[Stretch]]
+"""The statement, the number of functions, the matrices at the precision in hand, and the stretches."""
+
+
+def _claims(data: dict[str, Any]) -> dict[str, Any]:
+    """What is claimed of any column, each of the type and size that it must be, and whether it fits each other."""
+    column, kind, N = (data[k] for k in ("column", "kind", "modes"))
     require(type(column) is str and len(column) <= 200 and column.isprintable(), "the column has no name")
     require(kind in ("none", "flutter", "divergence"), "the kind is neither flutter nor divergence")
-    require(basis in BASES, "the basis is not known")
     require(type(N) is int and 0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
-    left, right = data["ends"]
-    require(left in ORDERS and right in ORDERS, "the ends are not known")
-
     crosses = kind != "none"
     claims = {"crossing": crosses, "first": crosses, "stable_below": True, "kind": True}
     require(data["proof"] == claims, "what is said to be proven is not what is checked")
     given = [data[k] is not None for k in ("load", "frequency_squared", "load_max")]
     require(given == [crosses, kind == "flutter", not crosses], "what is given does not fit the kind")
     load, square = (_interval(data[k]) if data[k] is not None else None for k in ("load", "frequency_squared"))
+    parameters = data["parameters"]
+    named = len(parameters) <= MOST_TERMS and all(name.isidentifier() and len(name) <= 200 for name in parameters)
+    require(named, "a parameter has no name, or there are too many")
+    return {
+        "column": column, "parameters": {name: _number(value) for name, value in parameters.items()}, "modes": N,
+        "alpha": _number(data["alpha"]), "beta": _number(data["beta"]), "kind": kind, "load": load, "square": square,
+        "load_max": None if crosses else _number(data["load_max"]),
+    }  # fmt: skip
 
-    alpha, beta = _number(data["alpha"]), _number(data["beta"])
+
+def _of_beam(data: dict[str, Any]) -> Read:
+    """A certificate of M, E, H over one segment."""
+    require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
+    basis, N = data["basis"], data["modes"]
+    require(basis in BASES, "the basis is not known")
+    left, right = data["ends"]
+    require(left in ORDERS and right in ORDERS, "the ends are not known")
+    claims = _claims(data)
     kappa = None if data["kappa"] is None else _number(data["kappa"])
-    finite, limit = alpha != 0 or beta != 0, kappa is not None
+    finite, limit = claims["alpha"] != 0 or claims["beta"] != 0, kappa is not None
     require(not (finite and limit), "the damping is finite and vanishes")
     damping = data["damping"]
     require((damping is not None) == (finite or limit), "the damping does not fit alpha, beta and kappa")
@@ -228,31 +302,35 @@ def _statement(data: dict[str, Any]) -> tuple[Statement, dict[str, Form], list[S
         require(damping["vanishing"] is limit, "the damping does not fit kappa")
         damping = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
         require(not limit or damping.of_E > 0, "no internal damping is there to vanish")
-
-    parameters = data["parameters"]
-    named = len(parameters) <= MOST_TERMS and all(name.isidentifier() and len(name) <= 200 for name in parameters)
-    require(named, "a parameter has no name, or there are too many")
-    parameters = {name: _number(value) for name, value in parameters.items()}
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: form(data["forms"][name]) for name in "MEH"}
-    stated = Statement(
-        column, column in COLUMNS, (left, right), parameters, basis, N, alpha, beta, kappa, damping, kind, load, square,
-        None if crosses else _number(data["load_max"]),
-    )  # fmt: skip
-    if stated.ours:
+    ours = claims["column"] in COLUMNS
+    stated = OfBeam(**claims, ours=ours, ends=(left, right), basis=basis, kappa=kappa, damping=damping)
+    if ours:
         _check_column(stated, forms)
-    stretches = [_stretch(stretch) for stretch in data["stretches"]]
+
+    def system() -> System:
+        M, E, H = matrices([left, right], basis, N, forms).values()
+        C = [ball(damping.of_M) * M + ball(damping.of_E) * E] if damping else []
+        return System([M], C, [E, H], limit)
+
+    return stated, N, system, _stretches(data["stretches"], stated.end, N, damping is not None)
+
+
+def _stretches(data: Any, end: Fraction, N: int, damped: bool) -> list[Stretch]:
+    """Stretches without a gap from 0 to the end, with as many ascending lines as N functions take."""
+    stretches = [_stretch(stretch) for stretch in data]
     reached = Fraction(0)
     for s in stretches:
         where = f"between the loads {float(s.start):.10g} and {float(s.end):.10g}"
         require(s.start == reached < s.end, "the stretches leave a gap")
-        require(len(s.lines) == (2 * N if damping else N + 1), f"there are too few separators, or too many, {where}")
+        require(len(s.lines) == (2 * N if damped else N + 1), f"there are too few separators, or too many, {where}")
         for P in (s.start, s.end):
             places = [point + slope * (P - s.origin) for point, slope in s.lines]
             require(all(a < b for a, b in pairwise(places)), f"the separators do not ascend {where}")
         reached = s.end
-    require(reached == stated.end > 0, "stability is not shown up to the load")
-    return stated, forms, stretches
+    require(reached == end > 0, "stability is not shown up to the load")
+    return stretches
 
 
 def _number(value: object) -> Fraction:
@@ -288,7 +366,7 @@ def _stretch(data: dict[str, Any]) -> Stretch:
     return Stretch(start, end, origin, ((Fraction(0), Fraction(0)), *lines))
 
 
-def _check_column(stated: Statement, forms: dict[str, Form]) -> None:
+def _check_column(stated: OfBeam, forms: dict[str, Form]) -> None:
     """Ends, forms and damping are those that the emitted kernel of that name states, exactly."""
     kernel = import_module(f"freebeam_kernels.{COLUMNS[stated.column][stated.basis]}")
     own, what = stated.parameters, f"those of the column {stated.column}"
@@ -465,23 +543,269 @@ def matrices(ends: list[str], basis: str, N: int, forms: dict[str, Form]) -> dic
     return {name: arb_mat([[entry(i, j, *forms[name]) for j in range(N)] for i in range(N)]) for name in "MEH"}
 
 
+# --- any column: polynomials on segments, and coordinates ---------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Space:
+    """Trial functions: on each segment polynomials of degree D − 1 in ξ, 0 ≤ ξ ≤ 1, for each field, and coordinates.
+
+    Values and derivatives of an order below `joined` are continuous at breaks but where `opened` (break, order), and
+    zero where `held` (end, order). Unknowns are all coefficients, those of a field and segment from `start` on.
+    """
+
+    breaks: tuple[Fraction, ...]
+    fields: dict[str, tuple[int, set[tuple[int, int]], set[tuple[int, int]]]]
+    coordinates: tuple[str, ...]
+    D: int
+
+    @property
+    def size(self) -> int:
+        return len(self.fields) * (len(self.breaks) - 1) * self.D + len(self.coordinates)
+
+    def start(self, name: str, segment: int) -> int:
+        if name in self.fields:
+            return (list(self.fields).index(name) * (len(self.breaks) - 1) + segment) * self.D
+        return self.size - len(self.coordinates) + self.coordinates.index(name)
+
+    def ends(self, segment: int) -> tuple[fmpq, fmpq]:
+        """Left end and length of a segment."""
+        low, high = self.breaks[segment : segment + 2]
+        return exact(low), exact(high - low)
+
+    def value(self, name: str, order: int, place: Fraction | None, side: int) -> tuple[int, list[fmpq]]:
+        """A derivative at a place, as factors of the unknowns from some number on; a coordinate where there is none."""
+        if place is None:
+            return self.start(name, 0), [fmpq(1)]
+        segment = sum(low < place or (low == place and side >= 0) for low in self.breaks[1:-1])
+        low, length = self.ends(segment)
+        xi = (exact(place) - low) / length
+        values = [math.perm(k, order) * xi ** max(k - order, 0) / length**order for k in range(self.D)]
+        return self.start(name, segment), values
+
+    def conditions(self) -> list[list[fmpq]]:
+        """Rows of factors that vanish on the trial functions."""
+        rows = []
+        for name, (joined, held, opened) in self.fields.items():
+            joints = {*product(range(1, len(self.breaks) - 1), range(joined))} - opened
+            alone = [[((name, order, self.breaks[-end], 0), 1)] for end, order in held]
+            pairs = [[((name, order, self.breaks[k], side), side) for side in (-1, 1)] for k, order in joints]
+            for values in alone + pairs:
+                row = [fmpq(0)] * self.size
+                for value, sign in values:
+                    start, factors = self.value(*value)
+                    row[start : start + self.D] = [sign * factor for factor in factors]
+                rows.append(row)
+        return rows
+
+    def matrix(self, *forms: tuple[fmpq, GeneralForm]) -> fmpq_mat:
+        """Forms times numbers, as a matrix of all unknowns."""
+        total = [[fmpq(0)] * self.size for _ in range(self.size)]
+        for times, (along, points) in forms:
+            for segment, test, p, trial, q, factor in along:
+                rows, columns = (self.D if name in self.fields else 1 for name in (test, trial))
+                low, length = self.ends(segment)
+                weight = times * length ** (1 - p - q) * factor(fmpq_poly([low, length]))
+                moments = [(power(k) * weight).integral()(1) for k in range(rows + columns)]
+                first, other = self.start(test, segment), self.start(trial, segment)
+                for i, j in product(range(p, rows), range(q, columns)):
+                    total[first + i][other + j] += math.perm(i, p) * math.perm(j, q) * moments[i + j - p - q]
+            for one, two, number in points:
+                (first, ones), (other, others) = self.value(*one), self.value(*two)
+                for (i, u), (j, v) in product(enumerate(ones), enumerate(others)):
+                    total[first + i][other + j] += times * number * u * v
+        return fmpq_mat(total)
+
+
+def exact(value: Fraction) -> fmpq:
+    return fmpq(value.numerator, value.denominator)
+
+
+def nothing(*matrices: fmpq_mat) -> bool:
+    return all(v == 0 for X in matrices for v in X.entries())
+
+
+def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> list[list[fmpq_mat]]:
+    """M, C, K of the trial functions that are M_0-orthogonal to the rigid motions R; C empty where it is nothing.
+
+    Checked is that R meets the conditions, that M_0 is regular on it, that M, C and K take it to M_0 R for every load,
+    and that among these motions K² = 0 and C = c M_0 with c ≥ 0, so that λ is 0 or −c.
+    """
+    rows, R, M_0 = space.conditions(), fmpq_mat(motions).transpose(), terms[0][0]
+    if motions:
+        require(not rows or nothing(fmpq_mat(rows) * R), "a rigid motion does not meet the supports and joints")
+        among = R.transpose() * M_0 * R
+        require(among.det() != 0, "the rigid motions are not independent, or without mass")
+        rows += (R.transpose() * M_0).tolist()
+    whole = [fmpq_mat([row]).numer_denom()[0].tolist()[0] for row in [*rows, [fmpq(0)] * space.size]]
+    found, N = fmpz_mat(whole).nullspace()
+    require(0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
+    units = [next(found[k, n] for k in reversed(range(space.size)) if found[k, n] != 0) for n in range(N)]
+    W = fmpq_mat([[fmpq(found[k, n], units[n]) for n in range(N)] for k in range(space.size)])
+    if motions:
+        alone = nothing(*(W.transpose() * X * R for powers in terms for X in powers))
+        require(alone, "a rigid motion is not left to itself by M, C and K")
+        M, C, K = ([among.solve(R.transpose() * X * R) for X in powers] for powers in terms)
+        decay = C[0][0, 0] if C else fmpq(0)
+        rates = [C[0] - decay * M[0]] if C else []  # M[0] is the identity
+        require(decay >= 0 and nothing(*M[1:], *C[1:], *rates), "a rigid motion is not known to rest, or to decay")
+        require(nothing(*(one * other for one in K for other in K)), "the load or a spring acts on a rigid motion")
+    M, C, K = ([W.transpose() * X * W for X in powers] for powers in terms)
+    while C and nothing(C[-1]):
+        C.pop()
+    return [M, C, K]
+
+
+def _of_forms(data: dict[str, Any]) -> Read:
+    """A certificate of forms on segments."""
+    differ = ", ".join(sorted(GENERAL_FIELDS ^ set(data)))[:100]
+    require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
+    claims, space, given = _claims(data), _space(data), data["forms"]
+    require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
+    powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
+    terms = [term for form in powers for part in ("along", "points") for term in _list(form[part], MOST_PARTS)]
+    degree = max((len(term[-1]) for term in terms if type(term[-1]) is list), default=0)
+    longest = max(map(len, _texts([data["breaks"], given, data["rigid"], data["alpha"], data["beta"]])))
+    work = len(terms) * (space.D + degree) ** 3 * longest
+    require(longest <= LONGEST and work <= MOST_WORK, "the forms have more terms, or longer ones, than any written")
+    forms = {name: [_form(form, space) for form in given[name]] for name in given}
+    motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
+    require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
+    M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
+    sizes = {"C_1": fmpq(1), "C_alpha": exact(claims["alpha"]), "C_beta": exact(claims["beta"])}
+    parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
+    C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
+    M, C, K = reduced(space, motions, M, C, K)
+    N, damped = M[0].nrows(), bool(C)
+    stated = OfForms(
+        **claims, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
+        motions=len(motions), damped=damped, above_zero=damped and nothing(C[0]),
+    )  # fmt: skip
+
+    def system() -> System:
+        at_hand = [[arb_mat(X) for X in powers] for powers in (M, C, K)]
+        return System(at_hand[0], at_hand[1], at_hand[2], vanishing=False)
+
+    return stated, N, system, _stretches(data["stretches"], stated.end, N, damped)
+
+
+def _space(data: dict[str, Any]) -> Space:
+    """Breaks, fields and coordinates, as few and small as any that are written."""
+    places = _list(data["breaks"], MOST_UNKNOWNS)
+    require(sum(map(len, places)) <= LONGEST_BREAKS, "the breaks are longer than any written")
+    breaks = tuple(map(_number, places))
+    given, coordinates = data["fields"], tuple(_list(data["coordinates"], MOST_NAMES))
+    ascend = len(breaks) > 1 and all(a < b for a, b in pairwise(breaks))
+    require(ascend and breaks[0] == 0 and breaks[-1] == 1, "the breaks do not ascend from 0 to 1")
+    names = [*given, *coordinates]
+    require(0 < len(names) == len(set(names)) <= MOST_NAMES, "a name stands twice, or there are none, or too many")
+    known = all(type(name) is str and name.isidentifier() and len(name) <= 200 for name in names)
+    require(known, "a field or coordinate has no name")
+    fields = {}
+    for name, field in given.items():
+        require(set(field) == {"joined", "held", "opened"}, "a field is not joined, held and opened")
+        joined, last = _whole(field["joined"], 0, 2), len(breaks) - 2
+        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in _list(field["held"], 4)}
+        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in _list(field["opened"], 2 * last)}
+        fields[name] = joined, held, opened
+    space = Space(breaks, fields, coordinates, data["modes"] + 2)
+    require(space.size <= MOST_UNKNOWNS, f"there are more than {MOST_UNKNOWNS} unknowns")
+    return space
+
+
+def _list(value: Any, most: int) -> list[Any]:
+    require(type(value) is list and len(value) <= most, "what should be a list is none, or longer than any written")
+    return list(value)
+
+
+def _whole(value: Any, least: int, most: int) -> int:
+    require(type(value) is int and least <= value <= most, f"a number is not a whole one from {least} to {most}")
+    return int(value)
+
+
+def _texts(data: Any) -> Iterator[str]:
+    """All texts in lists and objects."""
+    if isinstance(data, str):
+        yield data
+    elif isinstance(data, list | dict):
+        for value in data.values() if isinstance(data, dict) else data:
+            yield from _texts(value)
+
+
+def _polynomial(factors: Any) -> fmpq_poly:
+    require(len(factors) > 0, "a polynomial has no factors")
+    return fmpq_poly([exact(_number(v)) for v in _list(factors, HIGHEST_POWER)])
+
+
+def _form(data: dict[str, Any], space: Space) -> GeneralForm:
+    """Integrals over a segment of polynomials times Dᵖ test D^q trial, and products of values."""
+    require(set(data) == {"along", "points"}, "a form has other parts than integrals and values")
+
+    def of(name: str, order: Any) -> tuple[str, int]:
+        known = name in (*space.fields, *space.coordinates)
+        require(known, "a form is of a field or coordinate that there is not")
+        return name, _whole(order, 0, HIGHEST_ORDER if name in space.fields else 0)
+
+    def value(name: str, order: Any, place: Any, side: Any) -> Value:
+        require((place is None) == (name in space.coordinates), "a value has no place, or a coordinate has one")
+        if place is None:
+            return *of(name, order), None, _whole(side, 0, 0)
+        at = _number(place)
+        require(0 <= at <= 1, "a place lies off the beam")
+        return *of(name, order), at, _whole(side, -1, 1)
+
+    along = [
+        (_whole(segment, 0, len(space.breaks) - 2), *of(test, p), *of(trial, q), _polynomial(f))
+        for segment, test, p, trial, q, f in data["along"]
+    ]
+    return along, [(value(*test), value(*trial), exact(_number(f))) for test, trial, f in data["points"]]
+
+
+def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
+    """A rigid motion by its unknowns: lines in x for each segment of a field, a number for a coordinate."""
+    unknowns = [fmpq(0)] * space.size
+    for name, given in data.items():
+        if name in space.coordinates:
+            unknowns[space.start(name, 0)] = exact(_number(given))
+            continue
+        require(name in space.fields and len(given) == len(space.breaks) - 1, "a rigid motion is of other fields")
+        for segment, factors in enumerate(given):
+            line = _polynomial(factors)(fmpq_poly([*space.ends(segment)]))
+            require(line.degree() < min(2, space.D), "a rigid motion is no line")
+            for k, factor in enumerate(line.coeffs()):
+                unknowns[space.start(name, segment) + k] = factor
+    return unknowns
+
+
 # --- stability ----------------------------------------------------------------------------------------------
 
-Polynomials = list[arb_poly]  # over the powers of x, polynomials in P
+Rows = list[arb_poly]  # over the powers of x, polynomials in P
+
+
+@dataclass(frozen=True)
+class System:
+    """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction."""
+
+    M: list[arb_mat]
+    C: list[arb_mat]
+    K: list[arb_mat]
+    vanishing: bool
 
 
 class Series:
-    """h and g of det(E + P H − x M + iωC) = h + iωg at ω = √x; without damping g is h_x."""
+    """h and g of det(K − x M + iωC) = h + iωg at ω = √x; without damping g is h_x.
 
-    def __init__(self, stated: Statement, forms: dict[str, Form], places: list[Fraction]) -> None:
+    Where C is nothing at P = 0, g is divided by the power of P that it has then.
+    """
+
+    def __init__(self, system: System, end: Fraction, places: list[Fraction]) -> None:
         """places: between the eigenvalues without load, one more than functions, where determinants are taken."""
-        damping = stated.damping
-        self.N, self.damped = stated.modes, damping is not None
-        self.finite = damping is not None and not damping.vanishing
-        self.M, self.E, self.H = matrices(list(stated.ends), stated.basis, stated.modes, forms).values()
-        self.C = ball(damping.of_M) * self.M + ball(damping.of_E) * self.E if damping else 0 * self.M
-        loads = [stated.end * k / self.N for k in range(self.N + 1)]
-        signs = ((-1) ** k for k in range(self.N + 1))
+        self.system, self.damped = system, bool(system.C)
+        self.N = N = system.M[0].nrows()
+        self.power = next((k for k, X in enumerate(system.C) if any(v != 0 for v in X.entries())), 0)
+        count = N * max(1, *(len(terms) - 1 for terms in (system.M, system.C, system.K)))
+        loads = [end * k / count for k in range(count + 1)]
+        signs = ((-1) ** k for k in range(N + 1))
         values = []
         for x, sign in zip(places, signs, strict=True):
             values.append([self._determinant(ball(P), ball(x)) for P in loads[:1]])
@@ -489,20 +813,27 @@ class Series:
             require(bool(sign * values[-1][0][0] > 0), "the roots of h are not separated without load")
         for x, row in zip(places, values, strict=True):
             row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
-        self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], self.N)
+        degrees = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
+        tops = [highest(b, N, *degrees) for b in range(N + 1)]
+        self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], tops)
         self.g = by_x(self.h)
         if self.damped:
-            self.g = _interpolated(places[:-1], loads, [[g for _, g in row] for row in values[:-1]], self.N - 1)
+            tops = [degrees[1] - self.power + highest(b, N - 1, *degrees) for b in range(N)]
+            used = loads[min(self.power, 1) :]
+            sizes = [ball(P) ** self.power for P in used]
+            rows = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values[:-1]]
+            self.g = _interpolated(places[:-1], used, rows, tops)
 
     def _determinant(self, P: arb, x: arb) -> tuple[arb, arb]:
-        A = self.E + P * self.H - x * self.M
+        M, C, K = (_at_load(terms, P) for terms in (self.system.M, self.system.C, self.system.K))
+        A = K - x * M
         if not self.damped:
             return A.det(), arb(0)
-        if not self.finite or x == 0:
+        if self.system.vanishing or x == 0:
             # g to first order in the damping, which at x = 0 is all of it
-            return A.det(), A.det() * (A.inv() * self.C).trace()
+            return A.det(), A.det() * (A.inv() * C).trace()
         omega = x.sqrt()
-        d = (acb_mat(A) + acb(0, 1) * omega * acb_mat(self.C)).det()
+        d = (acb_mat(A) + acb(0, 1) * omega * acb_mat(C)).det()
         return d.real, d.imag / omega
 
     def check_stable(self, stretch: Stretch) -> None:
@@ -518,9 +849,9 @@ class Series:
         for k, (point, slope) in enumerate(stretch.lines):
             line = arb_poly([ball(point), ball(-slope)])
             sign_h, sign_g = (-1) ** ((k + 1) // 2 if self.damped else k), (-1) ** (k // 2)
-            require(positive(sign_h * _along(h, line, N), near, far), f"the roots of h are not separated {where}")
+            require(positive(sign_h * _along(h, line), near, far), f"the roots of h are not separated {where}")
             if self.damped and 0 < k < max(2, 2 * N - 1):
-                found = positive(sign_g * _along(g, line, N - 1), near, far)
+                found = positive(sign_g * _along(g, line), near, far)
                 require(found, f"the roots of g are not separated {where}")
 
     def check_crossing(self, low: Fraction, high: Fraction, square: tuple[Fraction, Fraction] | None) -> None:
@@ -534,6 +865,7 @@ class Series:
             require(h[0](end) < 0, "det K does not change sign within the load's interval")
             over.apart(h, g, arb(0), arb(1))
             over.apart(turned_h, turned_g, arb(0), arb(1))
+            require(over(h[-1:], arb(0)) != 0, "det M may vanish within the load's interval")
             return
         require(over(h, arb(0)) > 0, "det K may vanish within the load's interval")
         bottom, top = map(ball, square)
@@ -545,6 +877,7 @@ class Series:
         require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         over.apart(h, g, arb(0), left)
         over.apart(turned_h, turned_g, arb(0), 1 / right)
+        require(over(h[-1:], arb(0)) != 0, "det M may vanish within the load's interval")
         slope = over(h_P, box) - over(h_x, box) * over(g_P, box) / over(g_x, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
         across = opposite(*(self._along_root(P, box) for P in (start, end)))
@@ -570,7 +903,7 @@ class Over:
         self.width = loads - self.middle
         self.moved = cache(self._moved)
 
-    def __call__(self, which: Polynomials, x: arb) -> arb:
+    def __call__(self, which: Rows, x: arb) -> arb:
         """By Taylor's theorem in P to second order, so that what cancels at the middle stays cancelled."""
         at_middle, first, second = self.moved(tuple(which))
         slope = _near(first, x) + self.width * _near(second, x)
@@ -583,7 +916,7 @@ class Over:
         rest = (arb_poly([p[k] for k in range(2, p.degree() + 1)])(self.width) for p in rows)
         return arb_poly([p[0] for p in rows]), arb_poly([p[1] for p in rows]), arb_poly(list(rest))
 
-    def apart(self, h: Polynomials, g: Polynomials, low: arb, high: arb) -> None:
+    def apart(self, h: Rows, g: Rows, low: arb, high: arb) -> None:
         """h and g have no common root from low to high at any of the loads: cells on which one of them is not zero."""
         waiting = [(low, high)]
         for _ in range(MOST_CELLS):
@@ -603,28 +936,44 @@ def opposite(one: arb, other: arb) -> bool:
     return bool(one < 0 < other or other < 0 < one)
 
 
-def by_load(which: Polynomials) -> Polynomials:
+def by_load(which: Rows) -> Rows:
     return [p.derivative() for p in which]
 
 
-def by_x(which: Polynomials) -> Polynomials:
+def by_x(which: Rows) -> Rows:
     return [k * p for k, p in enumerate(which)][1:]
 
 
-def _interpolated(places: list[Fraction], loads: list[Fraction], values: list[list[arb]], degree: int) -> Polynomials:
-    """The polynomial of a degree in P and x together that has these values: a row for each x, in it one for each P."""
+def highest(b: int, N: int, of_M: int, of_C: int, of_K: int) -> int:
+    """The highest power of P that stands with x^b in the determinant of N rows, each of x M, √x C or K.
+
+    So many rows of C as there may be, or none: in between the power is linear.
+    """
+    pairs = min(b, N - b)
+    return max((b - s) * of_M + 2 * s * of_C + (N - b - s) * of_K for s in (0, pairs))
+
+
+def _at_load(terms: list[arb_mat], P: arb) -> arb_mat:
+    total = terms[-1] if terms else arb_mat(0, 0)
+    for X in terms[-2::-1]:
+        total = X + P * total
+    return total
+
+
+def _interpolated(places: list[Fraction], loads: list[Fraction], values: list[list[arb]], tops: list[int]) -> Rows:
+    """The polynomial that has these values, a row for each x, in it one for each P; tops: of P, by powers of x."""
     nodes, across = [ball(P) for P in loads], [ball(x) for x in places]
     rows = [arb_poly.interpolate(nodes, row) for row in values]
-    columns = [arb_poly.interpolate(across, [row[a] for row in rows]) for a in range(degree + 1)]
-    return [arb_poly([columns[a][b] for a in range(degree - b + 1)]) for b in range(degree + 1)]
+    columns = [arb_poly.interpolate(across, [row[a] for row in rows]) for a in range(max(tops) + 1)]
+    return [arb_poly([columns[a][b] for a in range(top + 1)]) for b, top in enumerate(tops)]
 
 
-def _along(which: Polynomials, line: arb_poly, degree: int) -> arb_poly:
-    """The polynomial on a line, of which all powers above the degree cancel."""
+def _along(which: Rows, line: arb_poly) -> arb_poly:
+    """The polynomial on a line."""
     total = arb_poly([0])
     for p in reversed(which):
         total = total * line + p
-    return arb_poly([total[k] for k in range(degree + 1)])
+    return total
 
 
 def _near(polynomial: arb_poly, x: arb) -> arb:
@@ -657,12 +1006,15 @@ def positive(polynomial: arb_poly, low: arb, high: arb) -> bool:
 def verify(certificate: dict[str, Any]) -> Statement:
     """Check a certificate; what it proves. Raises Refused where it does not."""
     try:
-        stated, forms, stretches = _statement(certificate)
+        kind = certificate.get("format") if type(certificate) is dict else None
+        require(kind in (FORMAT, GENERAL), "this is no certificate of a known format")
+        stated, N, system, stretches = (_of_forms if kind == GENERAL else _of_beam)(certificate)
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
         # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
-        with flint.ctx.workprec(200 + 20 * stated.modes + max(widths, default=0)):
+        with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
             places = [point + slope * (s.start - s.origin) for s in stretches[:1] for point, slope in s.lines]
-            series = Series(stated, forms, [*places[::2], places[-1]] if stated.damping else places)
+            found = system()
+            series = Series(found, stated.end, [*places[::2], places[-1]] if found.C else places)
             for stretch in stretches:
                 series.check_stable(stretch)
             if stated.load is not None:

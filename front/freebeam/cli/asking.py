@@ -89,11 +89,6 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-        refuse(
-            file and self.chosen.general,
-            f"--certificate: {self.chosen.name} goes beyond M, C = c_M M + c_E E and K = E + P H over one segment, of "
-            "which alone a proof has a file; leave it out",
-        )
         for name, given in (("--certificate", file), ("--all", self.every), ("--truncation", self.truncation)):
             refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
         there = file and file.exists() and not self.force

@@ -150,6 +150,7 @@ class SegmentsKernel(Kernel):
                 (source.scalar(factor), _at(value)) for value, (_, factor) in zip(values, system.force, strict=True)
             ],
             "rigid": [_motion(number, motion) for number, motion in enumerate(system.rigid)],
+            "stated": {name: [_stated(form) for form in getattr(system, name)] for name in "MCK"},
         }
 
     def _function(self, name: str, letter_: str, title: str) -> dict[str, Any]:
@@ -256,6 +257,21 @@ def _at(value: Value) -> str:
         return f"_at(basis, breaks, {value.of!r})"
     side = f", {value.side}" if value.side else ""
     return f"_at(basis, breaks, {value.of!r}, {value.order}, {source.scalar(value.place)}{side})"
+
+
+def _stated(form: BilinearForm) -> tuple[list[Any], list[Any]]:
+    """A form as source: its integrals with their factors in powers of x, and its products of values."""
+    along = []
+    for term in grouped(form):
+        powers = () if term.sampled else Poly(term.factor, x).all_coeffs()[::-1]
+        along.append((term.segments, *term.test, *term.trial, [source.scalar(factored(c)) for c in powers]))
+
+    def value(given: Value) -> str:
+        place = "None" if given.place is None else source.scalar(given.place)
+        return f"({given.of!r}, {given.order}, {place}, {given.side})"
+
+    points = [(value(test), value(trial), source.scalar(f)) for (test, trial), f in form.points.items()]
+    return along, points
 
 
 def _motion(number: int, motion: dict[tuple[str, int | None], Expr]) -> list[dict[str, Any]]:

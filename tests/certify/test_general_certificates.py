@@ -1,0 +1,604 @@
+"""Certificates of any column: true ones are accepted, and forged ones refused, by code that shares nothing with the
+prover. What is true of a column is found apart from both, by a dense scan of its eigenvalues in floats."""
+
+from __future__ import annotations
+
+import copy
+import json
+import resource
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+
+import freebeam as fb
+from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier
+from freebeam_derive.certify.balls import Unproven, parameters
+from freebeam_derive.certify.boundary_polynomials import Question
+from tests.stated import FREE, TIMOSHENKO, file_of
+
+F = Fraction
+Data = dict[str, Any]
+NONE = F(0)
+MASS = "T + mu * at(y.diff(t), 1) ** 2 / 2"
+CRACK = "V + k * jump(y.diff(x), 0.4) ** 2 / 2"
+LINKS = {
+    "T": "(2 * p.diff(t) ** 2 + (p.diff(t) + q.diff(t)) ** 2) / 2",
+    "V": "(p ** 2 + (q - p) ** 2) / 2",
+    "W_c": "P * (p ** 2 + q ** 2) / 2",
+    "dW_nc": "-P * q * (delta(p) + delta(q)) - alpha * (p.diff(t) * delta(p) + (q - p).diff(t) * delta(q - p))",
+    "ends": "()",
+}
+FREE_MASS = FREE | {
+    "T": "T + mu * at(y.diff(t), 0) ** 2 / 2",
+    "W_c": "P * integral((x + mu) / (1 + mu) * y.diff(x) ** 2) / 2",
+    "dW_nc": "follower + internal",
+    "parameters": "(own(mu, 0.5),)",
+}
+ANY_PIPE = "-P ** 2 * at(y.diff(x), 1) * at(delta(y), 1) - 2 * b * P * integral(y.diff(x, t) * delta(y))"
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a column's statement changes of Beck's column, what is asked, and loads that go beyond what is first."""
+
+    changes: tuple[tuple[str, str], ...]
+    modes: int = 4
+    alpha: Fraction = NONE
+    beta: Fraction = NONE
+    top: int = 200
+
+
+def case(changes: dict[str, str], *asked: Any) -> Case:
+    return Case(tuple(changes.items()), *asked)
+
+
+CASES: dict[str, Case] = {
+    "Pflueger": case(  # with a spring inside: alone it is a textbook's column
+        {"T": MASS, "V": "V + k * at(y, 0.5) ** 2 / 2", "parameters": "(own(mu, 1.0), own(k, 5.0))"}
+    ),
+    "Pflueger, beam damped": case(
+        {"T": MASS, "dW_nc": "follower + external", "parameters": "(own(mu, 1.0),)"}, 4, F(0), F(1, 2)
+    ),
+    "mass inside": case({"T": "T + at(y.diff(t), a) ** 2 / 4", "parameters": "(own(a, 0.5),)"}, 3),
+    "crack": case({"V": CRACK, "parameters": "(own(k, 10.0),)"}, 3),
+    "damped crack": case(
+        {
+            "V": CRACK,
+            "dW_nc": "follower + internal + external - c * jump(y.diff(x, t), 0.4) * delta(jump(y.diff(x), 0.4))",
+            "parameters": "(own(k, 10.0), own(c, 0.1))",
+        },
+        2, F(1, 1000), F(1, 10),
+    ),
+    "step": case({"V": "integral(Piecewise((1, x < half), (half, True)) * y.diff(x, 2) ** 2) / 2"}, 3),
+    "tip damper": case(
+        {"dW_nc": "follower - c * at(y.diff(t), 1) * at(delta(y), 1) - integral(k * y.diff(t) * delta(y))",
+         "parameters": "(own(c, 0.5), own(k, 0.1))"},
+    ),
+    "foundation": case(
+        {"V": "V + 50 * integral(y ** 2, half, 1)", "dW_nc": "follower + external + internal"}, 3, F(1, 100), F(1, 10)
+    ),
+    "free with a mass": case(FREE_MASS, 4),
+    "free with a mass, damped": case(FREE_MASS, 4, F(1, 100)),
+    "pipe": case({"W_c": "P ** 2 * integral(y.diff(x) ** 2) / 2", "dW_nc": ANY_PIPE, "parameters": "(own(b, 0.3),)"},
+                 4, F(0), F(0), 40),
+    "two links": case(LINKS, 1, F(0), F(0), 8),
+    "two links, damped": case(LINKS, 1, F(1, 100), F(0), 8),
+    "Timoshenko": case(
+        TIMOSHENKO | {"dW_nc": "-P * at(psi, 1) * at(delta(y), 1)", "parameters": "(own(k, 100.0), own(b, 0.01))"}, 2
+    ),
+    "absorber": case(
+        {
+            "T": "T + 0.1 * q.diff(t) ** 2 / 2",
+            "V": "V + 10 * (at(y, 0.7) - q) ** 2 / 4",
+            "dW_nc": "follower + external - 0.1 * (at(y.diff(t), 0.7) - q.diff(t)) * delta(at(y, 0.7) - q)",
+        },
+        2, F(0), F(1, 10),
+    ),
+    "spring near the tip": case(  # with a dead load: else the tip stays straight, and its stiffness decides nothing
+        {"V": "V + k * at(y, 0.9) ** 2 / 2 - integral(y.diff(x) ** 2) / 2", "parameters": "(own(k, 60.0),)"}, 3
+    ),
+    "remote slope": case(
+        {"dW_nc": "follower + external + internal - P / 5 * at(y.diff(x), 0.4) * at(delta(y), 1)"},
+        4, F(1, 100), F(1, 10),
+    ),
+}  # fmt: skip
+
+
+@cache
+def column(name: str) -> fb.Column:
+    with tempfile.TemporaryDirectory() as folder:
+        return fb.column(file_of(Path(folder), name, dict(CASES[name].changes)))
+
+
+def question(name: str) -> Question:
+    asked = CASES[name]
+    return Question(asked.modes, asked.alpha, asked.beta, None, parameters(column(name).kernel))
+
+
+# --- what is true, by floats ------------------------------------------------------------------------------------
+
+
+@cache
+def matrices(name: str, N: int) -> Any:
+    asked = CASES[name]
+    return column(name).coefficients(N, False, float(asked.alpha), float(asked.beta))
+
+
+def eigenvalues(name: str, load: float, N: int | None = None) -> Any:
+    M, C, K = matrices(name, N or CASES[name].modes).at(load)
+    if not C.any():
+        half = np.sqrt(np.linalg.eigvals(-np.linalg.solve(M, K)).astype(complex))
+        return np.concatenate([half, -half])
+    C, K = np.linalg.solve(M, C), np.linalg.solve(M, K)
+    return np.linalg.eigvals(np.block([[np.zeros_like(K), np.eye(len(K))], [-K, -C]]))
+
+
+def unstable(name: str, load: float, N: int | None = None) -> int:
+    values = eigenvalues(name, load, N)
+    damped = matrices(name, N or CASES[name].modes).C
+    return int((values.real > (1e-11 if damped else 1e-6) * np.abs(values).max()).sum())
+
+
+@cache
+def crossings(name: str, N: int | None = None) -> list[tuple[float, float, int, int]]:
+    """Loads at which the number of unstable eigenvalues changes, the frequency of what does, and the numbers."""
+    loads = np.linspace(0, CASES[name].top, 2500)[1:]
+    counts = [unstable(name, P, N) for P in loads]
+    found = []
+    for (a, before), (b, after) in pairwise(zip(loads, counts, strict=True)):
+        if before != after:
+            low, high = a, b
+            for _ in range(45):
+                middle = (low + high) / 2
+                low, high = (middle, high) if unstable(name, middle, N) == before else (low, middle)
+            here = eigenvalues(name, high if after > before else low, N)
+            found.append((high, abs(here[here.real.argmax()].imag), before, after))
+    return found
+
+
+@cache
+def proven(name: str) -> first_crossing.Enclosure:
+    """The prover's, from the scan's first crossing."""
+    load, omega, *_ = crossings(name)[0]
+    near = load, 0.0 if omega < 1e-3 else omega
+    return first_crossing.certify(column(name).kernel, question(name), near, 12, F(CASES[name].top))
+
+
+@cache
+def text(name: str) -> str:
+    return json.dumps(certificate.write(column(name).kernel, proven(name)))
+
+
+def written(name: str) -> Data:
+    data: Data = json.loads(text(name))
+    return data
+
+
+def refused(data: Data, match: str | None = None) -> None:
+    with pytest.raises(verifier.Refused, match=match):
+        verifier.verify(data)
+
+
+# --- true certificates --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_true_certificate_is_accepted_and_says_what_it_proves(name: str) -> None:
+    data, asked = written(name), CASES[name]
+    found = verifier.verify(data)
+    assert isinstance(found, verifier.OfForms) and found.load is not None
+    load, omega, before, _ = crossings(name)[0]
+    damped = bool(matrices(name, asked.modes).C)
+    assert before == 0 and found.damped == damped
+    assert float(found.load[0]) == pytest.approx(load, rel=1e-5)  # a divergence by the root of what grows
+    assert (found.kind == "divergence") == (omega < 1e-3)
+    if found.frequency is not None:
+        assert float(found.frequency[0]) == pytest.approx(omega, rel=1e-3)
+    assert found.size == len(matrices(name, asked.modes).M[0])
+    said = str(found)
+    assert "of the forms in this file" in said and f"N = {asked.modes} ({found.size} functions)" in said
+    assert "\n" not in said and all(v in said for v in verifier.shown(*found.load))
+    assert ("above 0 up to" in said) == (name == "pipe") and ("left out" in said) == ("free" in name)
+    assert ("undamped" in said) != damped and all(breaks in said for breaks in ("0, ", " 1,"))
+    record = found.record()
+    assert record["load_lower"] in said and record["of"] == "the forms in this file"
+    assert record["stable_at_zero_load"] is (None if name == "pipe" else True)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_verifier_s_matrices_have_the_kernel_s_eigenvalues(name: str) -> None:
+    data, asked = written(name), CASES[name]
+    _, N, system, _ = verifier._of_forms(data)
+    load = 0.7 * crossings(name)[0][0]
+    with flint.ctx.workprec(300):
+        found = system()
+        M, C, K = (
+            sum((load**k * np.array(X.tolist(), dtype=float) for k, X in enumerate(powers)), np.zeros((N, N)))
+            for powers in (found.M, found.C, found.K)
+        )
+    A = np.block([[np.zeros((N, N)), np.eye(N)], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]])
+    theirs = np.sort_complex(np.round(eigenvalues(name, load), 9))
+    ours = np.linalg.eigvals(A)
+    for value in theirs:
+        assert np.abs(ours - value).min() < 1e-6 * max(1, abs(value)), asked
+    assert len(ours) == len(theirs)
+
+
+def test_a_column_without_a_crossing() -> None:
+    name = "damped crack"
+    data = written(name)
+    enclosure = first_crossing.certify(column(name).kernel, question(name), None, 12, F(5))
+    none = json.loads(json.dumps(certificate.write(column(name).kernel, enclosure)))
+    assert "from 0 to 5" in str(verifier.verify(none))
+    refused(none | {"load_max": "6"}, "not shown up to")
+    refused(none | {k: data[k] for k in ("kind", "load", "frequency_squared", "load_max", "proof")}, "not shown up to")
+
+
+def test_alpha_and_beta_are_those_of_the_file_s_own_parts() -> None:
+    """C = C_1 + alpha C_alpha + beta C_beta: the parts are independent of the alpha and beta that were asked."""
+    data = written("damped crack")
+    other = first_crossing.certify(
+        column("damped crack").kernel, Question(2, F(1, 50), F(0), None, question("damped crack").own), None, 8, F(1)
+    )
+    assert certificate.write(column("damped crack").kernel, other)["forms"] == data["forms"]
+    assert verifier.verify(data).record()["alpha"] == "0.001"
+
+
+# --- forgeries --------------------------------------------------------------------------------------------------------
+
+
+def about(value: float) -> list[str]:
+    return [str(F(value) * F(999, 1000)), str(F(value) * F(1001, 1000))]
+
+
+def with_lines(data: Data, more: int) -> list[Data]:
+    """The stretches with so many lines more above all others, or fewer."""
+    result = []
+    for s in data["stretches"]:
+        lines = list(s["separators"])
+        while len(lines) < len(s["separators"]) + more:
+            lines.append([str(3 * F(lines[-1][0])), "0"])
+        result.append(s | {"separators": lines[: len(s["separators"]) + more]})
+    return result
+
+
+def altered(data: Data, place: tuple[Any, ...], value: Any) -> Data:
+    data = copy.deepcopy(data)
+    inner: Any = data
+    for key in place[:-1]:
+        inner = inner[key]
+    inner[place[-1]] = value
+    return data
+
+
+def at(data: Any, place: tuple[Any, ...]) -> Any:
+    for key in place:
+        data = data[key]
+    return data
+
+
+def other_claims(name: str, data: Data) -> Iterator[Data]:
+    """Wrong kind, later crossing, another branch's frequency, intervals that hold more, stability beyond."""
+    low, high = map(F, data["load"])
+    kind, later = data["kind"], [c for c in crossings(name) if c[0] > 1.0001 * float(high)]
+    flutter, divergence = {"kind": "flutter"}, {"kind": "divergence", "frequency_squared": None}
+    none = {"kind": "none", "load": None, "frequency_squared": None,
+            "proof": {"crossing": False, "first": False, "stable_below": True, "kind": True}}  # fmt: skip
+
+    def reaching(load: Fraction) -> list[Data]:
+        return [*data["stretches"][:-1], data["stretches"][-1] | {"end": str(load)}]
+
+    for load in (high, high * F(11, 10), *(F(c[0]) for c in later)):
+        yield data | none | {"load_max": str(load), "stretches": reaching(load)}
+    squares = sorted({round(abs(v.imag) ** 2, 6) for v in eigenvalues(name, float(low)) if abs(v.imag) > 1e-3})
+    if kind == "flutter":
+        true = sum(map(F, data["frequency_squared"])) / 2
+        squares = [s for s in squares if abs(F(s) / true - 1) > F(1, 100)]
+        yield data | divergence
+        yield data | {"frequency_squared": [str(F(v) * F(11, 10)) for v in data["frequency_squared"]]}
+    for square in squares or [1.0]:
+        yield data | flutter | {"frequency_squared": about(square)}
+    for edge in [F(c[0]) * F(10001, 10000) for c in later]:
+        wide = data | {"load": [str(low), str(edge)]}
+        if kind == "flutter":
+            yield wide | divergence
+        yield wide | flutter | {"frequency_squared": ["1/1000000", "1000000000"]}
+    for load, omega, *_ in later:
+        place = [str(F(load) * (1 + k * F(1, 10**6))) for k in (-1, 1)]
+        claim = {"kind": "flutter", "frequency_squared": about(omega**2)} if omega > 1e-3 else divergence
+        yield data | claim | {"load": place}
+        yield data | claim | {"load": place, "stretches": reaching(F(place[0]))}
+    moved = str(low * F(999, 1000)), str(low * F(9999, 10000))
+    yield data | {"load": moved, "stretches": reaching(F(moved[0]))}
+
+
+def other_columns(name: str, data: Data) -> Iterator[Data]:
+    """The claim kept, and a column that does not fulfil it: other breaks, N, damping, factors, places."""
+    divergence, count = data["kind"] == "divergence", len(data["fields"]) * (len(data["breaks"]) - 1)
+    for k in range(1, len(data["breaks"]) - 1):
+        yield altered(data, ("breaks", k), str(F(data["breaks"][k]) + F(1, 1000)))
+    for more in (-1, 1) if data["fields"] else ():
+        lines = more * count * (1 + damped(data))
+        yield data | {"modes": data["modes"] + more}
+        yield data | {"modes": data["modes"] + more, "stretches": with_lines(data, lines)}
+    for rate, part in (("alpha", "C_alpha"), ("beta", "C_beta")):
+        there = any(form["along"] or form["points"] for form in data["forms"][part])
+        if there and not divergence:  # which det K alone decides
+            yield data | {rate: str(F(data[rate]) * F(1001, 1000) + F(1, 10**6))}
+            yield data | {rate: "0" if F(data[rate]) else "1/10"}
+    for place in factors(data["forms"]):
+        still = divergence and place[0] != "K"
+        if not still and (place[0] not in ("C_alpha", "C_beta") or F(data[place[0][2:]])):
+            value = F(at(data["forms"], place)) * F(1000001, 1000000)
+            yield altered(data, ("forms", *place), str(value))
+
+
+def other_spaces(name: str, data: Data) -> Iterator[Data]:
+    """The claim kept, and other joints, supports or rigid motions; with as many lines as before, and as fit."""
+    each, segments = 1 + damped(data), len(data["breaks"]) - 1
+
+    def with_fitting(changed: Data, more: int) -> Iterator[Data]:
+        yield changed
+        yield changed | {"stretches": with_lines(data, more * each)}
+
+    for field, space in data["fields"].items():
+        joints = [[k, order] for k in range(1, segments) for order in range(space["joined"])]
+        supports = [[end, order] for end in (0, 1) for order in range(space["joined"])]
+        for part, every, sign in (("opened", joints, 1), ("held", supports, -1)):
+            for one in every:
+                there = one in space[part]
+                other = [v for v in space[part] if v != one] if there else [*space[part], one]
+                yield from with_fitting(altered(data, ("fields", field, part), other), -sign if there else sign)
+    for k in range(len(data["rigid"])):
+        yield from with_fitting(data | {"rigid": data["rigid"][:k] + data["rigid"][k + 1 :]}, 1)
+    rest: Data = {field: [["0", "0"]] * segments for field in data["fields"]}
+    shift: Data = {field: [["1"]] * segments for field in data["fields"]}
+    turn: Data = {field: [["0", "1"]] * segments for field in data["fields"]}
+    for motion in (rest, shift, turn, dict.fromkeys(data["coordinates"], "1")):
+        yield from with_fitting(data | {"rigid": [*data["rigid"], motion]}, -1)
+
+
+def factors(forms: Data) -> Iterator[tuple[Any, ...]]:
+    """Places of the factors of all forms that are not zero, and of the values' places on the beam."""
+    for letter, powers in forms.items():
+        for k, form in enumerate(powers):
+            for n, (*_, coefficients) in enumerate(form["along"]):
+                yield from ((letter, k, "along", n, 5, m) for m, value in enumerate(coefficients) if F(value))
+            for n, (*values, _) in enumerate(form["points"]):
+                yield (letter, k, "points", n, 2)
+                inner = (i for i, value in enumerate(values) if value[2] is not None and 0 < F(value[2]) < 1)
+                yield from ((letter, k, "points", n, i, 2) for i in inner)
+
+
+def damped(data: Data) -> bool:
+    found = verifier.verify(data)
+    assert isinstance(found, verifier.OfForms)
+    return found.damped
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_forgeries_are_refused(name: str) -> None:
+    data, count = written(name), 0
+    for forgery in (*other_claims(name, data), *other_columns(name, data), *other_spaces(name, data)):
+        with pytest.raises(verifier.Refused):
+            pytest.fail(f"accepted: {differences(data, forgery)}: {verifier.verify(forgery)}")
+        count += 1
+    assert count >= 12
+
+
+def differences(one: Any, other: Any) -> Any:
+    if isinstance(one, dict) and isinstance(other, dict):
+        return {k: differences(one[k], other.get(k)) for k in one if one[k] != other.get(k)}
+    return one, other
+
+
+@pytest.mark.parametrize("name", ["damped crack", "free with a mass", "two links, damped", "pipe"])
+def test_any_part_left_out_or_of_another_kind_is_refused(name: str) -> None:
+    data = written(name)
+    for place in places(data):
+        if place[0] in ("column", "parameters") or not heavy(data, place):
+            continue
+        left = copy.deepcopy(data)
+        del at(left, place[:-1])[place[-1]]
+        refused(left)
+        for value in (None, {}, -1, 1.5, "x"):
+            if value != at(data, place):
+                refused(altered(data, place, value))
+
+
+def places(data: Any, here: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    """All places in a certificate, of numbers, words, lists and objects."""
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ():
+        yield (*here, key)
+        yield from places(value, (*here, key))
+
+
+def heavy(data: Data, place: tuple[Any, ...]) -> bool:
+    """Whether a part is there to change something: no zero, no form of nothing, no side of what is continuous."""
+    if at(data, place) == "0" or (place[0] == "forms" and place[-1] == 3):
+        return False
+    if place[0] != "forms" or len(place) < 3:
+        return True
+    powers = data["forms"][place[1]]
+    factor = data[place[1][2:]] if place[1] in ("C_alpha", "C_beta") else "1"
+    still = data["kind"] == "divergence" and place[1] != "K"
+    return not still and F(factor) != 0 and any(f["along"] or f["points"] for f in powers[place[2] :])
+
+
+# --- rigid motions, by hand -----------------------------------------------------------------------------------------
+
+
+def beside(**forms: list[tuple[int, str, str, str]]) -> Data:
+    """The two links and a coordinate r of mass 1 that is left out; forms: more terms, (power, test, trial, factor)."""
+    data = written("two links")
+    for letter, terms in ({"M": [(0, "r", "r", "1")]} | {k: [*v] for k, v in forms.items() if k != "M"}).items():
+        for power, test, trial, factor in [*terms, *(forms.get("M", []) if letter == "M" else [])]:
+            powers = data["forms"][letter]
+            while len(powers) <= power:
+                powers.append({"along": [], "points": []})
+            powers[power]["points"].append([[test, 0, None, 0], [trial, 0, None, 0], factor])
+    return data | {"coordinates": [*data["coordinates"], "r"], "rigid": [{"r": "1"}]}
+
+
+def test_a_motion_that_rests_or_decays_is_left_out() -> None:
+    for true in (beside(), beside(C_1=[(0, "r", "r", "1/2")]), beside(K=[(1, "r", "p", "3")])):
+        found = verifier.verify(true)
+        assert "1 rigid motion left out" in str(found) and found.load == tuple(map(F, written("two links")["load"]))
+
+
+@pytest.mark.parametrize(
+    ("forms", "match"),
+    [
+        ({"K": [(0, "r", "r", "1")]}, "acts on a rigid motion"),
+        ({"K": [(0, "r", "r", "-1")]}, "acts on a rigid motion"),
+        ({"K": [(1, "r", "r", "-1/1000000")]}, "acts on a rigid motion"),
+        ({"C_1": [(0, "r", "r", "-1/1000000")]}, "known to rest, or to decay"),
+        ({"C_1": [(1, "r", "r", "1")]}, "known to rest, or to decay"),
+        ({"M": [(1, "r", "r", "1/1000")]}, "known to rest, or to decay"),
+        ({"M": [(0, "r", "r", "-1")]}, "without mass"),
+        ({"K": [(0, "p", "r", "1/1000000")]}, "not left to itself"),
+        ({"K": [(1, "p", "r", "1")]}, "not left to itself"),
+        ({"C_1": [(0, "p", "r", "1")]}, "not left to itself"),
+        ({"M": [(0, "p", "r", "1/10")]}, "not left to itself"),
+    ],
+)
+def test_a_motion_that_decides_is_not_left_out(forms: Any, match: str) -> None:
+    refused(beside(**forms), match)
+
+
+def test_two_motions_that_drive_each_other_are_not_left_out() -> None:
+    """K takes r to s and s to r: λ⁴ = 1. Where it takes r to s alone both rest."""
+    data = beside(K=[(0, "s", "r", "1")], M=[(0, "s", "s", "1")])
+    data |= {"coordinates": [*data["coordinates"], "s"], "rigid": [{"r": "1"}, {"s": "1"}]}
+    assert "2 rigid motions" in str(verifier.verify(data))
+    data["forms"]["K"][0]["points"].append([["r", 0, None, 0], ["s", 0, None, 0], "1"])
+    refused(data, "acts on a rigid motion")
+    refused(data | {"rigid": [{"r": "1"}, {"r": "2"}]}, "not independent")
+
+
+def test_a_mass_that_vanishes_is_told() -> None:
+    """An eigenvalue passes through infinity at P = 1, beside one that crosses there."""
+    P, one = flint.arb_poly([0, 1]), flint.arb_poly([1])
+    for leading, seen in ((one - P, True), (3 * one - P, False)):
+        series = object.__new__(verifier.Series)
+        series.N, series.damped = 3, True
+        # h = (P − x) (1 − leading x) (7 + x), g = (1 − x) (3 − x)
+        series.h = [7 * P, P - 7 * one - 7 * P * leading, 7 * leading - one - P * leading, leading]
+        series.g = [3 * one, -4 * one, one]
+        asked = F(999, 1000), F(1001, 1000), (F(19, 20), F(21, 20))
+        if seen:
+            with pytest.raises(verifier.Refused, match="det M may vanish"):
+                series.check_crossing(*asked)
+        else:
+            series.check_crossing(*asked)
+
+
+# --- files that would use up time or memory -----------------------------------------------------------------------
+
+
+def test_hostile_files_are_refused_soon(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Before a matrix is computed."""
+    data, path = written("damped crack"), tmp_path / "file.json"
+    monkeypatch.setattr(verifier.Space, "matrix", lambda *_: pytest.fail("a matrix was computed"))
+    form, coordinates = data["forms"]["K"][0], [f"q{k}" for k in range(50)]
+    term, value = form["along"][0], ["y", 0, "1/2", 0]
+    breaks = [str(F(k, 1000)) for k in range(1001)]
+    long, wide = "1/" + "7" * 5000, ["1"] * 500
+    hostile: list[Data] = [
+        data | {"breaks": given}
+        for given in (
+            [],
+            ["0"],
+            ["0", "1/2"],
+            ["1", "0"],
+            ["0", "0", "1"],
+            ["0", "2", "1"],
+            breaks,
+            ["0", long, "1"],
+            None,
+        )
+    ]
+    hostile += [data | {"coordinates": given} for given in (coordinates, ["q", "q"], ["y"], [""], [5], None)]
+    hostile += [data | {"modes": given} for given in (199, 10**6, 0, True, "2")]
+    hostile += [
+        data | {"rigid": given} for given in ([{"z": "1"}], [{"y": []}], [{"y": [["1"]]}], [{}] * 1000, None, [5])
+    ]
+    hostile += [data | {"rigid": [{"y": [given, ["1"]]}]} for given in ([], wide, ["1", "1", "1"], [long])]
+    hostile += [altered(data, ("forms", "K"), [form] * n) for n in (0, 10, 1000)]
+    hostile += [altered(data, ("forms", "K", 0, "along"), [term] * 30_000)]
+    hostile += [altered(data, ("forms", "K", 0, "points"), [[value, value, "1"]] * 20_000)]
+    for at_, values in {
+        0: (-1, 2, True, "0"),
+        1: ("z", 5),
+        2: (-1, 5, 10**9),
+        4: (-1, 5),
+        5: ([], wide, ["x"], [long]),
+    }.items():
+        hostile += [altered(data, ("forms", "K", 0, "along", 0, at_), given) for given in values]
+    for at_, many in {0: ("z", None), 1: (-1, 5), 2: ("-1", "2", None, long), 3: (-2, 2, 0.5)}.items():
+        for given in many:
+            wrong = [*value[:at_], given, *value[at_ + 1 :]]
+            hostile.append(altered(data, ("forms", "K", 0, "points"), [[wrong, value, "1"]]))
+    for part in ("held", "opened"):
+        given = ([[0, 0]] * 2 + [[2, 0]], [[0, 2]], [[-1, 0]], [[0]], None)
+        hostile += [altered(data, ("fields", "y", part), v) for v in given]
+    hostile += [altered(data, ("fields", "y", "joined"), v) for v in (3, -1, "2", True)]
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    for case_ in hostile:
+        path.write_text(json.dumps(case_))
+        start = time.perf_counter()
+        with pytest.raises(verifier.Refused) as caught:
+            verifier.verify_file(path)
+        assert time.perf_counter() - start < 5, caught.value  # a second where the machine has nothing else to do
+        assert "\n" not in str(caught.value) and len(str(caught.value)) < 500
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000
+
+
+# --- all crossings ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["damped crack", "free with a mass", "pipe", "Timoshenko", "two links, damped"])
+def test_all_crossings_are_those_of_a_dense_scan(name: str) -> None:
+    listed = all_crossings.survey(column(name).kernel, question(name), F(CASES[name].top), 10)
+    edges = [0.0, *(float(c.load[0]) for c in listed), float(CASES[name].top)]
+    count = 0
+    for k, (low, high) in enumerate(pairwise(edges)):
+        if high - low > high / 1000:
+            for share in np.linspace(0.02, 0.98, 25):
+                assert unstable(name, low + share * (high - low)) == count
+        if k < len(listed):
+            assert listed[k].unstable == count
+            count += listed[k].change
+    assert listed and len(listed) >= len(crossings(name))
+
+
+# --- refusals -----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("changes", "match"),
+    [
+        ({"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}, "no fraction"),
+        ({"W_c": "0", "dW_nc": "-P * at(y, half) * at(delta(y), 1) - sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
+          "parameters": "(own(b, 0.1),)"}, "no fraction"),
+        (FREE | {"dW_nc": "-P * (at(y.diff(x), 1) + at(y.diff(x), 0) / 10) * at(delta(y), 1)"}, "load alone restores"),
+        (LINKS | {"dW_nc": "-P * q * delta(p) - p.diff(t) * delta(q) + q.diff(t) * delta(p)"}, "not known to be"),
+        (LINKS | {"T": "p.diff(t) ** 2"}, "positive definite"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_stated_in_fractions_or_is_not_stable_is_refused(
+    changes: dict[str, str], match: str, tmp_path: Path
+) -> None:
+    kernel = fb.column(file_of(tmp_path, "sample", changes)).kernel
+    with pytest.raises(Unproven, match=match):
+        first_crossing.certify(kernel, Question(3, own=parameters(kernel)), None, 8, F(1))
