@@ -259,8 +259,8 @@ class _Operator:
         self._weight, self._gap = weight / determinant, gap / determinant
         self._slope, self._both = slope / determinant, both / determinant
         self._upper, self._lower, i, j = _pairs(n)
-        # entries of an eigenvector fall as 1/√(e_i e_j); unscaled, the lowest modes drown in the rounding of the others.
-        # q is of the size of e Y |H|: divided by that, so that units do not matter
+        # entries of an eigenvector fall as 1/√(e_i e_j); unscaled, the lowest modes drown in the rounding of the others,
+        # and q, of the size of H, beside Y or Y beside q: units of load and stiffness would matter
         root = np.sqrt(e[i] * e[j])
         self._scale = np.concatenate([root, root / np.maximum(e[i], e[j]) / (e[0] * pencil.norm)])
         self._unpacked = np.zeros(2 * n * n)

@@ -681,7 +681,7 @@ def test_modes_meet_their_conditions_and_are_orthogonal(ends: list[str]) -> None
      ([[True, 0, 0, "1"]], [])],
 )  # fmt: skip
 def test_a_form_of_other_powers_orders_or_ends_is_refused(along: list[Any], points: list[Any]) -> None:
-    """A form of the energies has derivatives up to the third; of another column, too, of which nothing else is known."""
+    """Energies have derivatives up to the third; of another column too, of which nothing else is known."""
     data = certificate("damped") | {"column": "another"}
     for name in "MEH":
         held = data["forms"][name]

@@ -501,7 +501,7 @@ def test_a_crossing_that_the_search_missed_is_not_passed_over(load: float) -> No
     alpha=st.one_of(st.just(0.0), log_uniform(1e-9, 1e-2)),
 )
 def test_units_of_stiffness_and_load_do_not_matter(name: str, stiff: float, force: float, alpha: float) -> None:
-    """E by c and H by c/d: loads by d, frequencies by √c, internal damping by 1/√c; the searches and the last resort."""
+    """E by c and H by c/d: loads by d, frequencies by √c, internal damping by 1/√c, in the search and in its parts."""
     M, E, H = matrices(name, 6)
     plain = Proportional(pencil(name, 6), alpha, 0.0, None if alpha else 0.0)
     other = Proportional(Pencil(M, stiff * E, stiff / force * H), alpha / math.sqrt(stiff), 0.0, plain.kappa)
@@ -515,23 +515,22 @@ def test_units_of_stiffness_and_load_do_not_matter(name: str, stiff: float, forc
         assert found.frequency == pytest.approx(math.sqrt(stiff) * one.frequency, rel=1e-8)
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", [0, 1, 3, 4, 7, 9])
 @pytest.mark.parametrize(("alpha", "beta"), [(0.0, 0.0), (1e-3, 0.1), (0.3, 0.0), (0.0, 2.0)])
 def test_rounding_is_what_a_change_of_the_matrices_does(seed: int, alpha: float, beta: float) -> None:
     """Matrices changed at random by δ of their norm: the load moves by no more, and in some direction by nearly that.
     δ P H stands for any change of E + P H."""
-    rng, p = np.random.default_rng(seed), sample(seed, 3)
+    rng, p = np.random.default_rng(seed), sample(seed, 4)
     problem = Proportional(p, alpha, beta)
     found = first_loss(problem, 1e6).crossing
-    if found is None or found.kind != "flutter":
-        return
-    delta = 1e-6
+    assert found is not None and found.kind == "flutter"
+    delta = 1e-7
     most = problem.rounding(found) / ROUNDING * delta
     root, moved = np.sqrt(np.outer(p.e, p.e)), []
     for _ in range(200):
-        g = rng.normal(size=(3, 3))
+        g = rng.normal(size=(4, 4))
         g *= delta * (1 + found.load * p.norm) / np.linalg.norm(g) / found.load
-        changed = Proportional(Pencil(np.eye(3), np.diag(p.e), p.H + root * g), alpha, beta)
+        changed = Proportional(Pencil(np.eye(4), np.diag(p.e), p.H + root * g), alpha, beta)
         near = changed.near(found.load, found.frequency, np.linalg.solve(p.basis, found.vector))
         if near is not None:
             moved.append(abs(near.load / found.load - 1))
