@@ -108,6 +108,7 @@ KEYWORDS = frozenset(
     parameter low high log tolerance values name
     step chunks scheduler workers store convergence
     ax color count label moments normalised part width
+    amplitude frequency rigid x_F x_s
 """.split()
 )
 # What a map's dataset holds besides: an axis or a setting of the same name would take its place.

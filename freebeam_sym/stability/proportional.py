@@ -206,7 +206,7 @@ def newton(
     G[i, n + i] = -scale * problem.size**2 * D
     L[:n, :n] = L[n:m, n:] = scale[:, None] * pencil.H
     J = np.empty((m + 2, m + 2))
-    before, astray, tiny = math.inf, 0, 1e-7 * float(e[0])
+    before, astray, tiny = math.nan, 0, 1e-7 * float(e[0])  # one step alone says nothing of the next
     for _ in range(steps):
         J[:, :m] = F + w * G + P * L
         r = J[:, :m] @ x
@@ -253,9 +253,10 @@ class _Operator:
         self._weight, self._gap = weight / determinant, gap / determinant
         self._slope, self._both = slope / determinant, both / determinant
         self._upper, self._lower, i, j = _pairs(n)
-        # entries of an eigenvector fall as 1/√(e_i e_j); unscaled, the lowest modes drown in the rounding of the others
+        # entries of an eigenvector fall as 1/√(e_i e_j); unscaled, the lowest modes drown in the rounding of the
+        # others, and q, of the size of H, beside Y or Y beside q: units of load and stiffness would matter
         root = np.sqrt(e[i] * e[j])
-        self._scale = np.concatenate([root, root / np.maximum(e[i], e[j])])
+        self._scale = np.concatenate([root, root / np.maximum(e[i], e[j]) / (e[0] * pencil.norm)])
         self._unpacked = np.zeros(2 * n * n)
         self.order = len(self._scale)
 

@@ -223,3 +223,11 @@ def test_a_box_with_two_crossings_is_not_said_to_hold_one() -> None:
             r, rho = other.load[1] - P, abs(other.square[1] - x) + abs(other.square[0] - x)
             assert not first_crossing.alone(local, r, rho)
             assert first_crossing.alone(local, r / 10**6, rho / 10**6)
+
+
+def test_crossings_at_one_load_are_put_in_no_order(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A divergence and a flutter that know nothing of each other, both at the load 1: neither is said to be first."""
+    replaced(monkeypatch, [[1, 0, 0], [0, 1, 0], [0, 0, 1]], [[1, 0, 0], [0, 9, 0], [0, 0, 12]],
+             [[-1, 0, 0], [0, 0, 1.5], [0, -1.5, 0]])  # fmt: skip
+    with pytest.raises(Unproven, match="comes first is not known"):
+        all_crossings.survey(fb.column("beck", "modes").kernel, Question(3), F(3), 10)

@@ -17,7 +17,7 @@ import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls, beam, beam_itself
 from freebeam_derive.certify.balls import Unproven, precision
-from freebeam_derive.certify.beam import Beam, NoSeries
+from freebeam_derive.certify.beam import Beam, Coefficient, NoSeries
 
 NONE = Fraction(0)
 HALF = Fraction(1, 2)
@@ -563,3 +563,14 @@ def test_bad_input_is_named() -> None:
     )
     with pytest.raises(ValueError, match="no internal damping"):
         beam_itself.flutter_limit(Beam(undamped), NONE, (20.0, 11.0), 10)
+
+
+@pytest.mark.parametrize(("a", "d"), [((1, 1, 0), (1, 0, 0)), ((1, 1, 0), (1, 1, 0)), ((1, 1, 0), (1, -1, 0)),
+                                      ((1, 0, 1), (1, 0, -1)), ((1, 0, 0), (1, 0, 1))])  # fmt: skip
+def test_a_condition_whose_leading_factor_hangs_on_the_load_or_the_frequency_is_refused(a: Any, d: Any) -> None:
+    """Dividing by such a determinant would put zeros into F, or take them out: (1 + p)², 1 − p², 1 + s, …"""
+    beam = Beam(beck)
+    left = ({3: Coefficient(*map(arb, a))}, {2: Coefficient(*map(arb, d))})
+    beam._known = {bits: parts._replace(left=left) for bits, parts in beam._known.items()}
+    with pytest.raises(NoSeries, match="do not determine two derivatives"):
+        beam.taylor(arb(1), arb(1), ((0, 0),))

@@ -9,7 +9,7 @@ import pytest
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
 
 from freebeam_derive.certify.balls import Unproven, precision
-from freebeam_derive.certify.bivariate import Bivariate, signs_on
+from freebeam_derive.certify.bivariate import Bivariate, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import Boundary, expansion
 
 
@@ -92,3 +92,14 @@ def test_a_sign_is_said_only_where_it_holds_throughout() -> None:
         assert signs_on([parabola], quarter, 2 - quarter) == [0]
         assert signs_on([parabola], Fraction(1), Fraction(2)) == [0]
         assert signs_on([Bivariate([arb_poly([3])]).at(arb(1))], Fraction(0), Fraction(1)) == [1]
+
+
+@pytest.mark.parametrize("roots", [[2, 3, 7], [3, 3, 5], [4, 4, 4, 1]])
+def test_all_zeros_are_seen_also_double_ones(roots: list[int]) -> None:
+    with precision(100):
+        polynomial = arb_poly([1])
+        for root in roots:
+            polynomial *= arb_poly([-root, 1])
+        found = sorted(float(z.real) for z in zeros(polynomial))
+        assert len(found) == len(roots)
+        assert all(abs(z - root) < 1e-3 for z, root in zip(found, sorted(roots), strict=True))

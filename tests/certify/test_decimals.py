@@ -22,3 +22,9 @@ def test_roots_of_an_interval_are_in_one_hardly_wider(size: F, width: F) -> None
 @pytest.mark.parametrize("value", [F(0), F(-7), F(22, 7), F(-1, 3 * 10**40), F(10**5000)])
 def test_what_is_written_is_read_as_it_was(value: F) -> None:
     assert read(written(value)) == value
+
+
+@pytest.mark.parametrize("text", ["", ".", "-", "e5", "/3", "x", "1/0", "1 2", "1e999999", "nan", "٣"])
+def test_what_is_no_number_is_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="is no decimal and no quotient"):
+        read(text)

@@ -60,6 +60,15 @@ def test_cells_follow_the_crossing(name: str, which: str, held: str) -> None:
         assert cell.rises == np.sign(found[1][0] - found[0][0])
 
 
+def test_slow_flutter_of_heavy_damping_is_proven_as_well() -> None:
+    """Beck's column swings ever more slowly as external damping grows, its load rising: ω < 1 from β of 200 on."""
+    line = Line(fb.column("beck", "modes").kernel, 4, "external")
+    dampings = [F(300), F(310)]
+    cells = line.cells(dampings, [critical("beck", "external", float(d), 0.0, 4) for d in dampings])
+    for cell in cells:
+        assert 0 < cell.square[0] < cell.square[1] < 1 and cell.rises == 1
+
+
 def test_no_crossing_before_the_first() -> None:
     """Stability up to a share of the load below the crossings; of a second crossing it is refused."""
     line = Line(fb.column("free-free", "modes").kernel, 4, "internal")

@@ -10,7 +10,7 @@ import random
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any
 
@@ -656,3 +656,34 @@ def test_roots_that_balls_cannot_tell_apart_are_refused(monkeypatch: pytest.Monk
         patch.setattr(verifier, "gammas", lambda *_: [arb(5, 5)])
         with pytest.raises(verifier.Refused, match="a mode could not be computed"):
             verifier.modes(ends, 1)
+
+
+# --- parts ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("ends", [list(pair) for pair in product(verifier.ORDERS, repeat=2)], ids="-".join)
+def test_modes_meet_their_conditions_and_are_orthogonal(ends: list[str]) -> None:
+    with flint.ctx.workprec(200):
+        value, integral = verifier.modes(ends, 3)
+        for n in range(3):
+            size = sum(abs(value(n, d, x)) for d in range(4) for x in range(2))
+            assert size.is_finite() and size > 0
+            for x, kind in enumerate(ends):
+                assert all(abs(value(n, d, x)) < 1e-30 * size for d in verifier.ORDERS[kind])
+            assert integral(0, (n, 0), (n, 0)) > 0
+            assert all(abs(integral(0, (n, 0), (m, 0))) < 1e-30 * integral(0, (n, 0), (n, 0)) for m in range(n))
+
+
+@pytest.mark.parametrize(
+    ("along", "points"),
+    [([[0, 4, 0, "1"]], []), ([[0, 0, 4, "1"]], []), ([[101, 0, 0, "1"]], []), ([[-1, 0, 0, "1"]], []),
+     ([], [[2, 0, 0, 0, "1"]]), ([], [[0, 4, 0, 0, "1"]]), ([], [[0, 0, 2, 0, "1"]]), ([], [[0, 0, 0, 4, "1"]]),
+     ([[True, 0, 0, "1"]], [])],
+)  # fmt: skip
+def test_a_form_of_other_powers_orders_or_ends_is_refused(along: list[Any], points: list[Any]) -> None:
+    """Energies have derivatives up to the third; of another column too, of which nothing else is known."""
+    data = certificate("damped") | {"column": "another"}
+    for name in "MEH":
+        held = data["forms"][name]
+        refused(altered(data, ("forms", name), {"along": held["along"] + along, "points": held["points"] + points}),
+                "no such power, order or end")  # fmt: skip

@@ -123,3 +123,12 @@ def test_the_rigid_block_is_triangular(derived: Callable[[str], Derived]) -> Non
     assert H.columns == (0, 0)
     assert all(row != 0 for row in H.rows)
     assert H.corner == ((0, 1), (0, 0))
+
+
+@pytest.mark.parametrize("text", ["2*g**2*s", "g", "s/3", "(g + s)*g", "g + s", "sqrt(g)", "g/s", "sqrt(g + s)"])
+def test_quantities_are_named_where_they_are_products_of_powers(text: str) -> None:
+    """The name stands in an emitted module, so it is an identifier."""
+    symbols = {name: sp.Symbol(name, positive=True) for name in "gs"}
+    quantity = sp.sympify(text, locals=symbols)
+    monomial = quantity.is_polynomial() and sp.Poly(quantity, *symbols.values()).is_monomial
+    assert modes._name(quantity).isidentifier() if monomial else modes._name(quantity) == ""

@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 import sympy as sp
 from flint import arb, fmpq, fmpq_mat, fmpq_poly
+from sympy.core.function import AppliedUndef
 
 from freebeam_derive import emit, independent, pipeline, verify
 from freebeam_derive.bases import legendre
@@ -174,6 +175,23 @@ def test_closed_forms_are_the_functions_own(ends: tuple[str, str]) -> None:
         for (end, order), value in values.items():
             sign = 1 if end else (-1) ** n
             assert sign * rational(sp.S(value).subs(d, n)) == derivative(f, order)(end)
+
+
+@pairs
+def test_the_steps_say_what_the_functions_are(ends: tuple[str, str]) -> None:
+    """The series and the square's integral that the lesson prints, in numbers, degree by degree."""
+    basis = legendre.polynomials(ends)
+    series, *weights = next(step for step in basis.steps if step.equation == "Eq. (9)").after
+    squares = [step for step in basis.steps if isinstance(step.before, sp.Integral)]
+    assert len(squares) == 2
+    for step in squares:
+        (phi,) = step.before.atoms(AppliedUndef)
+        assert step.before == sp.Integral(phi**2, (x, 0, 1)) and step.after == basis.norm
+    P = next(f.func for f in series.rhs.atoms(AppliedUndef))
+    for n in range(basis.first, basis.first + 3):
+        said = series.rhs.subs([(w.lhs, w.rhs) for w in weights]).subs(d, n).doit()
+        said = said.replace(P, lambda m, at: sp.legendre(m, 2 * at - 1))
+        assert powers(sp.expand(said)) == function(basis, n)
 
 
 def test_a_free_beam_has_legendre_s_own_polynomials() -> None:

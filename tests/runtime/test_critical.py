@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
 
@@ -13,12 +14,15 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
+from freebeam_sym.stability import proportional
 from freebeam_sym.stability.arnoldi import Krylov
-from freebeam_sym.stability.critical import critical_load
+from freebeam_sym.stability.convergence import digits_that_hold
+from freebeam_sym.stability.critical import _refined, critical_load
 from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.crossings import scan as scan_for
-from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.proportional import Proportional, _Operator
+from freebeam_sym.stability.pencil import Pencil, diagonalise
+from freebeam_sym.stability.problem import Crossing, Event
+from freebeam_sym.stability.proportional import ROUNDING, Proportional, _Operator, newton
 from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
@@ -456,13 +460,155 @@ def test_branches_that_cross_and_do_not_meet_are_no_flutter() -> None:
         assert alpha or beta or [touch.load for touch in found.touches] == pytest.approx([2.0], rel=1e-6)
 
 
+@pytest.mark.parametrize("ahead", [1e-5, 5e-4, 2e-3])
+def test_flutter_soon_after_branches_that_cross_is_told_from_them(ahead: float) -> None:
+    """s of 1 and 4 without coupling are equal at the load 1; s of 9 and 12 meet a little above it."""
+    turn = 1.5 / (1 + ahead)
+    H = np.array([[3.0, 0, 0, 0], [0, 0, 0, 0], [0, 0, 0, turn], [0, 0, -turn, 0]])
+    found = first_loss(Proportional(Pencil(np.eye(4), np.diag([1.0, 4.0, 9.0, 12.0]), H)), 3.0)
+    assert found.crossing is not None and found.crossing.load == pytest.approx(1 + ahead, rel=1e-9)
+    assert [touch.load for touch in found.touches] == pytest.approx([1.0], rel=1e-6)
+
+
+@dataclasses.dataclass(frozen=True)
+class Missed:
+    """A problem that is unstable from a load on, of which its searches find nothing."""
+
+    load: float
+    divergences: tuple[Event, ...] = ()
+
+    def flutters(self, bound: float) -> Iterator[Event]:
+        return iter(())
+
+    def unstable(self, load: float) -> int:
+        return int(load >= self.load)
+
+    def onset(self, load: float) -> Crossing:
+        return Crossing(load, 1.0, np.ones(1, complex), "flutter")
+
+
+@pytest.mark.parametrize("load", [0.3, 2.0, 4.99])
+def test_a_crossing_that_the_search_missed_is_not_passed_over(load: float) -> None:
+    found = first_loss(Missed(load), 5.0).crossing
+    assert found is not None and found.load == pytest.approx(load, rel=1e-12)
+    assert first_loss(Missed(load), 0.9 * load).crossing is None
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(NAMES[:2]),
+    stiff=log_uniform(1e-9, 1e9),
+    force=log_uniform(1e-6, 1e6),
+    alpha=st.one_of(st.just(0.0), log_uniform(1e-9, 1e-2)),
+)
+def test_units_of_stiffness_and_load_do_not_matter(name: str, stiff: float, force: float, alpha: float) -> None:
+    """E by c and H by c/d: loads by d, frequencies by √c, internal damping by 1/√c, in the search and in its parts."""
+    M, E, H = matrices(name, 6)
+    plain = Proportional(pencil(name, 6), alpha, 0.0, None if alpha else 0.0)
+    other = Proportional(Pencil(M, stiff * E, stiff / force * H), alpha / math.sqrt(stiff), 0.0, plain.kappa)
+    one, two = first_loss(plain).crossing, first_loss(other, 1000 * force).crossing
+    assert one is not None and two is not None
+    near = other.near(two.load, two.frequency, np.linalg.solve(other.pencil.basis, two.vector))
+    beyond = other.onset(two.load * (1 + 1e-9))
+    for found in (two, near, beyond):
+        assert found is not None and found.kind == one.kind
+        assert found.load == pytest.approx(force * one.load, rel=2e-9)
+        assert found.frequency == pytest.approx(math.sqrt(stiff) * one.frequency, rel=1e-8)
+
+
+@pytest.mark.parametrize("seed", [0, 1, 3, 4, 7, 9])
+@pytest.mark.parametrize(("alpha", "beta"), [(0.0, 0.0), (1e-3, 0.1), (0.3, 0.0), (0.0, 2.0)])
+def test_rounding_is_what_a_change_of_the_matrices_does(seed: int, alpha: float, beta: float) -> None:
+    """Matrices changed at random by δ of their norm: the load moves by no more, and in some direction by nearly that.
+    δ P H stands for any change of E + P H."""
+    rng, p = np.random.default_rng(seed), sample(seed, 4)
+    problem = Proportional(p, alpha, beta)
+    found = first_loss(problem, 1e6).crossing
+    assert found is not None and found.kind == "flutter"
+    delta = 1e-7
+    most = problem.rounding(found) / ROUNDING * delta
+    root, moved = np.sqrt(np.outer(p.e, p.e)), []
+    for _ in range(200):
+        g = rng.normal(size=(4, 4))
+        g *= delta * (1 + found.load * p.norm) / np.linalg.norm(g) / found.load
+        changed = Proportional(Pencil(np.eye(4), np.diag(p.e), p.H + root * g), alpha, beta)
+        near = changed.near(found.load, found.frequency, np.linalg.solve(p.basis, found.vector))
+        if near is not None:
+            moved.append(abs(near.load / found.load - 1))
+    assert len(moved) > 100
+    assert 0.5 * most < max(moved) < 1.05 * most
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    name=st.sampled_from(NAMES[:2]),
+    modes=st.integers(2, 12),
+    alpha=log_uniform(1e-6, 10.0),
+    beta=log_uniform(0.01, 1e3),
+)
+def test_newtons_method_starts_from_the_eigenvector_itself(name: str, modes: int, alpha: float, beta: float) -> None:
+    """The frequency that is read from an eigenvector of T is the flutter's, however strong the damping."""
+    problem, starts = Proportional(pencil(name, modes), alpha, beta), []
+
+    def recorded(problem: Proportional, w: float, P: float, a: np.ndarray, b: np.ndarray) -> object:
+        root = newton(problem, w, P, a, b)
+        if root is not None and abs(root[1] / P - 1) < 1e-6:
+            starts.append((w, root[0]))
+        return root
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(proportional, "newton", recorded)
+        found = next(iter(problem.flutters(1000.0)), None)
+    if found is not None and found.crossing.frequency > 0.01:
+        assert starts and min(abs(start / end - 1) for start, end in starts) < 1e-4
+
+
+@settings(max_examples=40, deadline=None, derandomize=True)
+@given(name=st.sampled_from(NAMES[:2]), modes=st.integers(3, 12), alpha=log_uniform(1e-9, 1.0), off=st.floats(-1, 1))
+def test_a_flutter_of_the_surface_is_confirmed_where_it_is_and_nowhere_else(
+    name: str, modes: int, alpha: float, off: float
+) -> None:
+    problem = Proportional(pencil(name, modes), alpha, 0.0)
+    found = first_loss(problem).crossing
+    if found is None or found.kind != "flutter":
+        return
+    again = _refined(problem, found.load * (1 + 1e-10 * off), found.frequency * (1 + 1e-10 * off))
+    assert again is not None and again.load == pytest.approx(found.load, rel=1e-10)
+    assert _refined(problem, found.load * 1.001, found.frequency) is None
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(m=st.lists(log_uniform(1e-3, 1e3), min_size=1, max_size=6), seed=st.integers(0, 10**6), full=st.booleans())
+def test_squared_frequencies_ascend_whatever_the_functions_order(m: list[float], seed: int, full: bool) -> None:
+    rng, n = np.random.default_rng(seed), len(m)
+    T = np.eye(n) + full * 0.3 * rng.normal(size=(n, n)) / n
+    M, E = T.T @ np.diag(m) @ T, T.T @ np.diag(np.array(m) * 10 ** rng.uniform(-2, 2, n)) @ T
+    e, B = diagonalise(M, E)
+    assert (np.diff(e) >= 0).all()
+    for matrix, wanted in ((M, np.eye(n)), (E, np.diag(e))):
+        got = B.T @ matrix @ B
+        assert np.abs(got - wanted).max() < 1e-9 * np.abs(wanted).max()
+
+
+@settings(max_examples=200, deadline=None, derandomize=True)
+@given(value=log_uniform(1e-3, 1e3), error=log_uniform(1e-17, 10.0))
+def test_digits_that_are_printed_hold(value: float, error: float) -> None:
+    """What is printed is off by no more than half of a last digit that the error leaves, and has ten digits at most."""
+    text = digits_that_hold(value, error)
+    digits = len(text.replace(".", "").lstrip("0").split("e")[0])
+    assert 1 <= digits <= 10 and abs(float(text) - value) <= 0.5 * 10.0 ** (1 - digits) * value
+    assert error > 0.1 or digits == 1 or 10.0**-digits >= error * (1 - 1e-12)
+
+
 def test_a_load_max_just_below_finds_nothing_and_just_above_finds_it() -> None:
     for name in NAMES:
         column = fb.column(name, "modes")
         load = critical_load(column, 6, 1e-3, 0.1).load
         assert load is not None
-        assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 - 1e-9)).kind == "none"
-        assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 + 1e-9)).load == pytest.approx(load, rel=1e-12)
+        for share in (1e-9, 1e-6, 1e-4, 1e-2):
+            assert critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 - share)).kind == "none"
+            above = critical_load(column, 6, 1e-3, 0.1, load_max=load * (1 + share))
+            assert above.load == pytest.approx(load, rel=1e-12)
 
 
 @pytest.mark.parametrize(

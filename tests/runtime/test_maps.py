@@ -7,6 +7,7 @@ import itertools
 import json
 import math
 import sys
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -21,7 +22,7 @@ from freebeam_sym.stability import grids, pencil
 from freebeam_sym.stability.critical import settled
 from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.proportional import Proportional
-from freebeam_sym.stability.surface import leaves, surface_of
+from freebeam_sym.stability.surface import Surface, _filled, _Patch, leaves, surface_of
 
 KINDS = ("none", "flutter", "divergence")
 
@@ -123,6 +124,56 @@ def test_flutter_that_ends_as_the_damping_grows_is_not_passed_over(seed: int) ->
     lightest = load[0] if known[0] else None
     # the gap of the pair: (3 − 1.5 P)² = 4 coupling² P²
     assert lightest is None or lightest == pytest.approx(3 / (1.5 + 2 * coupling), rel=1e-4)
+
+
+@pytest.mark.parametrize(("alpha", "beta"), [(1e-3, 0.1), (0.05, 0.0), (0.0, 3.0)])
+def test_steps_to_the_surface_leave_the_third_power_of_an_error(alpha: float, beta: float) -> None:
+    one = pencil.Pencil(*fb.column("beck", "modes").matrices(6))
+    surface, found = surface_of(one, 1000.0), first_crossing(one, alpha, beta)
+    assert found is not None
+    xi, rest, chi = surface.coordinates(np.array([alpha]), np.array([beta]))
+    exact = np.array([[found.load], [found.frequency**2 / rest[0]]])
+    off = []
+    for h in (8e-3, 4e-3, 2e-3):
+        near = surface._solve(xi, chi, exact * (1 + h * np.array([[1.0], [-0.5]])), steps=1, rough=True)
+        off.append(np.abs(near / exact - 1).max())
+    assert min(math.log2(a / b) for a, b in pairwise(off)) > 2.7
+
+
+@pytest.mark.parametrize("share", [1.005, 0.995])
+def test_no_patch_is_said_to_be_without_flutter_that_has_some_just_below_its_bound(share: float) -> None:
+    one = pencil.Pencil(*fb.column("free-free", "modes").matrices(6))
+    alpha, beta = np.array([1e-3]), np.array([0.1])
+    found = first_crossing(one, alpha[0], beta[0])
+    assert found is not None
+    surface = Surface(one, share * found.load)
+    xi, _, chi = surface.coordinates(alpha, beta)
+    patch = _Patch((xi[0] - 1e-4, chi[0] - 1e-4), (xi[0] + 1e-4, chi[0] + 1e-4), None)
+    assert surface._none_there(patch) == (share < 1)
+
+
+def test_the_corner_of_the_surface_is_the_column_without_damping() -> None:
+    one = pencil.Pencil(*fb.column("beck", "modes").matrices(6))
+    load, frequency, known = surface_of(one, 1000.0).at(np.zeros(1), np.zeros(1))
+    undamped = first_crossing(one)
+    assert undamped is not None and known[0]
+    assert load[0] == pytest.approx(undamped.load, rel=1e-9)
+    assert frequency[0] == pytest.approx(undamped.frequency, rel=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_missing_of_a_guess_is_taken_from_the_nearest(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    whole = rng.normal(size=(2, 6, 6))
+    lost = rng.random((6, 6)) < 0.6
+    filled = _filled(np.where(lost, np.nan, whole))
+    assert filled is not None and (filled[:, ~lost] == whole[:, ~lost]).all()
+    there = np.argwhere(~lost)
+    for place in np.argwhere(lost):
+        distance = np.linalg.norm(there - place, axis=1)
+        nearest = there[distance == distance.min()]
+        assert any((filled[:, *place] == whole[:, *other]).all() for other in nearest)
+    assert _filled(np.full((2, 6, 6), np.nan)) is None
 
 
 @pytest.mark.parametrize("name", ["free-free", "beck"])
@@ -299,6 +350,7 @@ def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int
 def test_a_boundary_without_events() -> None:
     curve = fb.trace_boundary(fb.column("euler-pinned", "modes"), "beta", 0.0, 10.0, modes=3)
     assert not curve.events and np.allclose(curve.load, math.pi**2, rtol=1e-12) and (curve.frequency == 0).all()
+    assert len(curve.values) == 65  # of a straight line no interval of the 32 is halved more than once
     curve = fb.trace_boundary(fb.column("free-free", "modes"), "alpha", 1e-6, 10.0, log=True)
     limit = fb.critical_load(fb.column("free-free", "modes"), kappa=0.0).load
     assert not curve.events and curve.load[0] == pytest.approx(limit, rel=1e-9)
@@ -327,6 +379,14 @@ def test_a_boundary_without_events() -> None:
 def test_maps_refuse_what_makes_no_sense(given: dict, message: str) -> None:
     with pytest.raises(fb.InputError, match=message):
         fb.stability_map(fb.column("beck", "modes"), **given)
+
+
+def test_arrays_of_a_damping_that_a_column_has_not_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    column = fb.column("beck", "modes")
+    monkeypatch.setitem(column.kernel.COLUMN, "damping", ["beta"])
+    with pytest.raises(fb.InputError, match="states no such damping"):
+        fb.critical_loads(column, alpha=[0.0, 0.1])
+    assert (fb.critical_loads(column, alpha=[0.0], beta=[0.1]).load > 0).all()
 
 
 def test_boundaries_and_arrays_refuse_what_makes_no_sense() -> None:

@@ -334,7 +334,7 @@ class LegendreKernel(BeamKernel):
     def orders(self) -> tuple[int, ...]:
         """The derivatives whose series are needed, 0 first."""
         used = {order for matrix in self.matrices for pair in matrix.along for order in pair}
-        return tuple(range(max(used, default=0) + 1))
+        return tuple(range(max(used) + 1))
 
     @property
     def powers(self) -> tuple[int, ...]:
