@@ -21,7 +21,7 @@ from itertools import permutations
 from typing import Any, NamedTuple
 
 import flint
-from flint import acb, acb_mat, acb_series, arb, arb_mat, arb_poly
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series
 
 from freebeam_derive.certify.balls import Unproven, array, ball, exact, one, precision
 
