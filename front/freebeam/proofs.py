@@ -206,7 +206,9 @@ class _Asked:
             beam.damping(*dampings)
             return beam
         if "kappa" in self.exact:
-            raise NoSeries(f"{self.column.name}: limits of vanishing damping are enclosed for the textbook's columns alone")
+            raise NoSeries(
+                f"{self.column.name}: limits of vanishing damping are enclosed for the textbook's columns alone"
+            )
         return ExactSystem(self.column.kernel, self.own, *dampings)
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:

@@ -50,7 +50,7 @@ class ExactSystem:
         self.width = sum(self.sizes.values())
         begin = [sum([*self.sizes.values()][:n]) for n in range(len(self.sizes))]
         self.begin = dict(zip(self.sizes, begin, strict=True))
-        before = (len(self.breaks) - 1) * self.width
+        before = (len(self.breaks) - 1) * self.width  # what is unknown at the left ends of the segments
         self.columns = {name: before + n for n, name in enumerate(kernel.COORDINATES)}
         self._known: dict[int, _Tables] = {}
         with precision(64):
@@ -149,13 +149,15 @@ class ExactSystem:
         smooth = all(not callable(term.factor) for terms in tables.equations for term in terms)
         jets = Jets(P, s, orders, is_complex=not (real and smooth))
         carried: dict[Any, Any] = {}
-        for number, terms in enumerate(tables.equations):
+        for number, terms in enumerate(tables.equations if self.width else ()):
             carried |= self._carried(number, Segment(terms, [*self.sizes.values()], jets))
         rows = [self._row(condition, carried, jets) for condition in tables.conditions]
         if len(rows) != (len(self.breaks) - 1) * self.width + len(self.columns):
             raise NoSeries(f"{self.name}: its conditions do not determine its motion")
         F = jets.determinant(rows)
-        return {order: value.real if real and not smooth else value for order, value in zip(jets.orders, F, strict=True)}
+        return {
+            order: value.real if real and not smooth else value for order, value in zip(jets.orders, F, strict=True)
+        }
 
     def _carried(self, number: int, segment: Segment) -> dict[Any, Any]:
         """Segment and what carries z from its left end there, for its right end and the sensors on it."""
@@ -194,5 +196,5 @@ class ExactSystem:
 
 
 def _some(factor: Any) -> bool:
-    """Whether a factor, or one of its powers of x, is not nothing."""
-    return callable(factor) or any(v != 0 for v in (factor if isinstance(factor, tuple) else (factor,)))
+    """Whether a factor, or one of its powers of x, is not known to be nothing."""
+    return callable(factor) or not all(v == 0 for v in (factor if isinstance(factor, tuple) else (factor,)))

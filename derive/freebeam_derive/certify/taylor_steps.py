@@ -1,8 +1,8 @@
 """z' = A(x) z by Taylor steps in balls, with what is left out bounded, and truncated Taylor polynomials as matrices.
 
-Along a segment L D + N z = 0, where D are the highest derivatives of the fields, one equation each, and z the fields with
-their lower ones. A step sums z(x + h) = Σ z_n hⁿ up to n < N. If ‖A‖ ≤ a on the disc of radius ρ > h about x in the
-complex plane, then ‖z‖ ≤ ‖z_0‖ e^(aρ) there, by Grönwall's lemma along its radii, ‖z_n‖ ≤ ‖z_0‖ e^(aρ) / ρⁿ by
+Along a segment L D + N z = 0, where D are the highest derivatives of the fields, one equation each, and z the fields
+with their lower ones. A step sums z(x + h) = Σ z_n hⁿ up to n < N. If ‖A‖ ≤ a on the disc of radius ρ > h about x in
+the complex plane, then ‖z‖ ≤ ‖z_0‖ e^(aρ) there, by Grönwall's lemma along its radii, ‖z_n‖ ≤ ‖z_0‖ e^(aρ) / ρⁿ by
 Cauchy's, and
 
     ‖Σ_{n ≥ N} z_n hⁿ‖ ≤ ‖z_0‖ e^(aρ) (h/ρ)^N / (1 − h/ρ).
@@ -30,7 +30,9 @@ Jet = list[Any]
 """A polynomial in u and v, truncated: balls in the order of the `orders` of its `Jets`."""
 
 _LEAST = 36  # a step is not below 2^-36 of its segment: there the leading coefficients are taken to vanish
-_COUPLED = 16  # the norm of A couples derivatives to lower ones at 1/16 of its size: they cost little, in a and in weights
+_COUPLED = (
+    16  # the norm of A couples derivatives to lower ones at 1/16 of its size: they cost little, in a and in weights
+)
 
 
 class Jets:
@@ -119,7 +121,9 @@ class Jets:
                     for column, value in pivot.items():
                         more = self.times(factor, value)
                         had = row.get(column)
-                        row[column] = [-v for v in more] if had is None else [h - v for h, v in zip(had, more, strict=True)]
+                        row[column] = (
+                            [-v for v in more] if had is None else [h - v for h, v in zip(had, more, strict=True)]
+                        )
         return self.times(total, self._written_out(rows, columns))
 
     def _written_out(self, rows: list[dict[int, Jet]], columns: list[int]) -> Jet:
@@ -154,6 +158,7 @@ class Segment:
         self.terms, self.sizes, self.jets = terms, sizes, jets
         self.width, self.count = sum(sizes), len(sizes)
         self.begin = [sum(sizes[:n]) for n in range(len(sizes))]
+        self.tops = [begin + size - 1 for begin, size in zip(self.begin, sizes, strict=True)]
         self.smooth = all(not callable(term.factor) for term in terms)
         self.uniform = self.smooth and all(len(term.factor) == 1 for term in terms)
 
@@ -173,11 +178,20 @@ class Segment:
 
     def start(self) -> Any:
         """z of unit values of the unknowns."""
-        unit = {(i, i): self.jets.one for i in range(self.width)}
-        rows = self.jets.whole(unit, self.width, self.width)
-        return self.jets.matrix(
-            rows.nrows(), self.width, [rows[i, j] for i in range(rows.nrows()) for j in range(self.width)]
-        )
+        rows = len(self.jets.orders) * self.width
+        return self.jets.matrix(rows, self.width, [int(i == j) for i in range(rows) for j in range(self.width)])
+
+    def raised(self, z: Any, highest: Any) -> Any:
+        """z', from z and the highest derivatives."""
+        below, above = (m.entries() for m in (z, highest))
+        flat, width, above_next = [], self.width, 0
+        for i in range(z.nrows()):
+            if (i % width) in self.tops:
+                flat += above[above_next : above_next + width]
+                above_next += width
+            else:
+                flat += below[(i + 1) * width : (i + 2) * width]
+        return self.jets.matrix(z.nrows(), width, flat)
 
 
 class Local:
@@ -199,17 +213,18 @@ class Local:
 
     def _factors(self, count: int) -> list[list[Any]]:
         """The factors of all terms in powers of the distance, whole where they are polynomials, else so many."""
-        here, found = exact(self.place), []
+        here = exact(self.place)
+        found: list[list[Any]] = []
         before = flint.ctx.cap
         flint.ctx.cap = count + 1
         try:
             for term in self.segment.terms:
                 if callable(term.factor):
-                    series = one(term.factor(array([arb_series([here, 1])])))
+                    series: Any = one(term.factor(array([arb_series([here, 1])])))
                     found.append([series[q] for q in range(count)])
                 else:
                     found.append(arb_poly(term.factor)(arb_poly([here, 1])).coeffs() or [arb(0)])
-        except ZeroDivisionError:
+        except (ZeroDivisionError, ValueError):
             raise Unproven(f"a factor of the equations at x = {float(self.place):.6g} is not finite") from None
         finally:
             flint.ctx.cap = before
@@ -247,29 +262,29 @@ class Local:
         """
         size, width, count = len(self.jets.orders), self.segment.width, self.segment.count
         sizes = [_float(v) for v in operator.entries()]
-        top = {begin + order - 1: n for n, (begin, order) in enumerate(zip(self.segment.begin, self.segment.sizes, strict=True))}
+        top = {at: n for n, at in enumerate(self.segment.tops)}
 
         def row(t: int, n: int) -> list[float]:
             begin = (t * count + n) * size * width
             return sizes[begin : begin + width]
 
         A = [row(0, top[i]) if i in top else [float(j == i + 1) for j in range(width)] for i in range(width)]
+        A = [[v + 1e-3 for v in line] for line in A]  # so that there is such a vector
         w = [1.0] * width
         for _ in range(40):
-            w = [math.sqrt(v * sum((a + 1e-3) * u for a, u in zip(line, w, strict=True))) for v, line in zip(w, A, strict=True)]
+            w = [math.sqrt(v * _times(line, w)) for v, line in zip(w, A, strict=True)]
             w = [v / max(w) for v in w]
-        norm = max(sum(a * u for a, u in zip(line, w, strict=True)) / v for v, line in zip(w, A, strict=True))
+        norm = max(_times(line, w) / v for v, line in zip(w, A, strict=True))
         apart = 1.0
         for t, (i, j) in enumerate(self.jets.orders):
             if t:
-                coupled = max(sum(a * u for a, u in zip(row(t, n), w, strict=True)) / w[at] for at, n in top.items())
+                coupled = max(_times(row(t, n), w) / w[at] for at, n in top.items())
                 apart = max(apart, (_COUPLED * coupled / norm) ** (1 / (i + j)))
-        return [round(math.log2(v) + sum(order) * math.log2(apart)) for order in self.jets.orders for v in w]
+        return [round(math.log2(v)) + round(sum(o) * math.log2(apart)) for o in self.jets.orders for v in w]
 
     def _of_highest(self) -> list[int]:
         """log2 of the weights of the highest derivatives: those of the rows of z' that they are."""
-        width = self.segment.width
-        tops = [begin + order - 1 for begin, order in zip(self.segment.begin, self.segment.sizes, strict=True)]
+        width, tops = self.segment.width, self.segment.tops
         return [self.weights[t * width + top] for t in range(len(self.jets.orders)) for top in tops]
 
     def _norm(self, operator: Any) -> arb:
@@ -280,7 +295,7 @@ class Local:
         for i, w in enumerate(of_rows):
             total = arb(0)
             for v, u in zip(flat[i * width : (i + 1) * width], of_columns, strict=True):
-                if v != 0:
+                if not v.is_zero():
                     total += abs(v).upper() * arb(2) ** (u - w)
             largest = largest.max(total.upper())
         return largest
@@ -305,14 +320,10 @@ class Local:
             lower, changed = self._norm(self.inverse * N), self._norm(self.inverse * L - unit)
         if not changed < 0.5:
             return None
-        shifts = [
-            arb(2) ** (self.weights[i + 1] - self.weights[i])
-            for begin, order in zip(self.segment.begin, self.segment.sizes, strict=True)
-            for i in range(begin, begin + order - 1)
-        ]
         a = (lower / (1 - changed)).upper()
-        for shift in shifts:
-            a = a.max(shift)
+        for i in range(self.segment.width):  # rows that say that the next one is the derivative
+            if i not in self.segment.tops:
+                a = a.max(arb(2) ** (self.weights[i + 1] - self.weights[i]))
         return a if a.is_finite() else None
 
     def remainder(self, size: arb, radius: arb, reach: arb, terms: int) -> arb:
@@ -355,48 +366,37 @@ class Local:
             total = self._sum(count, h)
         left_out = self.remainder(size, radius, h, count)
         width, w = self.segment.width, self.weights
-        errors = [[left_out * arb(2) ** (of - w[j]) * arb(0, 1) for j in range(width)] for of in w]
+        errors: list[Any] = [ball(arb(0), left_out * arb(2) ** (of - w[j])) for of in w for j in range(width)]
         if self.jets.matrix is acb_mat:
-            errors = [[acb(e, e) for e in line] for line in errors]
-        return total + self.jets.matrix(errors)
+            errors = [acb(error, error) for error in errors]
+        return total + self.jets.matrix(len(w), width, errors)
 
     def _sum(self, count: int, h: arb) -> Any:
-        """The first terms: z_(n+1) from z_n and D_n, and D_n from all before."""
-        matrix, width, fields = self.jets.matrix, self.segment.width, self.segment.count
-        z = self.segment.start()
-        rows, size = z.nrows(), len(self.jets.orders) * fields
-        raised: list[list[int]] = [[0] * (rows + size) for _ in range(rows)]
-        for t in range(len(self.jets.orders)):
-            for n, (begin, order) in enumerate(zip(self.segment.begin, self.segment.sizes, strict=True)):
-                for i in range(begin, begin + order):
-                    last = i == begin + order - 1
-                    raised[t * width + i][rows + t * fields + n if last else t * width + i + 1] = 1
-        up = matrix(raised)
-        first, *more = [
-            (-N * h**q, -L * h**q) for q, (N, L) in enumerate(self._operators(count))
-        ]
-        before = [_beside(matrix, *pair) for pair in more]
-        total, both = z, []
+        """The first terms of z: D_n from all before, and z_(n+1) from D_n and z_n."""
+        segment, z = self.segment, self.segment.start()
+        of_lower, of_highest = zip(
+            *((-N * h**q, -L * h**q) for q, (N, L) in enumerate(self._operators(count))), strict=True
+        )
+        total, every = z, [z]
+        highest: list[Any] = []
         for n in range(count - 1):
-            highest = first[0] * z
-            for operator, value in zip(before, reversed(both), strict=False):
-                highest = highest + operator * value
-            both.append(matrix(rows + size, width, z.entries() + highest.entries()))
-            z = (up * both[-1]) * (h / (n + 1))
+            D = of_lower[0] * z
+            for q in range(1, min(n + 1, len(of_lower))):
+                D = D + of_lower[q] * every[n - q] + of_highest[q] * highest[n - q]
+            highest.append(D)
+            z = segment.raised(z, D) * (h / (n + 1))
+            every.append(z)
             total = total + z
         return total
 
 
-def _beside(matrix: Any, left: Any, right: Any) -> Any:
-    rows, n, m = left.nrows(), left.ncols(), right.ncols()
-    a, b = left.entries(), right.entries()
-    flat = [v for i in range(rows) for v in (*a[i * n : (i + 1) * n], *b[i * m : (i + 1) * m])]
-    return matrix(rows, n + m, flat)
+def _times(row: Sequence[float], column: Sequence[float]) -> float:
+    return sum(a * b for a, b in zip(row, column, strict=True))
 
 
-def _float(ball_: Any) -> float:
+def _float(value: Any) -> float:
     """An upper bound of a ball's size, for estimates. Raises Unproven where there is none."""
-    bound = abs(ball_).upper()
+    bound = abs(value).upper()
     if not bound < 1e200:
         raise Unproven("the balls grew without bound")
     return float(bound)

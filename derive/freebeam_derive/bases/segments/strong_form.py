@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from sympy import Expr, Lambda, NumberSymbol, Poly, S, expand
+from sympy import Expr, Lambda, Max, Min, NumberSymbol, Piecewise, Poly, S, cos, cosh, exp, expand, sin, sinh, tan, tanh
 
 from freebeam_derive.jets import ALWAYS, Beam, beside, jets, name_of, segment_of, show
 from freebeam_derive.notation import F_0, P, x
@@ -21,6 +21,8 @@ Place = tuple[int, int] | int | None
 """(segment, 0 or 1) for its left or right end; the number of a sensor; None for a coordinate."""
 Row = dict[tuple[str, int, int, int, Place], Expr]
 """(unknown, p, r, k, place) -> factor of Pᵏ ∂ᵖ⁺ʳ/∂xᵖ∂tʳ of the unknown there."""
+
+_MEROMORPHIC = (exp, sin, cos, tan, sinh, cosh, tanh)
 
 
 class NoStrongForm(ValueError):
@@ -64,8 +66,8 @@ def _terms(factor: Expr) -> list[tuple[Expr, int, Expr]]:
     for j in jets(factor, 0):
         coefficient = expand(factor.coeff(j).xreplace({F_0: S.Zero}))
         for (k,), part in Poly(coefficient, P).terms():
-            if part.atoms(NumberSymbol):
-                raise NoStrongForm(f"the factor {part} of {show(j)} is no exact number; make it a parameter")
+            if part.atoms(NumberSymbol) or part.has(Piecewise, Max, Min):
+                raise NoStrongForm(f"the factor {part} of {show(j)} is not to be had exactly; make it a parameter")
             if part != 0:
                 found.append((j, int(k), part))
     return found
@@ -82,7 +84,16 @@ def _derivative(j: Expr, orders: dict[str, int], highest: bool = False) -> tuple
 def _along(factor: Expr) -> tuple[Expr, ...] | Lambda:
     if factor.is_polynomial(x):
         return tuple(Poly(factor, x).all_coeffs()[::-1])
+    if not _meromorphic(factor):  # Taylor's series are bounded on discs, which must hold no branch
+        raise NoStrongForm(f"the factor {factor} is not made of polynomials, quotients, exp, sin and cos of x")
     return Lambda(x, factor)
+
+
+def _meromorphic(e: Expr) -> bool:
+    if not e.has(x) or e == x:
+        return True
+    known = e.is_Add or e.is_Mul or isinstance(e, _MEROMORPHIC) or (e.is_Pow and e.exp.is_Integer)
+    return bool(known) and all(map(_meromorphic, e.args))
 
 
 def _geometric(motion: EquationOfMotion) -> list[Row]:
