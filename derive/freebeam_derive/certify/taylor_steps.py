@@ -61,7 +61,7 @@ class Jets:
         """(P + u)^k (−s − v)^m."""
         if (k, m) not in self._monomials:
             self._monomials[k, m] = [
-                math.comb(k, i) * self.P ** (k - i) * ((-1) ** m * math.comb(m, j)) * self.s ** (m - j)
+                math.comb(k, i) * _power(self.P, k - i) * (math.comb(m, j) * (-1) ** j * _power(-self.s, m - j))
                 if i <= k and j <= m
                 else self.ball(0)
                 for i, j in self.orders
@@ -388,6 +388,11 @@ class Local:
             every.append(z)
             total = total + z
         return total
+
+
+def _power(value: Any, exponent: int) -> Any:
+    """Of a ball that may hold zero, of which flint's own powers are not finite."""
+    return math.prod([value] * exponent, start=arb(1))
 
 
 def _times(row: Sequence[float], column: Sequence[float]) -> float:
