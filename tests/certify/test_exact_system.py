@@ -23,17 +23,18 @@ from freebeam_derive.bases import segments
 from freebeam_derive.certify import beam_itself
 from freebeam_derive.certify.balls import Unproven, ends, precision
 from freebeam_derive.certify.beam import Beam, NoSeries
-from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.exact_system import ExactSystem, _some
 from freebeam_derive.certify.taylor_steps import Jets, Local, Segment, Term
-from freebeam_derive.notation import alpha, beta, t, x, y
+from freebeam_derive.notation import P, alpha, beta, t, x, y
 from freebeam_derive.statement import Column, Parameter, at, delta, integral
 from freebeam_sym.columns import Column as RuntimeColumn
 from freebeam_sym.columns import column as runtime_column
-from tests.derive.test_language import beck, turning, ziegler
+from tests.derive.test_language import FOLLOWER, HALF, beck, turning, ziegler
 from tests.reference.values import ISSUE, OWN, Value
 from tests.stated import STATED, stated
 
 NONE = Fraction(0)
+FREE = "free-free with a point mass"
 
 
 def emitted(column: Column) -> ModuleType:
@@ -151,6 +152,20 @@ def test_a_stiff_timoshenko_beam_is_becks_column_to_first_order(s: int) -> None:
     assert float((beck_load - found.load) * s) == pytest.approx(831.6, rel=60 / s**0.99)
 
 
+def test_internal_damping_does_not_move_a_divergence() -> None:
+    """The rigid motions of a free column are then a factor λ⁴ of F, two of λ² each, which is struck out."""
+    column = beck(
+        ends=("free", "free"),
+        T=(integral(y.diff(t) ** 2) + at(y.diff(t), 0) ** 2 / 2) / 2,
+        W_c=P * integral((x + HALF) * y.diff(x) ** 2) / 3,
+        dW_nc=FOLLOWER - integral(alpha * y.diff(x, 2, t) * delta(y.diff(x, 2))),
+    )
+    system = ExactSystem(emitted(column), None, Fraction(1, 100))
+    found, still = (beam_itself.divergence(s, 45.45, 20) for s in (system, ExactSystem(of_literature(FREE)[0])))
+    with precision(96):
+        assert system.rigid == 2 and system.trivial() == 4 and still.load.overlaps(found.load)
+
+
 def test_coordinates_alone_have_a_characteristic_polynomial() -> None:
     """Ziegler's double pendulum, masses 2 : 1, undamped: 7/2 − √2."""
     found = beam_itself.flutter_undamped(ExactSystem(emitted(ziegler())), (2.08, 0.84), 40)
@@ -171,6 +186,10 @@ def test_balls_hold_what_points_give() -> None:
         for P, s in ((0.01, acb(0.01, -0.01)), (-0.01, acb(-0.01, 0.01)), (0.004, acb(0, 0.01)), (0, acb(0, 0))):
             at_point = system.taylor(arb(P), s, orders)
             assert all(wide[order].contains(at_point[order]) for order in orders)
+
+
+def test_a_factor_in_a_ball_about_zero_counts() -> None:
+    assert _some(arb(0, 1e-9)) and _some((0, arb(0, 1e-9))) and not _some((arb(0), 0))
 
 
 @pytest.mark.parametrize(("name", "P", "s"), [("crack", 15, 70), ("pipe on a foundation", 8, 5), ("absorber", 15, -7)])
@@ -339,7 +358,7 @@ c = Symbol("c", real=True)
         ),
         (
             lambda: beck(
-                dW_nc=-Symbol("P", real=True) * at(y.diff(x, 4), c) * at(delta(y), 1),
+                dW_nc=-P * at(y.diff(x, 4), c) * at(delta(y), 1),
                 parameters=(Parameter(c, "c", 0.3, 0.0, 1.0),),
             ),
             "is beyond the derivatives of y",
