@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from fractions import Fraction
 from functools import cache
@@ -14,10 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import acb, arb
-from sympy import Rational, Symbol, exp, pi, sqrt
+from sympy import Expr, Rational, Symbol, cos, cosh, exp, pi, sin, sinh, sqrt, tan
 
 import freebeam as fb
 from freebeam import proofs
+from freebeam.cli import main
 from freebeam_derive import emit, pipeline, statement, verify
 from freebeam_derive.bases import segments
 from freebeam_derive.certify import beam_itself
@@ -34,6 +36,7 @@ from tests.reference.values import ISSUE, OWN, Value
 from tests.stated import STATED, stated
 
 NONE = Fraction(0)
+c = Symbol("c", real=True)
 FREE = "free-free with a point mass"
 
 
@@ -164,6 +167,24 @@ def test_internal_damping_does_not_move_a_divergence() -> None:
     found, still = (beam_itself.divergence(s, 45.45, 20) for s in (system, ExactSystem(of_literature(FREE)[0])))
     with precision(96):
         assert system.rigid == 2 and system.trivial() == 4 and still.load.overlaps(found.load)
+
+
+@pytest.mark.parametrize(
+    ("stiffness", "same"),
+    [
+        ((4 - 4 * x + x**2) / (2 - x), 2 - x),
+        (cosh(x) + sinh(x), exp(c * x)),
+        ((sin(x) ** 2 + cos(x) ** 2) * (2 + tan(x)), 2 + sin(x) / cos(x)),
+        (sqrt(2) ** 2 * exp(-x / 3), 2 / exp(x / 3)),
+    ],
+)
+def test_functions_of_x_are_what_they_are(stiffness: Expr, same: Expr) -> None:
+    """Written otherwise, as a quotient, with a parameter or by another function, they give the same F."""
+    own = (Parameter(c, "c", 1.0, 0.0, 2.0),)
+    columns = [beck(V=integral(EI * y.diff(x, 2) ** 2) / 2, dW_nc=FOLLOWER, parameters=own) for EI in (stiffness, same)]
+    with precision(96):
+        one, other = (ExactSystem(emitted(column)).taylor(arb(9), arb(30), ((0, 0),))[0, 0] for column in columns)
+        assert one.overlaps(other) and one.rad() < 1e-18 * abs(one)
 
 
 def test_coordinates_alone_have_a_characteristic_polynomial() -> None:
@@ -333,6 +354,26 @@ def test_an_exact_load_is_asked_for_as_any(tmp_path: Path) -> None:
     assert found.inputs["mu"] == "1.0 (default)"
 
 
+def test_the_command_line_proves_any_column(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The load of a cracked column, what five functions a segment are off by, and eigenvalues."""
+    for name in ("XDG_CACHE_HOME", "LOCALAPPDATA"):
+        monkeypatch.setenv(name, str(tmp_path))
+    column = ["--column", str(stated(tmp_path, "crack")[0]), "--json", "--modes", "5"]
+    outputs = []
+    for asked in (["critical", "--digits", "20", "--exact"], ["critical", "--truncation"]):
+        assert main([*asked, *column]) == 0
+        outputs.append(json.loads(capsys.readouterr().out))
+    exact, series = outputs
+    assert exact["load_lower"].startswith("16.99437706055044426") and exact["exact"]
+    assert float(series["truncation"]["difference_lower"]) == pytest.approx(
+        series["load"] - 16.994377060550444, rel=1e-4
+    )
+    assert main(["spectrum", "--load", "10", "--exact", "--digits", "12", *column]) == 0
+    assert not json.loads(capsys.readouterr().out)["unproven"]
+
+
 def test_a_limit_of_vanishing_damping_is_refused() -> None:
     column = RuntimeColumn(emitted(beck()))
     asked = proofs._Asked.of(column, 8, {}, kappa=10, alpha=0, beta=0)
@@ -343,8 +384,6 @@ def test_a_limit_of_vanishing_damping_is_refused() -> None:
 
 
 # ------------------------------------------------------------ what is refused
-
-c = Symbol("c", real=True)
 
 
 @pytest.mark.parametrize(

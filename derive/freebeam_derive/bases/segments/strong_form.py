@@ -86,7 +86,7 @@ def _along(factor: Expr) -> tuple[Expr, ...] | Lambda:
         return tuple(Poly(factor, x).all_coeffs()[::-1])
     if not _meromorphic(factor):  # Taylor's series are bounded on discs, which must hold no branch
         raise NoStrongForm(f"the factor {factor} is not made of polynomials, quotients, exp, sin and cos of x")
-    return Lambda(x, factor)
+    return Lambda(x, factor.rewrite([sinh, cosh, tanh], exp))  # what power series in balls have
 
 
 def _meromorphic(e: Expr) -> bool:
