@@ -130,7 +130,8 @@ def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
         if (column.basis in in_bases and column.basis != POLYNOMIALS) or POLYNOMIALS not in in_bases:
             wanted = column.basis if column.basis != POLYNOMIALS else in_bases[0]
             raise StatementError(f"basis {wanted}: does not suit {column.name}: {reason}; use {POLYNOMIALS}") from None
-        return {POLYNOMIALS: segments.kernel_of(column, general(column).system)}
+        found = general(column)
+        return {POLYNOMIALS: segments.kernel_of(column, found.system, found.motion)}
     return {basis: derived.kernel(basis) for basis in in_bases}
 
 

@@ -194,6 +194,23 @@ class _Asked:
             self.question.modes, exact["alpha"], exact["beta"], exact.get("kappa"), dict(self.own)
         )
 
+    @property
+    def itself(self) -> Any:
+        """The beam itself at what is asked. Raises NoSeries."""
+        from freebeam_derive.certify.beam import Beam, NoSeries
+        from freebeam_derive.certify.exact_system import ExactSystem
+
+        dampings = self.exact["alpha"], self.exact["beta"]
+        if not self.column.general:
+            beam = Beam(self.column.kernel, self.own)
+            beam.damping(*dampings)
+            return beam
+        if "kappa" in self.exact:
+            raise NoSeries(
+                f"{self.column.name}: limits of vanishing damping are enclosed for the textbook's columns alone"
+            )
+        return ExactSystem(self.column.kernel, self.own, *dampings)
+
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
         return self._scaled(interval, "load")
@@ -410,17 +427,17 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
     from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
-    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.beam import NoSeries
     from freebeam_derive.certify.decimals import outward
 
     exact, name = asked.exact, asked.column.name
     try:
-        beam = Beam(asked.column.kernel, asked.own)
+        beam = asked.itself
         if kind == "divergence":
             crossing = beams.divergence(beam, near[0], digits + 2)
         elif "kappa" in exact:
             crossing = beams.flutter_limit(beam, exact["kappa"], near, digits + 2)
-        elif exact["alpha"] == exact["beta"] == 0:
+        elif beam.undamped(exact["alpha"], exact["beta"]):
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
@@ -511,7 +528,7 @@ def exact_spectrum(
     """
     from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
-    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.beam import NoSeries
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
@@ -519,8 +536,7 @@ def exact_spectrum(
     if abs(values[0]) > MOST:
         raise refusal("load", load, f"eigenvalues of the beam itself are enclosed at loads up to {MOST}")
     try:
-        beam = Beam(column.kernel, asked.own)
-        beam.damping(*values[1:])
+        beam = asked.itself
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     balls: list[Any] = []
@@ -556,9 +572,11 @@ def _lowest(asked: _Asked) -> list[complex]:
 
     question = asked.question
     more = question.over(question.column, min(2 * question.modes + 8, 120))
-    c_M, c_E = question.column.damping_factors(question.alpha, question.beta, **question.parameters)
     system = more.system(float(asked.exact["load"]))
     values = [complex(v) for v in spectrum(system).eigenvalues]
+    if question.column.general:
+        return sorted(values, key=abs)[: 2 * asked.question.modes]
+    c_M, c_E = question.column.damping_factors(question.alpha, question.beta, **question.parameters)
     return sorted(values, key=lambda v: abs(v * (v + c_M)) / max(abs(1 + c_E * v), 1e-300))[: 2 * asked.question.modes]
 
 

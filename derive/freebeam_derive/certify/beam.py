@@ -168,6 +168,17 @@ class Beam:
 
     # ---------------------------------------------------------------- the characteristic function
 
+    def undamped(self, alpha: Exact, beta: Exact) -> bool:
+        """Whether F is a function of λ² at these dampings."""
+        return alpha == beta == 0
+
+    def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
+        """p and s of an eigenvalue λ, their slopes in λ, and 1 / (1 + αλ), the slope of p in P."""
+        c_E, c_M = self.damping(alpha, beta)
+        inverse = 1 / (1 + c_E * value)
+        p, s = P * inverse, -value * (value + c_M) * inverse
+        return p, s, -p * c_E * inverse, -(2 * value + c_M + s * c_E) * inverse, inverse
+
     def taylor(self, p: Any, s: Any, orders: Sequence[Order]) -> Taylor:
         """Coefficients of F(p + u, s + v) in powers of u and v: (i, j) -> ball of ∂^{i+j}F/∂p^i∂s^j / (i! j!).
 

@@ -20,9 +20,11 @@ from flint import acb, arb, arb_mat
 
 from freebeam_derive.certify.balls import Exact, Unproven, ball, exact, precision
 from freebeam_derive.certify.beam import Beam, Order, Taylor
+from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import image, inside, inverse
 
 Kind = Literal["flutter", "divergence"]
+Itself = Beam | ExactSystem
 Facts = tuple[list[arb], Taylor]  # a box, and what the beam's function is on all of it
 
 _FIRST: tuple[Order, ...] = ((0, 0), (1, 0), (0, 1))
@@ -74,7 +76,7 @@ class Problem(ABC):
     of_value: tuple[Order, ...]
     of_slopes: tuple[Order, ...]
 
-    def __init__(self, beam: Beam) -> None:
+    def __init__(self, beam: Itself) -> None:
         self.beam = beam
 
     def place(self, x: list[arb]) -> tuple[Any, Any]:
@@ -136,12 +138,12 @@ class Damped(Onset):
     of_value = ((0, 0),)
     of_slopes = _FIRST
 
-    def __init__(self, beam: Beam, alpha: Exact, beta: Exact) -> None:
+    def __init__(self, beam: Itself, alpha: Exact, beta: Exact) -> None:
         super().__init__(beam)
         self.alpha, self.beta = alpha, beta
 
     def place(self, x: list[arb]) -> tuple[acb, acb]:
-        p, s, *_ = _pencil(self.beam, x[0], acb(0, x[1]), self.alpha, self.beta)
+        p, s, *_ = self.beam.pencil(x[0], acb(0, x[1]), self.alpha, self.beta)
         return p, s
 
     def equations(self, x: list[arb], t: Taylor) -> list[arb]:
@@ -149,7 +151,7 @@ class Damped(Onset):
 
     def _chain(self, x: list[arb], t: Taylor) -> tuple[acb, acb]:
         """F by the load and by the frequency."""
-        _, _, p_slope, s_slope, inverse = _pencil(self.beam, x[0], acb(0, x[1]), self.alpha, self.beta)
+        _, _, p_slope, s_slope, inverse = self.beam.pencil(x[0], acb(0, x[1]), self.alpha, self.beta)
         return t[1, 0] * inverse, acb(0, 1) * (t[1, 0] * p_slope + t[0, 1] * s_slope)
 
     def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
@@ -168,6 +170,8 @@ class VanishingDamping(Onset):
     sought = "flutter at vanishing damping at the load (and ω²)"
     of_value = _FIRST
     of_slopes = (*_FIRST, (2, 0), (1, 1), (0, 2))
+
+    beam: Beam
 
     def __init__(self, beam: Beam, kappa: Exact) -> None:
         super().__init__(beam)
@@ -203,7 +207,7 @@ class Static(Onset):
 
     sought = "divergence at the load"
 
-    def __init__(self, beam: Beam) -> None:
+    def __init__(self, beam: Itself) -> None:
         super().__init__(beam)
         R = self.order = beam.trivial()
         self.of_value = tuple((0, j) for j in range(R + 1))
@@ -231,7 +235,7 @@ class Eigenvalue(Problem):
     of_slopes = _FIRST
 
     def __init__(
-        self, beam: Beam, load: Fraction, alpha: Exact, beta: Exact, line: Literal["real", "imaginary", "plane"]
+        self, beam: Itself, load: Fraction, alpha: Exact, beta: Exact, line: Literal["real", "imaginary", "plane"]
     ) -> None:
         super().__init__(beam)
         self.load, self.alpha, self.beta, self.line = load, alpha, beta, line
@@ -248,7 +252,7 @@ class Eigenvalue(Problem):
         P = exact(self.load)
         if self.line == "imaginary":
             return P, x[0] * x[0], arb(0), 2 * x[0]
-        return _pencil(self.beam, P, acb(*x) if self.line == "plane" else x[0], self.alpha, self.beta)[:4]
+        return self.beam.pencil(P, acb(*x) if self.line == "plane" else x[0], self.alpha, self.beta)[:4]
 
     def place(self, x: list[arb]) -> tuple[Any, Any]:
         return self._chain(x)[:2]
@@ -263,14 +267,6 @@ class Eigenvalue(Problem):
         if self.line != "plane":
             return [[slope]]
         return [[slope.real, -slope.imag], [slope.imag, slope.real]]
-
-
-def _pencil(beam: Beam, P: arb, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
-    """p and s of an eigenvalue λ, their slopes in λ, and 1 / (1 + αλ), the slope of p in P."""
-    c_E, c_M = beam.damping(alpha, beta)
-    inverse = 1 / (1 + c_E * value)
-    p, s = P * inverse, -value * (value + c_M) * inverse
-    return p, s, -p * c_E * inverse, -(2 * value + c_M + s * c_E) * inverse, inverse
 
 
 def _sign(ball: arb, otherwise: str) -> None:
@@ -391,7 +387,7 @@ def _approach(problem: Problem, start: Sequence[float], bits: int) -> tuple[list
 # -------------------------------------------------------------------- what is asked for
 
 
-def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> ExactCrossing:
+def flutter_undamped(beam: Itself, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter without damping: two frequencies meet. near: load and frequency, such as Ritz values.
 
     Raises Unproven where the load could not be enclosed, NoOnset where it is a restabilisation.
@@ -399,7 +395,7 @@ def flutter_undamped(beam: Beam, near: tuple[float, float], digits: int) -> Exac
     return _onset(Coalescence(beam), (near[0], near[1] ** 2), digits)
 
 
-def flutter_damped(beam: Beam, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
+def flutter_damped(beam: Itself, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
     return _onset(Damped(beam, alpha, beta), near, digits)
 
@@ -409,7 +405,7 @@ def flutter_limit(beam: Beam, kappa: Exact, near: tuple[float, float], digits: i
     return _onset(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
 
 
-def divergence(beam: Beam, near: float, digits: int) -> ExactCrossing:
+def divergence(beam: Itself, near: float, digits: int) -> ExactCrossing:
     """Onset of divergence: a frequency falls to zero; any damping. near: the load. Raises Unproven, NoOnset."""
     with precision(96):
         problem = Static(beam)
@@ -435,7 +431,7 @@ def _onset(problem: Onset, near: tuple[float, ...], digits: int) -> ExactCrossin
 
 
 def frequencies(
-    beam: Beam, load: Fraction, alpha: Exact, beta: Exact, near: Sequence[complex], digits: int
+    beam: Itself, load: Fraction, alpha: Exact, beta: Exact, near: Sequence[complex], digits: int
 ) -> tuple[acb, ...]:
     """Eigenvalues λ of the beam at a load, one for each start. Each enclosure holds one eigenvalue and only one, widths
     relative to |λ|; on the real axis, or without damping on the imaginary one, it is known to be.
@@ -452,12 +448,12 @@ def frequencies(
     return tuple(found)
 
 
-def _eigenvalue(beam: Beam, load: Fraction, alpha: Exact, beta: Exact, start: complex, digits: int) -> acb:
+def _eigenvalue(beam: Itself, load: Fraction, alpha: Exact, beta: Exact, start: complex, digits: int) -> acb:
     small = 1e-6 * abs(start)
     lines: list[tuple[Literal["real", "imaginary", "plane"], tuple[float, ...]]] = []
     if abs(start.imag) <= small:
         lines.append(("real", (start.real,)))
-    elif alpha == 0 and beta == 0 and abs(start.real) <= small:
+    elif beam.undamped(alpha, beta) and abs(start.real) <= small:
         lines.append(("imaginary", (start.imag,)))
     lines.append(("plane", (start.real, start.imag)))
     failure: Unproven | None = None

@@ -13,6 +13,7 @@ from typing import Any
 from sympy import (
     Expr,
     Inverse,
+    Lambda,
     MatMul,
     Piecewise,
     S,
@@ -161,13 +162,25 @@ def literal(value: Any) -> str:
     if isinstance(value, list | tuple):
         listed = ", ".join(map(literal, value))
         return f"[{listed}]" if isinstance(value, list) else f"({listed},)" if len(value) == 1 else f"({listed})"
+    if isinstance(value, Lambda):
+        return f"lambda {value.variables[0]}: {exact(value.expr)}"
     return exact(value) if isinstance(value, Expr) else repr(value)
 
 
 def exact(expression: Expr) -> str:
-    """Code in which a fraction that no float holds is made from `one`, a number of the caller's kind."""
+    """Code in which a fraction or a root that no float holds is made from `one`, a number of the caller's kind."""
     kept = (1, *_EXACT)
-    return code(expression.replace(lambda e: e.is_Rational and e.q not in kept, lambda e: Symbol("one") * e))
+    found = expression.replace(_of_number, lambda e: e.func(_of_one(e.args[0]), *e.args[1:]))
+    return code(found.replace(lambda e: e.is_Rational and e.q not in kept, lambda e: Symbol("one") * e))
+
+
+def _of_number(e: Expr) -> bool:
+    """Whether it is a root or another function of a rational number."""
+    return bool((e.is_Function or (e.is_Pow and not e.exp.is_Integer)) and e.args[0].is_Rational)
+
+
+def _of_one(number: Expr) -> Symbol:
+    return Symbol(f"(one * {number.p} / {number.q})")
 
 
 def number(expression: Expr) -> str:

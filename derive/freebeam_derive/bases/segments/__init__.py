@@ -18,6 +18,7 @@ from sympy import Expr, Poly, PolynomialError, Symbol, expand
 from sympy import factor as factored
 
 from freebeam_derive import pieces
+from freebeam_derive.bases.segments.strong_form import NoStrongForm, StrongForm, strong_form
 from freebeam_derive.emit import source
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Value
 from freebeam_derive.kernel import Facts, Figure, Kernel, Progress
@@ -25,6 +26,7 @@ from freebeam_derive.latex import letter
 from freebeam_derive.newmark import derive_newmark
 from freebeam_derive.notation import NOTATION, PRIMES, x
 from freebeam_derive.statement import StatementError
+from freebeam_derive.variation import EquationOfMotion
 from freebeam_derive.verify import BOUND
 
 SUFFIX = "_segments"
@@ -33,10 +35,11 @@ _MATRICES = (("mass", "M", "mass matrix"), ("rate", "C", "matrix of the rates"),
 _middle, _half, _eta = Symbol("middle"), Symbol("half"), Symbol("eta")
 
 
-def kernel_of(column: Facts, system: GeneralSystem) -> SegmentsKernel:
+def kernel_of(column: Facts, system: GeneralSystem, motion: EquationOfMotion | None = None) -> SegmentsKernel:
     """The kernel of a column in polynomials on segments; emit.emit writes it, verify.verify measures it.
 
-    column: what its module says of it, such as a Column. Raises StatementError for a field that is joined otherwise
+    column: what its module says of it, such as a Column. motion: what its exact system is from; without it there is
+    none. Raises StatementError for a field that is joined otherwise
     than 0, 1 or 2 times, and a term that holds what the system has not.
     """
     known = {space.name: space.joined for space in system.spaces} | {name: 0 for name, _ in system.coordinates}
@@ -48,7 +51,7 @@ def kernel_of(column: Facts, system: GeneralSystem) -> SegmentsKernel:
         named |= {value.of for pair in form.points for value in pair}
         if missing := sorted(named - set(known)):
             raise StatementError(f"{missing[0]}: the system has no such field or coordinate")
-    return SegmentsKernel(column, derive_newmark(), system)
+    return SegmentsKernel(column, derive_newmark(), system, motion)
 
 
 @dataclass(frozen=True)
@@ -103,6 +106,7 @@ class SegmentsKernel(Kernel):
     basis_name = "segments"
 
     system: GeneralSystem
+    motion: EquationOfMotion | None
 
     @property
     def least(self) -> int:
@@ -126,6 +130,16 @@ class SegmentsKernel(Kernel):
                 key = (*term.test, *term.trial)
                 found[key] = max(found.get(key, 0), len(term.coefficients) - 1)
         return tuple((*key, highest) for key, highest in sorted(found.items()))
+
+    @cached_property
+    def exact(self) -> StrongForm | str:
+        """The tables of the exact system, or why there is none."""
+        if self.motion is None:
+            return "its equations of motion are not known"
+        try:
+            return strong_form(self.motion)
+        except NoStrongForm as reason:
+            return str(reason)
 
     def context(self) -> dict[str, Any]:
         system, breaks = self.system, len(self.system.breaks)
@@ -151,6 +165,7 @@ class SegmentsKernel(Kernel):
             ],
             "rigid": [_motion(number, motion) for number, motion in enumerate(system.rigid)],
             "stated": {name: [_stated(form) for form in getattr(system, name)] for name in "MCK"},
+            "strong": self.exact if isinstance(self.exact, StrongForm) else None,
         }
 
     def _function(self, name: str, letter_: str, title: str) -> dict[str, Any]:
@@ -180,6 +195,7 @@ class SegmentsKernel(Kernel):
             "basis": "legendre",
             "general": True,
             "coupled": list(system.coupled),
+            "inexact": self.exact if isinstance(self.exact, str) else "",
             "default": {"basis": column.basis, "modes": column.modes},
             "ends": list(column.supports(system.spaces[0].name)) if system.spaces else [],
             "least": max(self.least, 1),
