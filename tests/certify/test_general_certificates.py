@@ -477,6 +477,12 @@ def test_a_motion_that_decides_is_not_left_out(forms: Any, match: str) -> None:
     refused(beside(**forms), match)
 
 
+def test_a_motion_meets_the_supports_and_joints() -> None:
+    free = written("free with a crack")
+    refused(free | {"rigid": [*free["rigid"], {"y": [["1"], ["0"]]}]}, "does not meet the supports and joints")
+    refused(written("crack") | {"rigid": [{"y": [["1"], ["1"]]}]}, "does not meet the supports and joints")
+
+
 def test_two_motions_that_drive_each_other_are_not_left_out() -> None:
     """K takes r to s and s to r: λ⁴ = 1. Where it takes r to s alone both rest."""
     data = beside(K=[(0, "s", "r", "1")], M=[(0, "s", "s", "1")])
