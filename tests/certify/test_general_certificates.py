@@ -88,6 +88,7 @@ CASES: dict[str, Case] = {
         {"V": "V + 50 * integral(y ** 2, half, 1)", "dW_nc": "follower + external + internal"}, 3, F(1, 100), F(1, 10)
     ),
     "free with a mass": case(FREE_MASS, 4),
+    "free with a crack": case(FREE | {"V": CRACK, "parameters": "(own(k, 10.0),)"}, 3),
     "free with a mass, damped": case(FREE_MASS, 4, F(1, 100)),
     "pipe": case({"W_c": "P ** 2 * integral(y.diff(x) ** 2) / 2", "dW_nc": ANY_PIPE, "parameters": "(own(b, 0.3),)"},
                  4, F(0), F(0), 40),
@@ -476,6 +477,12 @@ def test_a_motion_that_decides_is_not_left_out(forms: Any, match: str) -> None:
     refused(beside(**forms), match)
 
 
+def test_a_motion_meets_the_supports_and_joints() -> None:
+    free = written("free with a crack")
+    refused(free | {"rigid": [*free["rigid"], {"y": [["1"], ["0"]]}]}, "does not meet the supports and joints")
+    refused(written("crack") | {"rigid": [{"y": [["1"], ["1"]]}]}, "does not meet the supports and joints")
+
+
 def test_two_motions_that_drive_each_other_are_not_left_out() -> None:
     """K takes r to s and s to r: λ⁴ = 1. Where it takes r to s alone both rest."""
     data = beside(K=[(0, "s", "r", "1")], M=[(0, "s", "s", "1")])
@@ -484,6 +491,31 @@ def test_two_motions_that_drive_each_other_are_not_left_out() -> None:
     data["forms"]["K"][0]["points"].append([["r", 0, None, 0], ["s", 0, None, 0], "1"])
     refused(data, "acts on a rigid motion")
     refused(data | {"rigid": [{"r": "1"}, {"r": "2"}]}, "not independent")
+
+
+@pytest.mark.parametrize("degrees", [(0, 0, 1), (0, 1, 2), (1, 0, 1), (1, 2, 0), (0, 3, 1), (2, 1, 1)])
+@pytest.mark.parametrize("empty", [0, 1])
+def test_h_and_g_are_the_determinant_s_whatever_the_powers_of_the_load(degrees: tuple[int, ...], empty: int) -> None:
+    """Of full matrices; C may begin with a power of P, which g is divided by."""
+    dice, N, P, x = np.random.default_rng(5), 3, F(7, 10), F(3, 2)
+    M, C, K = (
+        [flint.arb_mat([[int(v) for v in row] for row in dice.integers(-9, 10, (N, N))]) for _ in range(d + 1)]
+        for d in degrees
+    )
+    M[0] = flint.arb_mat([[int(i == j) for j in range(N)] for i in range(N)])
+    K[0] = flint.arb_mat([[(2 * i + 1) * int(i == j) for j in range(N)] for i in range(N)])
+    with flint.ctx.workprec(200):
+        C = [flint.arb_mat(N, N)] * empty + [X / 100 for X in C]  # small, so that h is separated at P = 0
+        found = verifier.Series(verifier.System(M, C, K, False), F(1), [F(0), F(2), F(4), F(6)])
+        at_P = [sum((X * verifier.ball(P**k) for k, X in enumerate(terms)), flint.arb_mat(N, N)) for terms in (M, C, K)]
+        A = flint.acb_mat(at_P[2] - at_P[0] * verifier.ball(x))
+        whole = (A + flint.acb_mat(at_P[1]) * flint.acb(0, 1) * verifier.ball(x).sqrt()).det()
+        h, g = (
+            sum((p(verifier.ball(P)) * verifier.ball(x**k) for k, p in enumerate(which)), flint.arb(0))
+            for which in (found.h, found.g)
+        )
+        assert abs(h - whole.real) < 1e-20
+        assert abs(g * verifier.ball(P**empty) * verifier.ball(x).sqrt() - whole.imag) < 1e-20
 
 
 def test_a_mass_that_vanishes_is_told() -> None:
