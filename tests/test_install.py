@@ -27,6 +27,7 @@ COMMANDS = [
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --output map.nc",
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --chunks 2 --workers 1 --store store --output map.png",
     "map --column beck --axis eta 0.4 0.6 2 --modes 3",
+    "pulse --column beck --load 5 --beta 0.1 --frequency 2 20 5 --amplitude 0 0.5 3 --modes 3",
     "respond --load 50 --duration 1 --step 0.01",
     "figures 2 --output figures",
     "lesson --column euler-pinned --format html --output lesson.html",

@@ -529,7 +529,7 @@ def pulse(
 
     >>> import freebeam as fb
     >>> column = fb.column("euler-pinned")
-    >>> found = fb.pulse(column, beta=0.1, load=3, frequency=[16, 16.5, 17], amplitude=[0, 0.3])
+    >>> found = fb.pulse(column, beta=0.1, load=3, frequency=[15, 16.5, 18], amplitude=[0, 0.3])
     >>> found.kind.tolist()  # about twice the first frequency, 16.46
     [[0, 0], [0, 1], [0, 0]]
 
