@@ -574,3 +574,18 @@ def test_a_condition_whose_leading_factor_hangs_on_the_load_or_the_frequency_is_
     beam._known = {bits: parts._replace(left=left) for bits, parts in beam._known.items()}
     with pytest.raises(NoSeries, match="do not determine two derivatives"):
         beam.taylor(arb(1), arb(1), ((0, 0),))
+
+
+def test_roots_beside_the_one_near_an_asymptote_are_told() -> None:
+    """δ (δ² − 0.09) has three roots within π/4 of the asymptote: none is said to be the only one there."""
+
+    def characteristic(delta: Any, *_: Any) -> tuple[Any, Any]:
+        return delta * (delta**2 - arb("0.09")), 3 * delta**2 - arb("0.09")
+
+    three = ModuleType("three")
+    three.basis = lambda modes: SimpleNamespace(quarter=[2], sigma=[1], delta=[0.0])  # type: ignore[attr-defined]
+    for sign in (1, -1):
+        three.characteristic = lambda *given, by=sign: [by * v for v in characteristic(*given)]  # type: ignore[attr-defined]
+        balls._isolated.cache_clear()
+        with pytest.raises(Unproven, match="root 1 is not known to be the only one"):
+            balls._isolated(three, 1)

@@ -8,9 +8,10 @@ from fractions import Fraction
 import pytest
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
 
-from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.balls import Unproven, ball, precision
 from freebeam_derive.certify.bivariate import Bivariate, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import Boundary, expansion
+from freebeam_derive.certify.krawczyk import one_to_one
 
 
 def drawn(N: int, seed: int) -> tuple[arb_mat, arb_mat, arb_mat, arb_mat]:
@@ -103,3 +104,12 @@ def test_all_zeros_are_seen_also_double_ones(roots: list[int]) -> None:
         found = sorted(float(z.real) for z in zeros(polynomial))
         assert len(found) == len(roots)
         assert all(abs(z - root) < 1e-3 for z, root in zip(found, sorted(roots), strict=True))
+
+
+@pytest.mark.parametrize(("slope", "holds"), [(ball(1, 0.5), True), (ball(1, 1), False), (ball(2, 0), False)])
+def test_values_on_a_box_differ_where_slopes_stay_clear_of_zero(slope: arb, holds: bool) -> None:
+    """x and x²/2 about 1 at a slope of 1: of the second, whose slope may be 0, two places may have one value."""
+    with precision(100):
+        assert one_to_one(arb_mat([[1]]), arb_mat([[slope]]), [arb(1)]) == holds
+        both = arb_mat([[slope, 0], [0, slope]])
+        assert one_to_one(arb_mat([[1, 0], [0, 1]]), both, [arb(1), arb(4)]) == holds

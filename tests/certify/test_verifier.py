@@ -674,6 +674,11 @@ def test_modes_meet_their_conditions_and_are_orthogonal(ends: list[str]) -> None
             assert all(abs(integral(0, (n, 0), (m, 0))) < 1e-30 * integral(0, (n, 0), (n, 0)) for m in range(n))
 
 
+@pytest.mark.parametrize("modes", [201, 10**6, 0, -1, True, 4.0, "4", None])
+def test_a_number_of_functions_is_bounded_before_anything_hangs_on_it(modes: Any) -> None:
+    refused(certificate("damped") | {"modes": modes}, "the number of functions is not from 1 to 200")
+
+
 @pytest.mark.parametrize(
     ("along", "points"),
     [([[0, 4, 0, "1"]], []), ([[0, 0, 4, "1"]], []), ([[101, 0, 0, "1"]], []), ([[-1, 0, 0, "1"]], []),

@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -132,3 +132,20 @@ def test_quantities_are_named_where_they_are_products_of_powers(text: str) -> No
     quantity = sp.sympify(text, locals=symbols)
     monomial = quantity.is_polynomial() and sp.Poly(quantity, *symbols.values()).is_monomial
     assert modes._name(quantity).isidentifier() if monomial else modes._name(quantity) == ""
+
+
+@pytest.mark.parametrize("wrong", [(0.0, 0.0), (1e-6, 0.0), (1e-3, 0.1), (10.0, 1000.0)])
+def test_eigenvalues_that_are_off_at_any_damping_are_seen(
+    wrong: tuple[float, float], derived: Callable[[str], Derived], module_of: Callable[[str], ModuleType]
+) -> None:
+    """Eq. (23) is held against the quadratic without damping, at light and at heavy damping."""
+    kernel, module = derived("beck").kernel("modes"), module_of("beck")
+    roots = module.basis(8).gamma
+    exact = {n: modes.independent_mode(n, float(roots[n - 1]), kernel.beam.orders) for n in range(1, 9)}
+
+    def frequencies(gamma: Any, *given: float, **own: float) -> list[Any]:
+        return [pair * (1 + 1e-9 * (given == wrong)) for pair in module.frequencies(gamma, *given, **own)]
+
+    changed = SimpleNamespace(basis=module.basis, frequencies=frequencies)
+    true, off = (modes._frequencies_figure(kernel, kernel.damped, m, exact) for m in (module, changed))
+    assert true.error < true.bound < off.error == pytest.approx(1e-9, rel=1e-2)

@@ -7,6 +7,7 @@ import math
 from collections.abc import Iterator
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -18,10 +19,10 @@ from freebeam_sym.stability import proportional
 from freebeam_sym.stability.arnoldi import Krylov
 from freebeam_sym.stability.convergence import digits_that_hold
 from freebeam_sym.stability.critical import _refined, critical_load
-from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.stability.crossings import _in_order, first_crossing, first_loss
 from freebeam_sym.stability.crossings import scan as scan_for
 from freebeam_sym.stability.pencil import Pencil, diagonalise
-from freebeam_sym.stability.problem import Crossing, Event
+from freebeam_sym.stability.problem import NEAR, Crossing, Event
 from freebeam_sym.stability.proportional import ROUNDING, Proportional, _Operator, newton
 from tests.reference.dense import Case, answer, cases, disagreement
 
@@ -492,6 +493,36 @@ def test_a_crossing_that_the_search_missed_is_not_passed_over(load: float) -> No
     found = first_loss(Missed(load), 5.0).crossing
     assert found is not None and found.load == pytest.approx(load, rel=1e-12)
     assert first_loss(Missed(load), 0.9 * load).crossing is None
+
+
+@dataclasses.dataclass(frozen=True)
+class Listed(Missed):
+    """The same, with flutters of its own."""
+
+    own: tuple[float, ...] = ()
+
+    def flutters(self, bound: float) -> Iterator[Event]:
+        return (event(load, "flutter") for load in self.own if load < bound)
+
+
+def event(load: float, kind: str, simple: bool = True) -> Event:
+    return Event(Crossing(load, float(kind == "flutter"), np.ones(1, complex), kind), simple)
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(
+    buckles=st.lists(st.tuples(st.floats(0.1, 9.0), st.booleans()), max_size=4),
+    flutters=st.lists(st.floats(0.1, 9.0), max_size=4),
+)
+def test_what_may_end_stability_is_taken_in_the_order_of_loads(
+    buckles: list[tuple[float, bool]], flutters: list[float]
+) -> None:
+    """Up to the first simple divergence, beyond which nothing can be the first."""
+    divergences = tuple(event(load, "divergence", simple) for load, simple in sorted(buckles))
+    loads = [e.crossing.load for e in _in_order(Listed(10.0, divergences, tuple(sorted(flutters))), 10.0)]
+    assert all(a <= b * (1 + 2 * NEAR) for a, b in pairwise(loads))
+    last = min((load for load, simple in buckles if simple), default=10.0)
+    assert {load for load in (*flutters, *(load for load, _ in buckles)) if load < last} <= set(loads)
 
 
 @settings(max_examples=40, deadline=None, derandomize=True)

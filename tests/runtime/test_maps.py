@@ -152,6 +152,18 @@ def test_no_patch_is_said_to_be_without_flutter_that_has_some_just_below_its_bou
     assert surface._none_there(patch) == (share < 1)
 
 
+def test_a_patch_is_taken_where_the_first_crossing_is_and_nowhere_else() -> None:
+    one = pencil.Pencil(*fb.column("beck", "modes").matrices(6))
+    surface = surface_of(one, 1000.0)
+    surface.at(np.geomspace(1e-4, 1e-1, 40), np.full(40, 0.1))
+    flutter = [leaf for leaf in leaves(surface._root) if leaf.state == "flutter"]
+    assert flutter
+    for patch in flutter:
+        assert patch.series is not None and surface._first_there(patch, patch.series)
+        for by in ([-1, 1], [1, -1], [1.02, 1], [0.98, 1], [1, 1.1]):
+            assert not surface._first_there(patch, patch.series * np.array(by)[:, None, None])
+
+
 def test_the_corner_of_the_surface_is_the_column_without_damping() -> None:
     one = pencil.Pencil(*fb.column("beck", "modes").matrices(6))
     load, frequency, known = surface_of(one, 1000.0).at(np.zeros(1), np.zeros(1))
