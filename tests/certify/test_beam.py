@@ -580,7 +580,7 @@ def test_roots_beside_the_one_near_an_asymptote_are_told() -> None:
     """δ (δ² − 0.09) has three roots within π/4 of the asymptote: none is said to be the only one there."""
 
     def characteristic(delta: Any, *_: Any) -> tuple[Any, Any]:
-        return delta * (delta**2 - arb("0.09")), 3 * delta**2 - arb("0.09")
+        return delta * (delta * delta - arb("0.09")), 3 * delta * delta - arb("0.09")
 
     three = ModuleType("three")
     three.basis = lambda modes: SimpleNamespace(quarter=[2], sigma=[1], delta=[0.0])  # type: ignore[attr-defined]
