@@ -149,3 +149,16 @@ def test_eigenvalues_that_are_off_at_any_damping_are_seen(
     changed = SimpleNamespace(basis=module.basis, frequencies=frequencies)
     true, off = (modes._frequencies_figure(kernel, kernel.damped, m, exact) for m in (module, changed))
     assert true.error < true.bound < off.error == pytest.approx(1e-9, rel=1e-2)
+
+
+def test_high_modes_are_held_to_the_bound_that_is_recorded(
+    derived: Callable[[str], Derived], module_of: Callable[[str], ModuleType]
+) -> None:
+    """In units of γ 2⁻⁵³, where that is more than the bound of the first modes."""
+    kernel, module, high = derived("beck").kernel("modes"), module_of("beck"), max(modes.HIGH_MODES)
+    exact = modes.independent_mode(high, float(module.basis(high).gamma[-1]), kernel.beam.orders)
+    (units,) = (value for what, value in kernel.bounds().items() if "2^-53" in what)
+    beyond = [f for f in modes._shapes_figures(module, {high: exact}) if "beyond" in f.what]
+    assert len(beyond) == 4
+    for figure in beyond:
+        assert 0 < figure.error < figure.bound == pytest.approx(units * 2**-53 * float(exact.gamma), rel=1e-12, abs=0)

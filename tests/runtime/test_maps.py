@@ -164,6 +164,17 @@ def test_a_patch_is_taken_where_the_first_crossing_is_and_nowhere_else() -> None
             assert not surface._first_there(patch, patch.series * np.array(by)[:, None, None])
 
 
+@pytest.mark.parametrize("name", ["free-free", "beck"])
+def test_the_undamped_branches_know_the_limit_of_vanishing_damping_to_some_digits(name: str) -> None:
+    one = pencil.Pencil(*fb.column(name, "modes").matrices(6))
+    surface = surface_of(one, 1000.0)
+    for chi in (0.0, 0.1, 0.3, 0.5, 0.7, 0.9):
+        exact = first_crossing(one, kappa=surface.kappa0 * chi / (1 - chi))
+        load, square = surface._vanishing(chi)
+        assert exact is not None and load == pytest.approx(exact.load, rel=3e-3)
+        assert square == pytest.approx(exact.frequency**2, rel=3e-2)
+
+
 def test_the_corner_of_the_surface_is_the_column_without_damping() -> None:
     one = pencil.Pencil(*fb.column("beck", "modes").matrices(6))
     load, frequency, known = surface_of(one, 1000.0).at(np.zeros(1), np.zeros(1))
