@@ -17,7 +17,7 @@ DOUBLE = 1e-13
 """The same for eigenvalues of T that are close together, whose errors are as the root of their residuals."""
 STEPS = 400
 """Most steps of Arnoldi's method. Of 4,000 random questions of the package's columns (N to 40, any damping) 86 % were
-answered at the first look, after 16, and none took more than 136."""
+answered at the first look, after 16; of 400 others the longest took 268."""
 
 
 class Krylov:
