@@ -449,8 +449,8 @@ class System:
     def mode(self, number: int = 1) -> Array:
         """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial
         functions are the modes, to unit modal mass where they are polynomials. Raises InputError."""
-        k = count("mode", number, 1, self.modes, "number of a mode, no more than elastic functions") - 1
         r = self.rigid_count
+        k = count("mode", number, 1, len(self.M) - r, "number of a mode, no more than elastic functions") - 1
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
         from freebeam_sym.stability.pencil import diagonalise
@@ -481,17 +481,20 @@ class System:
     def shapes(self, x: ArrayLike, derivative: int = 0, field: str = "", side: int = 0) -> Array:
         """The trial functions or a derivative of them at places x, shape (n, *x.shape). Eq. (22).
 
-        field: the field whose functions they are, the deflection y or the only one where left out. side: −1 or 1 for
-        values just left or right of a place at which they jump. Raises InputError for places off the beam, an order
-        that is no whole number and a field that the column does not have.
+        field: the field whose functions they are, the deflection y or the only one where left out; or a coordinate,
+        whose value is the same at every place. side: −1 or 1 for values just left or right of a place at which they
+        jump. Raises InputError for places off the beam, an order that is no whole number and a field that the column
+        does not have.
         """
         places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
-        fields = [str(each["name"]) for each in self.column.kernel.COLUMN.get("fields", [{"name": "y"}])]
-        field = field or (fields[0] if fields else "")
+        column = self.column.kernel.COLUMN
+        named = (*column.get("fields", [{"name": "y"}]), *column.get("coordinates", []))
+        fields = [str(each["name"]) for each in named]
+        field = field or fields[0]
         if field not in fields:
-            raise refusal("field", field, f"must be one of {', '.join(fields) or 'none: the column has no field'}")
+            raise refusal("field", field, f"must be one of {', '.join(fields)}")
         if self.column.general:
             own = self.parameters
             with self.column._sound_places():

@@ -58,6 +58,12 @@ class Question:
                     f"kappa = {kappa}: is the limit of vanishing damping; alpha and beta must be 0, not {alpha} and "
                     f"{beta}"
                 )
+            for name, stands in (("alpha", not math.isinf(kappa)), ("beta", kappa > 0)):
+                if stands and name not in column.damping:
+                    raise InputError(
+                        f"kappa = {kappa}: {column.name} states no damping {name} that could vanish; kappa = 0 is "
+                        "alpha alone, kappa = inf beta alone"
+                    )
         return Question(column, modes, alpha, beta, kappa, column.own_parameters(parameters), load_max)
 
     def at(self, **values: float) -> Question:
@@ -104,14 +110,19 @@ class Question:
 
     @property
     def _direction(self) -> tuple[Real, ...] | None:
-        """C of a limit of vanishing damping, whose size does not count."""
+        """C of a limit of vanishing damping, whose size does not count. Raises InputError where another C stays."""
         if self.kappa is None:
             return None
         dampings = (0.0, 1.0) if math.isinf(self.kappa) else (1.0, self.kappa)
         whole, none = (
             self.column.coefficients(self.modes, False, *d, **self.parameters).C for d in (dampings, (0.0, 0.0))
         )
-        return tuple(X - none[k] if k < len(none) else X for k, X in enumerate(whole))
+        if any(X.any() for X in none):
+            raise InputError(
+                f"kappa = {self.kappa}: {self.column.name} has a damper or a gyroscopic term of its own, which stays "
+                "when alpha and beta vanish; give small alpha and beta instead"
+            )
+        return whole
 
     def system(self, load: float, rigid: bool = False) -> System:
         """The system at a load, Eqs. (10), (11). Raises InputError."""

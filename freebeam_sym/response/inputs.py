@@ -261,21 +261,21 @@ def _coordinates(system: System, name: str, value: Any) -> tuple[Array, float]:
 
 
 def _project(system: System, name: str, function: Function) -> tuple[Array, float]:
-    """Least squares over the beam, ∫ φᵢ (y − Σ φⱼ qⱼ) dx = 0, and the part of y that is lost.
+    """Least squares over the beam, ∫ φᵢ (y − Σ φⱼ qⱼ) dx = 0, and the part of y that is lost. What moves no point of
+    the beam (other fields, coordinates) is at rest: of all solutions it is the least.
 
     M-orthogonal for a uniform beam, where M holds the integrals of φᵢ φⱼ. Gauss-Legendre in panels, each at
     most two half-waves of the highest mode.
     """
     nodes, weights = np.polynomial.legendre.leggauss(16)
-    edges = np.linspace(0, 1, system.modes // 2 + 9)
+    edges = np.union1d(np.linspace(0, 1, system.modes // 2 + 9), _breaks(system))
     x = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
     w = (np.diff(edges)[:, None] * weights / 2).ravel()
     y = _evaluate(name, function, x)
     if y.ndim > 1:
         raise InputError(f"{name} gives values of shape {y.shape[:-1]} at a point: must give one; cases are arrays")
     shapes = np.asarray(system.shapes(x), dtype=float)
-    weighted = shapes * w
-    q = np.linalg.solve(weighted @ shapes.T, weighted @ y)
+    q = np.linalg.lstsq((shapes * np.sqrt(w)).T, np.sqrt(w) * y)[0]
     size = math.sqrt(w @ y**2)
     if size == 0:
         return q, 0.0
@@ -286,6 +286,11 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
             "motion needs a system with rigid=True"
         )
     return q, math.sqrt(w @ (y - fitted) ** 2) / size
+
+
+def _breaks(system: System) -> tuple[float, ...]:
+    """Places at which trial functions may have kinks."""
+    return system.column.kernel.places(**system.parameters) if system.column.general else ()
 
 
 # Sentences with quantities in them, for errors and warnings: nondimensional, or in a beam's SI units

@@ -59,6 +59,8 @@ def respond(
     initial_velocity: Function | ArrayLike | None = None,
     sensors: ArrayLike = (0.1,),
     outputs: Sequence[str] = OUTPUTS,
+    field: str = "",
+    derivative: int = 0,
     states: bool = False,
     target: Target | None = None,
     progress: Callable[[float], object] | None = None,
@@ -85,6 +87,8 @@ def respond(
         else 0.01 of mode 1 of the unloaded beam (`System.mode`). The initial acceleration follows from Eq. (10).
     sensors: x_s, shape (sensors,).
     outputs: of "y", "dy", "ddy", those to compute.
+    field, derivative: what sensors read where it is not the deflection: another field of the column or a coordinate,
+        and its derivative by x, such as 1 for the slope, as `System.shapes` has them. "y" is then this quantity.
     states: keep q and dq of every step too.
     target: where a response goes that is longer than memory: a function, called with one part of the response after
         another, itself a `Response` of the times begin, …, end − 1 (`respond` returns the last part); or a mapping of
@@ -116,7 +120,7 @@ def respond(
         _check_phase(spectrum, duration)
     if progress is not None:
         progress(0.0)
-    rows, direct = _rows(system, names, x_s, load.Q)
+    rows, direct = _rows(system, names, x_s, load.Q, field, derivative)
 
     def about(**parts: Any) -> Response:
         return Response(
@@ -161,12 +165,17 @@ def _stretches(
 
 
 def state_space(
-    system: System, force_position: float, sensors: ArrayLike = (0.1,), outputs: Sequence[str] = ("y",)
+    system: System,
+    force_position: float,
+    sensors: ArrayLike = (0.1,),
+    outputs: Sequence[str] = ("y",),
+    field: str = "",
+    derivative: int = 0,
 ) -> StateSpace:
     """The same system as a `scipy.signal.StateSpace`: state (q, dq), input F₀, outputs at sensors. Eq. (25).
 
-    The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order. Raises InputError
-    for positions off the beam and for an unknown output.
+    The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order; field and derivative as
+    `respond` has them. Raises InputError for positions off the beam and for an unknown output.
     """
     is_system(system)
     names_of(outputs, False, False, None)
@@ -174,16 +183,16 @@ def state_space(
     Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
     from scipy.signal import StateSpace  # half a second, so only where it is used
 
-    rows, direct = _rows(system, outputs, x_s, Q)
+    rows, direct = _rows(system, outputs, x_s, Q, field, derivative)
     B = np.concatenate([np.zeros(Q.size), np.linalg.solve(system.M, Q)])
     C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
     return StateSpace(state_matrix(system.M, system.C, system.K), B[:, None], C, D[:, None])
 
 
-def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array) -> tuple[Rows, Rows]:
+def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int) -> tuple[Rows, Rows]:
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
-    shapes = np.asarray(system.shapes(x_s), dtype=float).T
+    shapes = np.asarray(system.shapes(x_s, derivative, field), dtype=float).T
     states: Rows = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n)}
     if any(name.startswith("ddy") for name in names):
         states["dd"] = state_matrix(system.M, system.C, system.K)[n:]

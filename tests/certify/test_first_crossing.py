@@ -16,7 +16,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_derive.certify import balls, boundary_polynomials, certificate, first_crossing, verifier
+from freebeam_derive.certify import balls, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.boundary_polynomials import Question, boundary
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
@@ -199,7 +199,7 @@ def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
     def blown(*arguments: Any) -> Any:
         return tuple(m * arb(1, 1e-3) for m in exact(*arguments))
 
-    monkeypatch.setattr(boundary_polynomials, "matrices", blown)
+    monkeypatch.setattr(balls, "matrices", blown)
     monkeypatch.setattr(first_crossing, "MOST_BITS", 2000)
     with pytest.raises(Unproven):
         first_crossing.certify(fb.column("beck", "modes").kernel, Question(5), (20.05, 11.0), 20)

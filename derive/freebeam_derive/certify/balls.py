@@ -266,18 +266,31 @@ def _rational_matrices(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fra
     return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))
 
 
+Terms = list[arb_mat]
+
+
 def coefficients(
-    kernel: ModuleType,
-    modes: int,
-    own: Mapping[str, Fraction],
-    dampings: tuple[Exact, Exact],
-) -> tuple[list[arb_mat], list[arb_mat], list[arb_mat]]:
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
+) -> tuple[Terms, Terms, Terms]:
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
-    dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. Raises
-    Unproven for a column with a factor that is no polynomial in x or no fraction, for damping that couples its rigid
-    motions to the bending, and for a motion that has no stiffness without load.
+    dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. alone: C is to
+    be that of alpha and beta and no other. Raises Unproven for a column with a factor that is no polynomial in x or no
+    fraction, for damping that couples its rigid motions to the bending, for a motion that has no stiffness without
+    load, and where there is another C beside that of alpha and beta which alone is asked for.
     """
+    if kernel.COLUMN.get("general"):
+        return _of_any(kernel, modes, own, dampings, alone)
+    M, E, H = matrices(kernel, modes, own)
+    c_M, c_E = kernel.damping_factors(*map(exact, dampings), **{name: exact(value) for name, value in own.items()})
+    if alone and not arb(c_E) > 0:
+        raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
+    return [M], _without_zeros([arb(c_M) * M + arb(c_E) * E]), [E, H]
+
+
+def _of_any(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool
+) -> tuple[Terms, Terms, Terms]:
     for name, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and name in kernel.COLUMN["coupled"]:
             raise Unproven(f"{name}: this damping couples the rigid motions of {kernel.COLUMN['name']} to its bending")
@@ -294,6 +307,8 @@ def coefficients(
         raise Unproven(f"{kernel.COLUMN['name']}: has a motion that the load alone restores; it is not stable without")
     size = [exact(value) for value in dampings]
     bare, of_alpha, of_beta = ([_balls(T, X) for X in terms] for terms in parts)
+    if alone and _without_zeros(bare[:]):
+        raise Unproven(f"{kernel.COLUMN['name']}: a damper or a gyroscopic term stays when alpha and beta vanish")
     C = [b + size[0] * (x - b) + size[1] * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
     return [_balls(T, X) for X in M], _without_zeros(C), [_balls(T, X) for X in K]
 

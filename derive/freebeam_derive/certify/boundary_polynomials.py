@@ -19,7 +19,7 @@ from typing import Any
 
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.balls import Exact, Unproven, coefficients, exact, matrices, parameters, precision
+from freebeam_derive.certify.balls import Exact, Unproven, coefficients, parameters, precision
 from freebeam_derive.certify.bivariate import Bivariate
 
 
@@ -69,81 +69,44 @@ class Boundary:
         return Boundary(self.N, self.h.about(P, x), self.g.about(P, x), self.damped)
 
 
-def expansion(M: arb_mat, C: arb_mat | None, E: arb_mat, H: arb_mat, vanishing: bool = False) -> Boundary:
-    """h and g where K = E + P H, of any matrices for which λ² M + λ C + E is regular at real λ > 0.
-
-    C: None without damping; vanishing: only its direction counts.
-    """
-    N = M.nrows()
-    # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
-    # and heavy damping).
-    size = ((E + M).det() / M.det()).log() / (2 * N * arb(2).log())
-    if not size.is_finite():
-        raise Unproven("mass and elastic stiffness are not known to be positive definite")
-    step = arb(2) ** (round(float(size)) - 3)
-    if C is not None and not vanishing:
-        places = [step * k for k in range(1, 2 * N + 2)]
-        whole = _through(places, [determinant(p**2 * M + p * C + E, H) for p in places])
-        even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
-    else:
-        places = [(step * k) ** 2 for k in range(1, N + 2)]
-        even = _through(places, [determinant(p * M + E, H) for p in places])
-        odd = [] if C is None else _through(places[:N], [_first_order(p * M + E, H, C) for p in places[:N]])
-    scale = 1 / M.det()
-    h = _in_square(even, N, scale)
-    return Boundary(N, h, h.by_x if C is None else _in_square(odd, N - 1, scale), C is not None)
-
-
-def _of_any(kernel: ModuleType, question: Question, own: Mapping[str, Fraction], bits: int) -> Boundary:
-    """h and g of any column."""
-    if question.kappa is not None:
-        raise Unproven(
-            f"{kernel.COLUMN['name']}: the limit of vanishing damping is proven of the textbook's columns alone"
-        )
-    with precision(bits):
-        M, C, K = coefficients(kernel, question.modes, own, (question.alpha, question.beta))
-        return general_expansion(M, C, K)
-
-
-def general_expansion(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat]) -> Boundary:
+def expansion(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], vanishing: bool = False) -> Boundary:
     """h and g of λ² M + λ C + K, each a polynomial in P, lists by its powers; K regular at P = 0 with λ² M for λ > 0.
 
-    C: empty without damping. Where C is nothing at P = 0, g is divided by the power of P that it holds: what is said of
-    its roots is then said of P > 0.
+    C: empty without damping; vanishing: only its direction counts. Where C is nothing at P = 0, g is divided by the
+    power of P that it holds: what is said of its roots is then said of P > 0.
     """
     N = M[0].nrows()
+    # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
+    # and heavy damping).
     size = ((K[0] + M[0]).det() / M[0].det()).log() / (2 * N * arb(2).log())
     if not size.is_finite():
         raise Unproven("mass and elastic stiffness are not known to be positive definite")
     step = arb(2) ** (round(float(size)) - 3)
-
-    def at(p: arb, powers: tuple[arb, ...]) -> list[arb]:
-        """Coefficients in P of the determinant, M, C and K times numbers."""
-        terms = []
-        for k in range(max(len(M), len(C), len(K))):
-            parts = [f * X[k] for f, X in zip(powers, (M, C, K), strict=True) if k < len(X)]
-            terms.append(sum(parts[1:], parts[0]) if parts else arb_mat(N, N))
-        return polynomial_determinant(terms)
-
-    if C:
+    odd: list[arb_poly] = []
+    if C and not vanishing:
         places = [step * k for k in range(1, 2 * N + 2)]
-        whole = _through(places, [at(p, (p**2, p, arb(1))) for p in places])
+        whole = _through(places, [determinant(_at(p, M, K, C)) for p in places])
         even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
     else:
+        still = [_at(step * k, M, K) for k in range(1, N + 2)]
         places = [(step * k) ** 2 for k in range(1, N + 2)]
-        even, odd = _through(places, [at(p, (p, arb(0), arb(1))) for p in places]), []
-    scale = 1 / M[0].det()
-    degrees = [highest_power(a, N, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(len(even))]
-    h = Bivariate([
-        arb_poly([(-1) ** b * scale * p[b] for b in range(d // 2 + 1)]) for p, d in zip(even, degrees, strict=True)
-    ])  # fmt: skip
+        even = _through(places, [determinant(terms) for terms in still])
+        if C:
+            odd = _through(places[:N], [_first_order(terms, C) for terms in still[:N]])
+    degrees = [highest_power(a, N, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
+    h = _in_square(even, [d // 2 + 1 for d in degrees], 1 / M[0].det())
     if not C:
         return Boundary(N, h, h.by_x, False)
-    rows = [
-        arb_poly([(-1) ** b * scale * p[b] for b in range((d + 1) // 2)]) for p, d in zip(odd, degrees, strict=True)
-    ]
     none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
-    return Boundary(N, h, Bivariate(rows[none:]), True)
+    g = _in_square(odd, [(d + 1) // 2 for d in degrees], 1 / M[0].det())
+    return Boundary(N, h, Bivariate(g.rows[none:]), True)
+
+
+def _at(p: arb, M: Sequence[arb_mat], K: Sequence[arb_mat], C: Sequence[arb_mat] = ()) -> list[arb_mat]:
+    """p² M + p C + K by powers of P."""
+    count = max(map(len, (M, K, C)))
+    none = arb_mat(M[0].nrows(), M[0].nrows())
+    return [sum((f * X[k] for f, X in ((p**2, M), (p, C), (arb(1), K)) if k < len(X)), none) for k in range(count)]
 
 
 def highest_power(a: int, N: int, of_M: int, of_C: int, of_K: int) -> int:
@@ -152,14 +115,15 @@ def highest_power(a: int, N: int, of_M: int, of_C: int, of_K: int) -> int:
         return 2 * N
     best = -1
     for rows_K in range(N + 1):
-        for rows_C in range(N + 1 - rows_K):
-            if rows_K * max(of_K, 0) + rows_C * max(of_C, 0) >= a:
-                best = max(best, 2 * N - 2 * rows_K - rows_C)
+        left = max(a - rows_K * max(of_K, 0), 0)
+        rows_C = -(-left // of_C) if of_C > 0 else 0
+        if rows_K + rows_C <= N and (of_C > 0 or not left):
+            best = max(best, 2 * N - 2 * rows_K - rows_C)
     return best
 
 
-def polynomial_determinant(terms: Sequence[arb_mat]) -> list[arb]:
-    """Coefficients of det(Σ P^k terms[k]) in P, the first regular. Raises Unproven.
+def determinant(terms: Sequence[Any]) -> list[Any]:
+    """Coefficients of det(Σ P^k terms[k]) in P, matrices of balls, real or complex, the first regular. Raises Unproven.
 
     With G_k = A_0⁻¹ A_k it is det(A_0) det(I − P B) with B = [[−G_1, −G_2, …], [I, 0, …], …].
     """
@@ -169,7 +133,7 @@ def polynomial_determinant(terms: Sequence[arb_mat]) -> list[arb]:
         G = [A.solve(X) for X in others]
     except ZeroDivisionError:
         raise Unproven("a matrix is not known to be regular") from None
-    B = arb_mat(n * d, n * d)
+    B = type(A)(n * d, n * d)
     for k, X in enumerate(G):
         for i in range(n):
             for j in range(n):
@@ -180,27 +144,20 @@ def polynomial_determinant(terms: Sequence[arb_mat]) -> list[arb]:
     return [scale * powers[n * d - a] for a in range(n * d + 1)]
 
 
-def determinant(A: Any, H: Any) -> list[Any]:
-    """Coefficients of det(A + P H) in P, for matrices of balls, real or complex, A regular. Raises Unproven."""
-    try:
-        powers, scale = A.solve(H).charpoly(), A.det()
-    except ZeroDivisionError:
-        raise Unproven("a matrix is not known to be regular") from None
-    return [(-1) ** a * scale * powers[A.nrows() - a] for a in range(A.nrows() + 1)]
+def _first_order(terms: Sequence[arb_mat], C: Sequence[arb_mat]) -> list[arb]:
+    """Coefficients in P of tr(adj(A) C), A = Σ P^k terms[k]: what det(A + ε C) has of the first order in ε.
 
-
-def _first_order(A: arb_mat, H: arb_mat, C: arb_mat) -> list[arb]:
-    """Coefficients in P of tr(adj(A + P H) C), what det(A + P H + ε C) has of the first order in ε.
-
-    With G = A⁻¹ H and D = A⁻¹ C it is det(A + P H) Σ (−P)^j tr(G^j D), of which powers from N on cancel.
+    It is det(A) tr(A⁻¹ C), where A⁻¹ C = Σ P^j S_j as a series; powers beyond those of a product of N rows, one of them
+    of C, cancel.
     """
-    N, G, power = A.nrows(), A.solve(H), A.solve(C)
-    traces = [power.trace()]
-    for j in range(1, N):
-        power = G * power
-        traces.append((-1) ** j * power.trace())
-    product = arb_poly(determinant(A, H)) * arb_poly(traces)
-    return [product[a] for a in range(N)]
+    A, *others = terms
+    inverse, last = A.inv(), (A.nrows() - 1) * len(others) + len(C) - 1
+    S: list[arb_mat] = []
+    for j in range(last + 1):
+        known = [A_k * S[j - k] for k, A_k in enumerate(others, 1) if k <= j]
+        S.append(inverse * (sum((-X for X in known), C[j] if j < len(C) else 0 * A)))
+    product = arb_poly(determinant(terms)) * arb_poly([X.trace() for X in S])
+    return [product[a] for a in range(last + 1)]
 
 
 def _through(places: Sequence[arb], rows: Sequence[Sequence[arb]]) -> list[arb_poly]:
@@ -208,26 +165,19 @@ def _through(places: Sequence[arb], rows: Sequence[Sequence[arb]]) -> list[arb_p
     return [arb_poly.interpolate(list(places), list(column)) for column in zip(*rows, strict=True)]
 
 
-def _in_square(factors: Sequence[arb_poly], degree: int, scale: arb) -> Bivariate:
-    """From λ² to x = −λ²; powers of P and x that are together above a degree cancel."""
+def _in_square(factors: Sequence[arb_poly], counts: Sequence[int], scale: arb) -> Bivariate:
+    """From λ² to x = −λ², so many powers of each; those beyond cancel."""
     return Bivariate([
-        arb_poly([(-1) ** b * scale * p[b] for b in range(degree - a + 1)]) for a, p in enumerate(factors[: degree + 1])
+        arb_poly([(-1) ** b * scale * p[b] for b in range(count)]) for p, count in zip(factors, counts, strict=False)
     ])  # fmt: skip
 
 
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
-    """h and g of a question, in balls of so many bits."""
-    own = parameters(kernel, question.own)
-    vanishing = question.kappa is not None
-    if kernel.COLUMN.get("general"):
-        return _of_any(kernel, question, own, bits)
+    """h and g of a question, in balls of so many bits. Raises Unproven."""
+    own, limit = parameters(kernel, question.own), question.kappa is not None
     alpha, beta = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
     with precision(bits):
-        M, E, H = matrices(kernel, question.modes, own)
-        if question.undamped:
-            return expansion(M, None, E, H)
-        given = {name: exact(value) for name, value in own.items()}
-        c_M, c_E = map(arb, kernel.damping_factors(exact(alpha), exact(beta), **given))
-        if vanishing and not c_E > 0:
-            raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
-        return expansion(M, c_M * M + c_E * E, E, H, vanishing)
+        M, C, K = coefficients(kernel, question.modes, own, (alpha, beta), limit)
+        if limit and not C:
+            raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
+        return expansion(M, C, K, limit)

@@ -103,6 +103,7 @@ def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> d
             for name, (joined, held, opened) in kernel.FIELDS.items()
         },
         "coordinates": list(kernel.COORDINATES),
+        "kappa": None if found.question.kappa is None else _rational(found.question.kappa),
         "forms": {
             "M": [_form(form) for form in bare["M"]],
             "C_1": [_form(form) for form in bare["C"]],

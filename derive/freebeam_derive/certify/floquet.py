@@ -24,7 +24,7 @@ import numpy as np
 from flint import arb, arb_mat, arb_poly
 from numpy.typing import NDArray
 
-from freebeam_derive.certify.balls import Unproven, ball, exact, matrices, parameters, precision
+from freebeam_derive.certify.balls import Unproven, ball, coefficients, exact, parameters, precision
 from freebeam_derive.certify.boundary_polynomials import Question
 
 LEAST_BITS, MOST_BITS = 128, 1024
@@ -255,8 +255,8 @@ def prove(kernel: ModuleType, question: Question, pulsation: Pulsation) -> Verdi
 
 def motion(kernel: ModuleType, question: Question, pulsation: Pulsation) -> Motion:
     """The motion of a question's column, at the precision in hand. Raises Unproven."""
-    own = parameters(kernel, question.own)
-    M, E, H = matrices(kernel, question.modes, own)
-    given = {name: exact(value) for name, value in own.items()}
-    c_M, c_E = map(arb, kernel.damping_factors(exact(question.alpha), exact(question.beta), **given))
-    return Motion(M, [c_M * M + c_E * E], [E, H], pulsation)
+    dampings = (question.alpha, question.beta)
+    M, C, K = coefficients(kernel, question.modes, parameters(kernel, question.own), dampings)
+    if len(M) > 1:
+        raise Unproven(f"{kernel.COLUMN['name']}: its mass hangs on the load: no proof where that pulsates")
+    return Motion(M[0], C, K, pulsation)

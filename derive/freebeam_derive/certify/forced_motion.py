@@ -108,8 +108,8 @@ def amplitude(
         # by Cramer's rule: the system's determinant, bordered by force and sensor, over the determinant itself
         bordered = [[*row, acb(f)] for row, f in zip(still, force, strict=True)] + [[*map(acb, sensor), acb(0)]]
         loaded = [[*row, arb(0)] for row in H.tolist()] + [[arb(0)] * (modes + 1)]
-        above = determinant(acb_mat(bordered), acb_mat(arb_mat(loaded)))
-        return Amplitude(_squared(above), _squared(determinant(acb_mat(still), acb_mat(H))))
+        above = determinant([acb_mat(bordered), acb_mat(arb_mat(loaded))])
+        return Amplitude(_squared(above), _squared(determinant([acb_mat(still), acb_mat(H)])))
 
 
 def _squared(coefficients: list[acb]) -> arb_poly:

@@ -65,7 +65,7 @@ FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
          "load_max", "proof", "stretches"}  # fmt: skip
 FIELDS = CLAIM | {"ends", "basis", "kappa", "damping"}
-GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid"}
+GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid", "kappa"}
 ORDERS = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2), "sliding": (1, 3)}
 Basis = tuple[Callable[..., arb], Callable[..., arb]]
 Line = tuple[Fraction, Fraction]
@@ -236,6 +236,7 @@ class OfForms(Statement):
 
     breaks: tuple[Fraction, ...]
     unknowns: tuple[str, ...]
+    kappa: Fraction | None
     size: int
     motions: int
     damped: bool
@@ -247,6 +248,8 @@ class OfForms(Statement):
         if self.motions:
             what += f", {self.motions} rigid motion{'s' if self.motions > 1 else ''} left out"
         of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
+        if self.kappa is not None:
+            of = f", in the limit of vanishing damping, alpha -> 0+ at beta = {said(self.kappa)} alpha"
         return self.proven(what + of, self.damped, self.above_zero)
 
     def record(self) -> dict[str, Any]:
@@ -254,6 +257,7 @@ class OfForms(Statement):
             "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
             "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped,
+            "kappa": None if self.kappa is None else said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
         }  # fmt: skip
 
@@ -658,6 +662,7 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 
 def _of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
+    data = {"kappa": None} | data  # of files written before there was a limit
     differ = ", ".join(sorted(GENERAL_FIELDS ^ set(data)))[:100]
     require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
     claims, space, given = _claims(data), _space(data), data["forms"]
@@ -672,19 +677,27 @@ def _of_forms(data: dict[str, Any]) -> Read:
     motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
     M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
-    sizes = {"C_1": fmpq(1), "C_alpha": exact(claims["alpha"]), "C_beta": exact(claims["beta"])}
+    kappa = None if data["kappa"] is None else _number(data["kappa"])
+    dampings = (claims["alpha"], claims["beta"]) if kappa is None else (Fraction(1), kappa)
+    if kappa is not None:
+        fits = kappa >= 0 == claims["alpha"] == claims["beta"]
+        require(fits, "kappa is negative, or alpha and beta are not 0 in its limit")
+        stays = [space.matrix((fmpq(1), form)) for form in forms["C_1"]]
+        require(nothing(*stays), "the damping C_1 stays where alpha and beta vanish")
+    sizes = {"C_1": fmpq(1), "C_alpha": exact(dampings[0]), "C_beta": exact(dampings[1])}
     parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
     C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
     M, C, K = reduced(space, motions, M, C, K)
     N, damped = M[0].nrows(), bool(C)
+    require(damped or kappa is None, "there is no damping that could vanish")
     stated = OfForms(
-        **claims, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
+        **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
         motions=len(motions), damped=damped, above_zero=damped and nothing(C[0]),
     )  # fmt: skip
 
     def system() -> System:
         at_hand = [[arb_mat(X) for X in powers] for powers in (M, C, K)]
-        return System(at_hand[0], at_hand[1], at_hand[2], vanishing=False)
+        return System(at_hand[0], at_hand[1], at_hand[2], kappa is not None)
 
     return stated, N, system, _stretches(data["stretches"], stated.end, N, damped)
 

@@ -58,6 +58,8 @@ class Respond(FileOptions, CaseOptions):
     initial_amplitude: Number | None = option("A", "Coordinate q of that mode at t = 0.")
     initial_velocity: Number | None = option("V", "Rate dq/dt of that mode at t = 0.")
     quantity: list[str] | None = option("y|dy|ddy", "Displacement, velocity, acceleration; all three if not given.")
+    field: str | None = option("NAME", "The field or coordinate that sensors read as y; the deflection if not given.")
+    derivative: int = option("D", "Its derivative by x that they read, such as 1 for the slope.", default=0)
     method: str = option(
         "exact|newmark",
         "exact: the step only says how often the response is sampled. newmark: average acceleration, as in the paper; "
@@ -100,6 +102,8 @@ class Respond(FileOptions, CaseOptions):
         for word in self.more_sensors or ():
             refuse(not self.sensor, f"{word}: belongs to no option; positions of sensors follow --sensor")
         refuse(output and output.suffix not in (".csv", ".npz"), f"{output}: the name must end in .csv or .npz")
+        other = "--field" if self.field else "--derivative" if self.derivative else ""
+        refuse(other and self.units.sizes, f"{other}: what is read is nondimensional; leave the beam's SI values out")
         both = "--force-amplitude and --force-frequency"
         refuse(forced != (self.force_frequency is not None), f"a force needs both {both}")
         refuse(not forced and self.force_position, f"--force-position: there is no force; give {both}")
@@ -141,6 +145,14 @@ class Respond(FileOptions, CaseOptions):
     def system(self) -> System:
         return self.question.system(self.units.into("load", self.load), self.rigid)
 
+    def read(self, name: str) -> str:
+        """What sensors read, y, dy or ddy, by its own name, such as dq or y'."""
+        return name.replace("y", (self.field or "y") + "'" * self.derivative)
+
+    @property
+    def most_modes(self) -> int:
+        return len(self.system.M) - self.system.rigid_count
+
     @cached_property
     def outline(self) -> Outline:
         """What the response looks like, of the parts that have been computed."""
@@ -163,7 +175,7 @@ class Respond(FileOptions, CaseOptions):
             given["force"] = fb.Harmonic(values["force_amplitude"], values["force_frequency"])
             given["force_position"] = values.get("force_position", 1.0)
         if self.initial_mode is not None or {"initial_amplitude", "initial_velocity"} & set(values):
-            k = count("--initial-mode", 1 if self.initial_mode is None else self.initial_mode, high=self.system.modes)
+            k = count("--initial-mode", 1 if self.initial_mode is None else self.initial_mode, high=self.most_modes)
             # without an amplitude, a mode that is given a velocity starts from its place at rest
             amplitude = values.get("initial_amplitude", 0.0 if "initial_velocity" in values else 0.01)
             given["initial"] = amplitude * self.system.mode(k)
@@ -177,6 +189,7 @@ class Respond(FileOptions, CaseOptions):
         with working("response") as report, self.units.in_errors():
             return fb.respond(
                 self.system, *self.span, sensors=self.sensors, outputs=self.names, method=self.method,
+                field=self.field or "", derivative=self.derivative,
                 target=None if target is None else lambda part: target(self.series(part)),
                 progress=lambda share: report(f"{share:.0%}"), **self.force_and_start,
             )  # fmt: skip
@@ -196,7 +209,7 @@ class Respond(FileOptions, CaseOptions):
         return self.record(
             load=self.load, rigid=self.rigid, duration=self.duration, step=self.step, method=self.method,
             sensors=self.places or self.sensors, **{name: getattr(self, name) for name in TYPED},
-            initial_mode=self.initial_mode,
+            initial_mode=self.initial_mode, field=self.field, derivative=self.derivative,
             unit={name: self.units.of(kind).strip() for name, kind in {"t": "time", **QUANTITIES}.items()},
         )  # fmt: skip
 
@@ -253,7 +266,7 @@ class Respond(FileOptions, CaseOptions):
         if output is not None:
             rows.append(("written to", str(output)))
         for told in outline.record()["peaks"]:
-            name = f"{told['quantity']}({told['sensor']})"
+            name = f"{self.read(told['quantity'])}({told['sensor']})"
             unit, time = units.of(QUANTITIES[told["quantity"]]), units.of("time")
             settled = "no" if told["settled"] is None else f"from t = {told['settled']:.6g}{time} on"
             rows.append(
@@ -280,7 +293,7 @@ def write_csv(stream: IO[str], asked: Respond, series: Series) -> None:
     t, *quantities = series.values()
     if t[0] == 0:
         units = asked.units
-        kinds = [("t", "time"), *((f"{name}({x})", QUANTITIES[name]) for name, x in asked.columns)]
+        kinds = [("t", "time"), *((f"{asked.read(name)}({x})", QUANTITIES[name]) for name, x in asked.columns)]
         heads = (name + (f" [{units.of(kind).strip()}]" if units.sizes else "") for name, kind in kinds)
         stream.write(",".join(heads) + "\n")
     table = np.stack(quantities, axis=-1).reshape(len(t), -1)
