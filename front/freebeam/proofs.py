@@ -41,8 +41,7 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI
-    units.
+    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI units.
     """
 
     load: tuple[str, str] | None
