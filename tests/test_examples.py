@@ -9,6 +9,8 @@ import jupytext
 import matplotlib
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
+from scipy.optimize import minimize_scalar
 
 import freebeam as fb
 
@@ -43,8 +45,8 @@ def test_a_notebook_runs(name: str, ran: dict[str, dict[str, Any]]) -> None:
     ran[name] = names
 
 
-def test_there_are_five() -> None:
-    assert set(NOTEBOOKS) == {"derive", "modes_and_precision", "flutter", "damping_paradox", "sensor"}
+def test_there_are_six() -> None:
+    assert set(NOTEBOOKS) == {"derive", "modes_and_precision", "flutter", "damping_paradox", "best_place", "sensor"}
 
 
 def of(ran: dict[str, dict[str, Any]], name: str) -> dict[str, Any]:
@@ -98,6 +100,22 @@ def test_damping_paradox(ran: dict[str, dict[str, Any]]) -> None:
         alpha, beta, load = names["alphas"][i], names["betas"][j], names["loads"][i, j]
         for factor, stable in ((0.9999, True), (1.0001, False)):
             assert (fb.spectrum(names["column"].system(8, load * factor, alpha, beta)).growth_rate < 0) == stable
+
+
+def test_best_place(ran: dict[str, dict[str, Any]]) -> None:
+    """The summit found by gradients is one, by a search without; the curve's slope is that of its loads."""
+    names = of(ran, "best_place")
+    column, top = names["column"], names["top"]
+    by_scan = minimize_scalar(
+        lambda a: -names["fb"].critical_load(column, modes=12, k=100.0, a=a).load, bounds=(0.35, 0.5), method="bounded"
+    )
+    assert names["k_best"] == 100 and abs(names["a_best"] - by_scan.x) < 1e-4
+    assert top.load == pytest.approx(-by_scan.fun, rel=1e-9) and abs(top.gradient["a"]) < 1e-3
+    assert names["before"].load < top.load < names["beyond"].load
+    curve = names["curve"]
+    inside = (curve.values > 0.2) & (curve.values < 0.6)
+    a, load, slope = (values[inside] for values in (curve.values, curve.load, curve.slope))
+    assert load == pytest.approx(CubicHermiteSpline(a[::2], load[::2], slope[::2])(a), rel=1e-4)
 
 
 def test_sensor(ran: dict[str, dict[str, Any]]) -> None:

@@ -57,6 +57,13 @@ class Boundary:
     points: tuple[CriticalLoad, ...] = field(repr=False, compare=False)
 
     @cached_property
+    def slope(self) -> Real:
+        """dP/dp along the curve, (m,), p the parameter: of `CriticalLoad.gradient`, from the eigenvectors at each point
+        and not from its neighbours; nan where there is no load or no derivative. Computed when first asked for."""
+        rates = (point.gradient.get(self.parameter) if point.kind != "none" else None for point in self.points)
+        return np.array([math.nan if rate is None else rate for rate in rates])
+
+    @cached_property
     def error(self) -> Real:
         """`CriticalLoad.error` of each point, (m,), nan where there is none; computed when first asked for."""
         return np.array([math.nan if point.error is None else point.error for point in self.points])

@@ -13,9 +13,9 @@ import pytest
 import sympy as sp
 
 from freebeam_derive import scaling
-from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
 from freebeam_derive.pipeline import Derived
-from freebeam_derive.statement import Column, StatementError
+from freebeam_derive.statement import Column, Coordinate, Energies, Parameter, StatementError, at, delta, integral
 
 Derived = Callable[[str], Derived]
 DIMENSIONAL = ("free-free", "leipholz")
@@ -128,3 +128,50 @@ def test_wrong_dimensions_are_refused(wrong: Any, derived: Derived) -> None:
 
 def test_without_dimensions_there_is_nothing_to_derive(derived: Derived) -> None:
     assert scaling.derive_scaling(derived("hauger").column) == ()
+
+
+# --- any column -------------------------------------------------------------------------------------------------------
+
+
+def absorbed(changed: dict[Any, Any] | None = None) -> Column:
+    """A cantilever with a tip mass and an absorber of its own, in SI units and without."""
+    mu, nu, k, c = (sp.Symbol(name, positive=True) for name in ("mu", "nu", "k", "c"))
+    tip, own, spring, dashpot = (sp.Symbol(name, positive=True) for name in ("m_tip", "m_q", "k_q", "c_q"))
+    q = Coordinate("q")
+
+    def statement(length: Any, line: Any, bending: Any, external: Any, *sizes: Any) -> dict[str, Any]:
+        mass, absorber, stiffness, damper = sizes
+        gap = at(y, length / 2) - q
+        return {
+            "T": integral(line * y.diff(t) ** 2, length) / 2
+            + mass * at(y.diff(t), length) ** 2 / 2
+            + absorber * q.diff(t) ** 2 / 2,
+            "V": integral(bending * y.diff(x, 2) ** 2, length) / 2 + stiffness * gap**2 / 2,
+            "W_c": P * integral(y.diff(x) ** 2, length) / 2,
+            "dW_nc": -P * at(y.diff(x), length) * at(delta(y), length)
+            - external * integral(y.diff(t) * delta(y), length)
+            - damper * gap.diff(t) * delta(gap),
+        }
+
+    rate = EI ** sp.Rational(1, 2) * m ** sp.Rational(1, 2) / L
+    scales = {tip: mu * m * L, own: nu * m * L, spring: k * EI / L**3, dashpot: c * rate, q: L * q} | (changed or {})
+    return Column(
+        name="absorbed",
+        title="Cantilever with a tip mass and an absorber",
+        **statement(1, 1, 1, beta, mu, nu, k, c),
+        ends=("clamped", "free"),
+        parameters=tuple(Parameter(symbol, str(symbol), 0.5, 0.0, 10.0) for symbol in (mu, nu, k, c)),
+        dimensional=Energies(**statement(L, m, EI, C_beta, tip, own, spring, dashpot), length=L, scaling=scales),
+    )
+
+
+def test_a_column_of_points_and_coordinates_in_si_is_its_nondimensional_statement() -> None:
+    steps = scaling.derive_scaling(absorbed())
+    assert [step.equation for step in steps] == ["Eq. (5)"] * 4
+
+
+def test_a_wrong_scale_of_its_own_is_refused() -> None:
+    key = next(key for key in absorbed().dimensional.scaling if str(key) == "k_q")  # type: ignore[union-attr]
+    for wrong in (sp.Symbol("k", positive=True) * EI / L**2, sp.Symbol("k", positive=True) * EI / L**3 / 2):
+        with pytest.raises(StatementError, match=r"^V: the dimensional statement gives"):
+            scaling.derive_scaling(absorbed({key: wrong}))
