@@ -77,6 +77,7 @@ OPTIONS: dict[str, dict[str, st.SearchStrategy[Any]]] = {
         **case, **damping, "--load": number, "--frequency": st.tuples(number, number, whole),
         "--amplitude": st.tuples(number, number, whole), "--output": st.sampled_from(["p.txt", "no/p.csv", "p"]),
     },
+    "show": {**case, **damping, "--load-max": number, "--output": st.sampled_from(["s.txt", "no/s.png", "."])},
     "columns": {},
     "validate": {"--loads": st.just(None), "--output": st.sampled_from(["no/such.md", "."])},
     "verify": {},

@@ -22,10 +22,18 @@ Command = TypeVar("Command", bound=Runs)
 
 # As a newcomer would need them; commands that are not named follow.
 ORDER = (
-    "columns", "critical", "spectrum", "map", "pulse", "respond",
+    "columns", "show", "critical", "spectrum", "map", "pulse", "respond",
     "figures", "lesson", "explore",
     "verify", "validate", "generate",
 )  # fmt: skip
+
+
+FIRST = "\n".join(f"    {line}" for line in (
+    "freebeam show beck                                    # a column at a glance, in plain text",
+    "freebeam critical --column beck --digits 30           # its critical load, proven to 30 digits",
+    "freebeam lesson --column beck --format html --output beck.html",
+))  # fmt: skip
+"""What a newcomer may type first."""
 
 
 class InOrder(TyperGroup):
@@ -62,6 +70,7 @@ def front(
 ) -> None:
     if context.invoked_subcommand is None:
         typer.echo(context.get_help())
+        typer.echo(f"Try:\n\n{FIRST}\n")
 
 
 def command(example: str, cls: type[TyperCommand] | None = None) -> Callable[[type[Command]], type[Command]]:
@@ -98,5 +107,5 @@ def _parameter(field: Field[Any], hint: Any) -> Parameter:
     return Parameter(field.name, Parameter.KEYWORD_ONLY, default=default, annotation=described)
 
 
-for module in ("asking", "deriving", "mapping", "publishing", "pulsing", "responding", "validating"):
+for module in ("asking", "deriving", "mapping", "publishing", "pulsing", "responding", "showing", "validating"):
     import_module(f"freebeam.cli.{module}")  # they register their commands

@@ -24,9 +24,11 @@ from freebeam.cli.options import (
     refuse,
     vanishing_or_number,
 )
-from freebeam.cli.output import print_json, print_table, working, written
+from freebeam.cli.output import print_json, print_table, working, write_picture, written
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from freebeam.proofs import Certified, CertifiedCrossing
     from freebeam_sym.columns import Column
     from freebeam_sym.stability.critical import CriticalLoad
@@ -61,6 +63,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     )
     truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
     certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
+    plot: Path | None = option("FILE.svg|.png|.pdf", "Draw the eigenvalues over the load; of a limit its tangent.")
 
     def run(self) -> None:
         self.check()
@@ -68,6 +71,9 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if self.certificate and found.proven is not None:
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
+        if self.plot:
+            with working("picture"):
+                write_picture(self.plot, self.force, self.drawn, self.title())
         record = self.record_of(found)
         if self.as_json:
             print_json(record)
@@ -93,6 +99,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
         there = file and file.exists() and not self.force
         refuse(there, f"{file} exists; choose another file, or --force to replace it")
+        refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
 
     @property
     def dampings(self) -> dict[str, Number]:
@@ -106,6 +113,23 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         given = self.dampings | ({} if self.load_max is None else {"load_max": self.load_max}) | self.assigned
         beam = {"beam": tuple(x.exact for x in self.beam.values())} if self.beam else {}
         return {name: x.exact for name, x in given.items()} | beam
+
+    def drawn(self) -> Figure:
+        """Imaginary and real parts of the eigenvalues over the load; of a limit of vanishing damping the tangent that
+        finds it."""
+        from freebeam import figures
+        from freebeam.figures.look import figure
+        from freebeam_sym.stability.critical import answer
+
+        q, drawn = self.question, figure((5.2, 3.8) if "kappa" in self.dampings else (10.4, 3.8))
+        if q.kappa is not None:
+            figures.tangent(q.column, modes=q.modes, kappa=q.kappa, ax=drawn.subplots(), **q.parameters)
+            return drawn
+        loads, asked = None if answer(q).load else q.load_max, dict[str, Any](modes=q.modes, **q.values)
+        left, right = drawn.subplots(1, 2)
+        figures.eigenvalues(q.column, loads, part="imaginary", ax=left, **asked)
+        figures.eigenvalues(q.column, loads, part="real", ax=right, **asked)
+        return drawn
 
     def compute(self) -> Found:
         """The proofs that are asked for, then the answer in floats. Raises InputError where something is not proven."""
@@ -289,20 +313,28 @@ class Verify(Options):
 
 
 @command("freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
-class Spectrum(CaseOptions):
-    """Compute the eigenvalues at a load, sorted by |Im|, then by Re."""
+class Spectrum(FileOptions, CaseOptions):
+    """Compute the eigenvalues at a load, sorted by |Im|, then by Re, with their damping ratios -Re/|lambda|.
+
+    A pair has one line, that of Im > 0.
+    """
 
     load: Number = option("P", "The load P.", default=REQUIRED)
     rigid: bool = flag("Include the rigid-body functions.")
     exact: bool = flag("With --digits: prove the eigenvalues of the beam itself, not of a series.")
     digits: int | None = option("D", "With --exact: prove each eigenvalue to D digits.")
+    plot: Path | None = option("FILE.svg|.png|.pdf", "Draw how the first ones came there from no load: a root locus.")
 
     def run(self) -> None:
         together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
         refuse(self.exact != (self.digits is not None), together)
         refuse(self.exact and self.rigid, "--rigid: leave it out with --exact, which proves the elastic spectrum alone")
         refuse(self.exact and self.beam, "SI units: leave them out with --exact, which is nondimensional")
+        refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
         record, header, rows = self.in_floats() if self.digits is None else self.proven(self.digits)
+        if self.plot:
+            with working("picture"):
+                write_picture(self.plot, self.force, self.drawn, self.title(load=str(self.load)))
         if self.as_json:
             print_json(record)
             return
@@ -317,14 +349,33 @@ class Spectrum(CaseOptions):
         found, unit = fb.spectrum(system), self.units.of("frequency")
         values = self.units.out("frequency", found.eigenvalues)
         reference = self.units.out("frequency", found.reference_frequency)
+        ratios = [_damping_ratio(v, off) for v, off in zip(values, found.rounding, strict=True)]
         record = self.record(
-            load=self.load, rigid=self.rigid, eigenvalues=values, error=found.error, reference_frequency=reference
-        )
+            load=self.load, rigid=self.rigid, eigenvalues=values, error=found.error, reference_frequency=reference,
+            damping_ratio=ratios,
+        )  # fmt: skip
         rows = [
-            [_part(v.real, abs(v), off), _part(v.imag, abs(v), off), "" if math.isnan(error) else f"{error:.1e}"]
-            for v, off, error in zip(values, found.rounding, found.error, strict=True)
-        ]
-        return record, [f"Re{unit}", f"Im{unit}", "error"], rows
+            [
+                _part(v.real, abs(v), off), ("± " if v.imag > 0 else "") + _part(v.imag, abs(v), off),
+                "" if ratio is None else _ratio(ratio, off), _verdict(v, off),
+                "" if math.isnan(error) else f"{error:.1e}",
+            ]
+            for v, off, ratio, error in zip(values, found.rounding, ratios, found.error, strict=True)
+            if v.imag >= 0
+        ]  # fmt: skip
+        return record, [f"Re{unit}", f"Im{unit}", "damping ratio", "motion", "error"], rows
+
+    def drawn(self) -> Figure:
+        """The root locus from no load to this one."""
+        from freebeam import figures
+        from freebeam.figures.look import figure
+
+        q, drawn = self.question, figure((5.6, 4.6))
+        top = self.units.into("load", self.load)
+        refuse(not top > 0, f"--plot: begins at no load; load = {self.load} must be above 0")
+        asked: dict[str, Any] = {"modes": q.modes, **q.values}
+        figures.root_locus(q.column, top, count=min(3, q.modes), ax=drawn.subplots(), **asked)
+        return drawn
 
     def proven(self, digits: int) -> tuple[dict[str, Any], list[str], Rows]:
         """Of the beam itself, in the same form."""
@@ -340,6 +391,26 @@ class Spectrum(CaseOptions):
         rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
         rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
         return record, ["Re", "Im"], rows
+
+
+def _damping_ratio(value: complex, rounding: float) -> float | None:
+    """−Re/|λ|; None where λ is nothing but rounding."""
+    if value == 0:
+        return None
+    ratio = -value.real / abs(value)
+    return 0.0 if abs(ratio) <= rounding else float(ratio)
+
+
+def _ratio(ratio: float, rounding: float) -> str:
+    """A damping ratio to four digits, or as many as hold."""
+    return _digits(ratio, max(5e-5, rounding / abs(ratio))) if ratio else "0"
+
+
+def _verdict(value: complex, rounding: float) -> str:
+    """What a motion of this eigenvalue does, beyond rounding."""
+    if abs(value.real) <= rounding * abs(value):
+        return "neutral"
+    return "decays" if value.real < 0 else "diverges" if value.imag == 0 else "flutters"
 
 
 def _part(part: float, size: float, rounding: float) -> str:

@@ -81,3 +81,16 @@ def written(path: Path, replace: bool) -> Iterator[IO[bytes]]:
 
     with written(path, replace) as stream:
         yield stream
+
+
+def write_picture(path: Path, replace: bool, draw: Callable[[], Any], title: str) -> None:
+    """Draw a figure and write it as the kind of file that the path names. Raises InputError, before it is drawn, for a
+    kind that there is not, a file that is in the way and packages that are missing."""
+    from freebeam.cli.options import refuse
+    from freebeam.figures.look import style
+    from freebeam.figures.saving import FORMATS, image_of
+
+    format = path.suffix.removeprefix(".")
+    refuse(format not in FORMATS, f"{path}: the name must end in {', '.join('.' + name for name in FORMATS)}")
+    with written(path, replace) as stream, style():
+        stream.write(image_of(draw(), format, title))

@@ -17,9 +17,11 @@ from typing import IO, TYPE_CHECKING, Any
 
 from freebeam.cli.application import command
 from freebeam.cli.options import REQUIRED, CaseOptions, FileOptions, Number, argument, flag, option, refuse
-from freebeam.cli.output import plain, print_json, print_table, working, written
+from freebeam.cli.output import plain, print_json, print_table, working, write_picture, written
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from freebeam.cli.outline import Outline
     from freebeam_sym.columns import System
     from freebeam_sym.response.results import Response
@@ -72,8 +74,13 @@ class Respond(FileOptions, CaseOptions):
         "settings, a comment after #, and then the names of the columns.",
     )
 
+    plot: Path | None = option("FILE.svg|.png|.pdf", "Draw what the sensors read over time.")
+
     def run(self) -> None:
         self.check()
+        if self.plot:
+            with working("picture"):
+                write_picture(self.plot, self.force, self.drawn, self.title(load=str(self.load)))
         few, record = self.outline.count <= ROWS, self.settings()
         if self.output is None:
             found = self.compute()
@@ -102,6 +109,7 @@ class Respond(FileOptions, CaseOptions):
         for word in self.more_sensors or ():
             refuse(not self.sensor, f"{word}: belongs to no option; positions of sensors follow --sensor")
         refuse(output and output.suffix not in (".csv", ".npz"), f"{output}: the name must end in .csv or .npz")
+        refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
         other = "--field" if self.field else "--derivative" if self.derivative else ""
         refuse(other and self.units.sizes, f"{other}: what is read is nondimensional; leave the beam's SI values out")
         both = "--force-amplitude and --force-frequency"
@@ -193,6 +201,22 @@ class Respond(FileOptions, CaseOptions):
                 target=None if target is None else lambda part: target(self.series(part)),
                 progress=lambda share: report(f"{share:.0%}"), **self.force_and_start,
             )  # fmt: skip
+
+    def drawn(self) -> Figure:
+        """A row for each quantity, a curve for each sensor."""
+        from freebeam import figures
+        from freebeam.figures.look import figure
+        from freebeam.figures.marks import colour
+
+        found, drawn = self.compute(), figure((7.0, 2.4 * len(self.names)))
+        labels = list(dict.fromkeys(f"x = {label}" for _, label in self.columns))
+        for ax, name in zip(drawn.subplots(len(self.names), squeeze=False).ravel(), self.names, strict=True):
+            for k, label in enumerate(labels):
+                figures.history(found, name, sensor=k, label=label, color=colour(k), ax=ax)
+            ax.set_ylabel(f"${self.read(name)}$" if self.field or self.derivative else ax.get_ylabel())
+            if len(labels) > 1:
+                ax.legend(frameon=False)
+        return drawn
 
     def series(self, part: Any) -> Series:
         """A response, or a part of it, in the units of the output; its outline is drawn on."""

@@ -77,7 +77,8 @@ class Locus:
 
 
 def locus(question: Question, loads: ArrayLike | None = None, *, count: int = 2, points: int = 240) -> Locus:
-    """The first `count` eigenvalues along the load, each followed by continuity. Eqs. (24), (25).
+    """The first `count` eigenvalues along the load, each followed by continuity. Eqs. (24), (25). Of a pair that has
+    become real the one that decays least is shown.
 
     loads: (m,), or the largest load, or None for a quarter beyond the critical load, with damping or without; where
     no sequence is given the loads lie closer near the critical one, which has a root there. Raises InputError for bad
@@ -94,8 +95,13 @@ def locus(question: Question, loads: ArrayLike | None = None, *, count: int = 2,
     still = np.abs(start.imag) <= 1e-12 * np.abs(start)
     order = np.lexsort((np.abs(start), still))
     kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, q.modes)]
+    shown = followed.eigenvalues[:, kept].copy()
+    for k, branch in enumerate(kept):
+        if not still[branch]:
+            mirrored = followed.eigenvalues[:, np.abs(start - start[branch].conj()).argmin()].conj()
+            shown[:, k] = np.where(mirrored.real > shown[:, k].real, mirrored, shown[:, k])
     reference = spectrum(q.system(0.0)).reference_frequency
-    return Locus(P, followed.eigenvalues[:, kept], critical, reference)
+    return Locus(P, shown, critical, reference)
 
 
 def _branches(wanted: int, modes: int) -> int:
