@@ -222,3 +222,39 @@ def test_gyroscopic_stabilisation_is_lost_as_flutter() -> None:
     found = first_loss(General([np.eye(2)], [4 * J], [-np.eye(2), -np.eye(2)]), 10.0).crossing
     assert found is not None and found.kind == "flutter"
     assert (found.load, found.frequency) == (pytest.approx(3, rel=1e-9), pytest.approx(2, rel=1e-4))
+
+
+@pytest.mark.parametrize("damping", ["none", "vanishing", "light", "any"])
+@pytest.mark.parametrize("seed", range(6))
+def test_counts_are_those_of_the_eigenvalues(seed: int, damping: str) -> None:
+    """How many eigenvalues grow at a load: undamped the ω² that are complex or negative, one of λ = ±√(−ω²) each; in
+    the limit of vanishing damping those of a damping that is small."""
+    rng = np.random.default_rng(1000 + seed)
+    n = 6
+    L = rng.normal(size=(n, n))
+    M, E, H = np.eye(n) + 0.1 * L @ L.T, np.diag(np.arange(1.0, n + 1) ** 2), rng.normal(size=(n, n))
+    S = rng.normal(size=(n, n))
+    C = np.eye(n) + 0.5 * S @ S.T / n
+    size = {"none": 0.0, "vanishing": 1.0, "light": 1e-6, "any": 0.1}[damping]
+    problem = General([M], [size * C], [E, H], vanishing=damping == "vanishing")
+    seen = set()
+    for P in np.linspace(0.3, 12.0, 30):
+        K = E + P * H
+        squares = np.linalg.eigvals(np.linalg.solve(M, K))
+        gap = np.abs(squares[:, None] - squares[None]) + 1e9 * np.eye(n)
+        if gap.min() < 0.05 or np.abs(squares).min() < 0.05:
+            continue  # next to a crossing
+        if damping == "none":
+            expected = int(((np.abs(squares.imag) > 1e-9) | (squares.real < 0)).sum())
+        else:
+            c = {"vanishing": 1e-8}.get(damping, size) * C
+            A = np.block([[np.zeros((n, n)), np.eye(n)], [-np.linalg.solve(M, K), -np.linalg.solve(M, c)]])
+            growth = np.linalg.eigvals(A).real
+            if np.abs(growth).min() < {"any": 1e-6}.get(damping, 1e-11):
+                continue
+            expected = int((growth > 0).sum())
+        assert (problem.unstable(P) > 0) == (expected > 0)
+        seen.add(expected > 0)
+        if damping in ("none", "any"):
+            assert problem.unstable(P) == expected
+    assert seen == {True, False}
