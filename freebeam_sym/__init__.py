@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.question import Question
     from freebeam_sym.response import Harmonic, Response, respond, state_space
-    from freebeam_sym.spectra import Branches, Spectrum, branches, eigenvalues, spectrum
+    from freebeam_sym.spectra import Branches, Spectrum, branches, eigenvalues, proportional_damping, spectrum
     from freebeam_sym.stability.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam_sym.stability.critical import CriticalLoad, critical_load
     from freebeam_sym.stability.maps import CriticalLoads, critical_loads, stability_map
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
-    "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
+    "spectrum", "branches", "eigenvalues", "proportional_damping", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
@@ -48,6 +48,7 @@ _HOMES = {
     "spectrum": ("spectra", "spectrum"),
     "branches": ("spectra", "branches"),
     "eigenvalues": ("spectra", "eigenvalues"),
+    "proportional_damping": ("spectra", "proportional_damping"),
     "Spectrum": ("spectra", "Spectrum"),
     "Branches": ("spectra", "Branches"),
     "critical_load": ("stability.critical", "critical_load"),

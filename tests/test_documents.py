@@ -15,10 +15,19 @@ from freebeam.cli.application import app
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").glob("**/*.md"))]
 PAGES = [page for page in PAGES if "made" not in page.parts]
+WHOLE = ("engineers.md",)
+"""Pages whose pieces of Python go on from one another."""
+
+
+def pieces(page: Path) -> list[str]:
+    found = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S)
+    return ["\n".join(found)] if page.name in WHOLE else found
+
+
 PYTHON = [
     pytest.param(code, id=f"{page.name}-{k}")
     for page in PAGES
-    for k, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S))
+    for k, code in enumerate(pieces(page))
     if "import leipholz" not in code  # which needs the emitted file beside it: tests/runtime/test_cli.py
 ]
 COMMANDS = sorted({

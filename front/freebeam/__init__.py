@@ -51,6 +51,7 @@ if TYPE_CHECKING:
         critical_load,
         critical_loads,
         eigenvalues,
+        proportional_damping,
         pulse,
         respond,
         spectrum,
@@ -61,7 +62,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
-    "spectrum", "branches", "eigenvalues", "Spectrum", "Branches",
+    "spectrum", "branches", "eigenvalues", "proportional_damping", "Spectrum", "Branches",
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",

@@ -195,3 +195,23 @@ def test_branches_with_vectors_and_rigid_functions() -> None:
 def test_branches_refuse_bad_input(loads: list[float], arguments: dict[str, float], words: str) -> None:
     with pytest.raises(fb.InputError, match=words):
         branches(fb.column("beck", "modes"), loads, **arguments)
+
+
+@pytest.mark.parametrize("ratios", [(0.01, 0.02), (0.02, 0.01), (0.0, 0.0), (0.05, 0.05)])
+def test_dampings_from_ratios_and_ratios_from_dampings(ratios: tuple[float, float]) -> None:
+    """There and back: two modes of the unloaded beam have the ratios that alpha and beta were chosen for."""
+    column = fb.column("beck")
+    omega = fb.spectrum(column.system(16, 0.0)).eigenvalues.imag
+    omega = np.sort(omega[omega > 0])[[0, 2]]
+    alpha, beta = fb.proportional_damping(ratios, omega)
+    found = fb.spectrum(column.system(16, 0.0, alpha, beta))
+    swinging = np.argsort(np.where(found.eigenvalues.imag > 0, np.abs(found.eigenvalues), np.inf))
+    assert found.damping_ratio[swinging[[0, 2]]] == pytest.approx(ratios, rel=1e-7, abs=1e-12)
+
+
+def test_ratios_that_would_need_a_negative_damping_are_refused() -> None:
+    assert fb.proportional_damping([0.01, 0.05], [1.0, 5.0]) == (pytest.approx(0.02), pytest.approx(0, abs=1e-15))
+    with pytest.raises(fb.InputError, match=r"the second may be 0\.2 to 5 times the first"):
+        fb.proportional_damping([0.01, 0.0501], [1.0, 5.0])
+    with pytest.raises(fb.InputError, match="must be of two modes"):
+        fb.proportional_damping([0.01, 0.02], [1.0, 1.0])

@@ -349,7 +349,7 @@ class Spectrum(FileOptions, CaseOptions):
         found, unit = fb.spectrum(system), self.units.of("frequency")
         values = self.units.out("frequency", found.eigenvalues)
         reference = self.units.out("frequency", found.reference_frequency)
-        ratios = [_damping_ratio(v, off) for v, off in zip(values, found.rounding, strict=True)]
+        ratios = found.damping_ratio
         record = self.record(
             load=self.load, rigid=self.rigid, eigenvalues=values, error=found.error, reference_frequency=reference,
             damping_ratio=ratios,
@@ -357,7 +357,7 @@ class Spectrum(FileOptions, CaseOptions):
         rows = [
             [
                 _part(v.real, abs(v), off), ("± " if v.imag > 0 else "") + _part(v.imag, abs(v), off),
-                "" if ratio is None else _ratio(ratio, off), _verdict(v, off),
+                "" if math.isnan(ratio) else _ratio(ratio, off), _verdict(v, off),
                 "" if math.isnan(error) else f"{error:.1e}",
             ]
             for v, off, ratio, error in zip(values, found.rounding, ratios, found.error, strict=True)
@@ -391,14 +391,6 @@ class Spectrum(FileOptions, CaseOptions):
         rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
         rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
         return record, ["Re", "Im"], rows
-
-
-def _damping_ratio(value: complex, rounding: float) -> float | None:
-    """−Re/|λ|; None where λ is nothing but rounding."""
-    if value == 0:
-        return None
-    ratio = -value.real / abs(value)
-    return 0.0 if abs(ratio) <= rounding else float(ratio)
 
 
 def _ratio(ratio: float, rounding: float) -> str:
