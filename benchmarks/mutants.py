@@ -28,15 +28,22 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).parents[1]
 PARTS = {
     "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py"],
-    "freebeam_sym/stability/{pencil,proportional,crossings,critical,convergence,grids,surface,boundaries}.py": [
+    "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence,grids,surface,boundaries}.py": [
         "tests/runtime/test_critical.py",
         "tests/runtime/test_maps.py",
+    ],
+    "freebeam_sym/stability/{general,derivatives,pulse}.py": [
+        "tests/runtime/test_general.py",
+        "tests/runtime/test_gradient.py",
+        "tests/runtime/test_pulse.py",
+        "tests/runtime/test_any_column.py",
     ],
     "derive/freebeam_derive/{bases,emit}/*.py": [
         "tests/derive/test_kernel.py",
         "tests/derive/test_emit.py",
         "tests/derive/test_legendre.py",
         "tests/derive/test_pipeline.py",
+        "tests/derive/test_segments.py",
     ],
 }
 """What is changed, and the tests that should see it, the quickest first."""
@@ -49,7 +56,7 @@ OPERATORS = (
     *(f"core/Replace{name}" for name in ("OrWithAnd", "TrueWithFalse", "FalseWithTrue", "BreakWithContinue")),
     *(f"core/{name}" for name in ("NumberReplacer", "AddNot", "ZeroIterationForLoop")),
 )
-LIMIT = 400.0
+LIMIT = 900.0
 """Seconds after which tests that do not end have seen the change: a search that no longer stops."""
 
 
