@@ -133,7 +133,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
     def _print_Subs(self, expr: Any) -> str:
         inner, _, (place,) = expr.args
         if place.func == leap:  # how much it jumps there
-            return rf"\bigl[ {self._print(inner)} \bigr]_{{{self.place(place)}}}"
+            return rf"\left[{self._print(inner)}\right]_{{{self.place(place)}}}"
         return f"{self._print(inner)}({self.place(place)})"
 
     def _print_Function(self, expr: Any, exp: Any = None) -> str:

@@ -33,46 +33,61 @@ PAPER = "free-free"
 Progress = Callable[[str], None]
 
 
-def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = None) -> Lesson:
+def lesson(
+    column: str | os.PathLike[str] = PAPER,
+    progress: Progress | None = None,
+    *,
+    errata: bool = False,
+    seed: int | None = None,
+) -> Lesson:
     """The lesson on a column, by its name or by the path of its file. Eqs. (1)-(26).
 
     Every formula is printed from the object that the program computed with, and every step's proof is run.
-    progress: told what is being done. Raises InputError for a column that is not known or has no statement, and
+    progress: told what is being done. errata: with the misprints of the paper, where they arise. seed: data of the
+    exercises, and values of the column's own parameters, that are another student's.
+
+    Raises InputError for a column that is not known or has no statement and for a seed that is none, and
     AssertionError where a proof fails.
     """
     from freebeam.lesson.blocks import Heading, Lesson
+    from freebeam.lesson.draws import drawn
     from freebeam.lesson.facts import Facts
+    from freebeam.lesson.general import general_derivation
     from freebeam.lesson.phrases import prose
     from freebeam.lesson.physics import physics_chapters
     from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
+    from freebeam.lesson.systems import general_physics
     from freebeam.own import column as column_of
     from freebeam_derive import pipeline
     from freebeam_derive.statement import StatementError
 
     say = progress or (lambda _: None)
     say("kernels")
-    facts = Facts(column_of(column), None)  # type: ignore[arg-type]
-    facts.column.textbook("a lesson")
     name = os.fspath(column)
+    kernels = column_of(column)
     try:
         stated = pipeline.find(name)
     except StatementError as error:
-        if hasattr(facts.column.kernel, "COLUMN") and Path(name).is_file():
+        if hasattr(kernels.kernel, "COLUMN") and Path(name).is_file():
             raise InputError(
                 f"{name}: is a kernel, and a lesson needs the statement that it was derived from; give the column's "
                 "file"
             ) from None
         raise InputError(str(error)) from error
-    facts = Facts(column_of(column, "modes"), column_of(column, "legendre"))
+    data, own = drawn(kernels, seed)
+    if kernels.general:
+        facts = Facts(kernels, kernels, own, data)
+    else:
+        facts = Facts(column_of(column, "modes"), column_of(column, "legendre"), own, data)
     say("derivation")
-    derived = pipeline.derive(stated)
-    chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
+    chapter = Chapter(pipeline.derived(stated), errata and stated.name == PAPER and name == PAPER)
     source = pipeline.columns().get(name, Path(name))
     say("proofs of the derivation")
     about = prose("opening.paper" if facts.column.name == PAPER else "opening.other", ends="-".join(facts.column.ends))
-    blocks = [prose("opening.lesson"), about, *derivation_chapters(chapter, facts.column, source)]
+    derivation = general_derivation if kernels.general else derivation_chapters
+    blocks = [prose("opening.lesson"), about, *derivation(chapter, facts.column, source)]
     say("physics")
-    blocks += physics_chapters(chapter, facts, chapter.paper)
+    blocks += general_physics(chapter, facts) if kernels.general else physics_chapters(chapter, facts, chapter.paper)
     say("Newmark's method")
     blocks += newmark_chapter(chapter)
     blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
@@ -85,10 +100,11 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
 def _subtitle(facts: Any) -> str:
     found = facts.critical
     if found.load is None:
-        return f"Derived from its energies; stable up to a load of {found.load_max:g}"
+        return f"Derived from its energies; stable up to a load of {found.question.load_max:g}"
     kind, beam = "flutter" if facts.flutters else "divergence", found.beam
     known = "" if beam is None or beam.load is None else f"; the beam itself: {_lost(beam)}"
-    return f"Derived from its energies, to the {kind} load {found.load:.6g} of eight modes{known}"
+    series = f"{facts.modes} functions a segment" if facts.column.general else "eight modes"
+    return f"Derived from its energies, to the {kind} load {found.load:.6g} of {series}{known}"
 
 
 def _lost(beam: BeamLoss) -> str:
@@ -160,7 +176,9 @@ def compiled(column: Any) -> Any:
     from freebeam_sym.columns import Column
 
     try:
-        return Column(verify.load(emit.emit(pipeline.derive(column).kernel("modes")), column.module))
+        derived = pipeline.derived(column)
+        kernel = derived.kernel("modes") if isinstance(derived, pipeline.Derived) else derived.kernel
+        return Column(verify.load(emit.emit(kernel), column.module))
     except StatementError as error:
         raise InputError(str(error)) from error
 

@@ -87,5 +87,12 @@ class _Page(Writer):
         answer = f"<details><summary>Answer</summary><p>{self.inline(block.answer)}</p></details>"
         return f'<section class="exercise">{question}\n{answer}</section>'
 
+    def summary(self, block: blocks.Summary) -> str:
+        return f'<p class="summary"><b>In short.</b> {self.inline(block.text)}</p>'
+
+    def points(self, block: blocks.Points) -> str:
+        items = "\n".join(f"<li>{self.inline(item)}</li>" for item in block.items)
+        return f"<p><b>{self.inline(block.title)}</b></p>\n<ul>\n{items}\n</ul>"
+
     def listing(self, block: blocks.Listing) -> str:
         return f"<pre><code>{escape(block.code, quote=False)}</code></pre>"

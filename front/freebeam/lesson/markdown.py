@@ -60,6 +60,12 @@ class Markdown(Writer):
         answer = f"<details><summary>Answer</summary>\n\n{block.answer}\n\n</details>"
         return f"**Exercise {self.count['exercise']}.** {block.question}\n\n{answer}"
 
+    def summary(self, block: blocks.Summary) -> str:
+        return f"**In short.** {block.text}"
+
+    def points(self, block: blocks.Points) -> str:
+        return f"**{block.title}**\n\n" + "\n".join(f"- {item}" for item in block.items)
+
     def listing(self, block: blocks.Listing) -> str:
         fence = "`" * max(3, *(len(ticks) + 1 for ticks in re.findall("`+", block.code + "`")))
         return f"{fence}python\n{block.code}\n{fence}"

@@ -95,5 +95,11 @@ class _Page(Writer):
             f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {self.inline(block.answer)}])"
         )
 
+    def summary(self, block: blocks.Summary) -> str:
+        return f"#short[{self.inline(block.text)}]"
+
+    def points(self, block: blocks.Points) -> str:
+        return f"*{self.inline(block.title)}*\n\n" + "\n".join(f"- {self.inline(item)}" for item in block.items)
+
     def listing(self, block: blocks.Listing) -> str:
         return f'#raw({_quoted(block.code)}, lang: "python", block: true)'

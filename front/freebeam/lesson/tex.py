@@ -101,6 +101,13 @@ class _Page(Writer):
             f"\n\n{{\\small \\emph{{Answer.}} {self.inline(block.answer)}\\par}}"
         )
 
+    def summary(self, block: blocks.Summary) -> str:
+        return rf"\textbf{{In short.}} {self.inline(block.text)}"
+
+    def points(self, block: blocks.Points) -> str:
+        items = "\n".join(rf"\item {self.inline(item)}" for item in block.items)
+        return rf"\textbf{{{self.inline(block.title)}}}" + f"\n\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
+
     def listing(self, block: blocks.Listing) -> str:
         return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"
 
