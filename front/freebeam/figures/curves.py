@@ -364,10 +364,10 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
     system = question.system(load, rigid)
     found = spectrum(system)
     elastic = found.elastic
-    tiny = 1e-6 * np.abs(elastic).max()
-    above, still = elastic[elastic.imag > tiny], elastic[np.abs(elastic.imag) <= tiny]
+    swings = np.abs(elastic.imag) > 1e-6 * np.abs(elastic)  # of its own size: the largest may be far beyond
+    above, still = elastic[swings & (elastic.imag > 0)], elastic[~swings]
     worst = above[above.real.argmax()] if len(above) else 0j
-    if not len(above) or still.real.max(initial=-np.inf) > worst.real - tiny:
+    if not len(above) or still.real.max(initial=-np.inf) > worst.real - 1e-6 * abs(worst):
         raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
     if not damped and abs(worst.real) < 1e-3 * abs(worst):
         # all decay alike: the pair that flutters is the one that the load brings together

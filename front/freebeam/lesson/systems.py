@@ -224,20 +224,29 @@ def _turned_up(facts: Facts, gain: Parameter) -> list[Block]:
     from freebeam_sym.stability.critical import answer
 
     letter = gain.latex or gain.name
-    values = np.linspace(max(gain.low, 0.0), min(gain.high, 4 * max(abs(facts.values[gain.name]), 0.1)), POINTS)
+    values = np.linspace(*_gains(facts, gain), POINTS)
     own: dict[str, Any] = {name: value for name, value in facts.own.items() if name != gain.name}
-    off = facts.question.at(**{gain.name: 0.0})
-    without = answer(off)
-    lost = "answer" if without.load is not None else "stable"
-    return [
+    blocks: list[Block] = [
         prose("control.gain", letter=letter),
         figure(
             "gain", "The critical load along the gain",
             f'critical_curve(beam, "{gain.name}", {_listed(values)}{arguments(own)})',
             lambda: figures.critical_curve(facts.column, gain.name, values, **own), text("control.curve"),
         ),
-        exercise("control.off", lost, letter=letter, load=without.load or 0.0, kind=without.kind, top=off.load_max),
     ]  # fmt: skip
+    try:
+        without = answer(facts.question.at(**{gain.name: 0.0}))
+    except InputError:  # nothing holds a rigid motion then
+        return blocks
+    lost, top = "answer" if without.load is not None else "stable", without.question.load_max
+    load = without.load or 0.0
+    return [*blocks, exercise("control.off", lost, letter=letter, load=load, kind=without.kind, top=top)]
+
+
+def _gains(facts: Facts, gain: Parameter) -> tuple[float, float]:
+    """From a tenth of the gain, below which nothing may hold a rigid motion, to four times."""
+    value = abs(facts.values[gain.name]) or 0.1
+    return max(gain.low, value / 10), min(gain.high, 4 * value)
 
 
 def _listed(values: Any) -> str:
