@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from freebeam.lesson.blocks import Lesson
     from freebeam_sym.stability.convergence import BeamLoss
 
-__all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show"]
+__all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show", "solutions"]
 
 FORMATS = {"html": "html", "md": "markdown", "tex": "tex", "ipynb": "notebook", "pdf": "pdf"}
 """Formats, and the module that prints each."""
@@ -38,13 +38,14 @@ def lesson(
     progress: Progress | None = None,
     *,
     errata: bool = False,
+    short: bool = False,
     seed: int | None = None,
 ) -> Lesson:
     """The lesson on a column, by its name or by the path of its file. Eqs. (1)-(26).
 
     Every formula is printed from the object that the program computed with, and every step's proof is run.
-    progress: told what is being done. errata: with the misprints of the paper, where they arise. seed: data of the
-    exercises, and values of the column's own parameters, that are another student's.
+    progress: told what is being done. errata: with the misprints of the paper, where they arise. short: for one lecture
+    of 45 minutes. seed: data of the exercises, and values of the column's own parameters, that are another student's.
 
     Raises InputError for a column that is not known or has no statement and for a seed that is none, and
     AssertionError where a proof fails.
@@ -53,8 +54,9 @@ def lesson(
     from freebeam.lesson.draws import drawn
     from freebeam.lesson.facts import Facts
     from freebeam.lesson.general import general_derivation
-    from freebeam.lesson.phrases import prose
+    from freebeam.lesson.phrases import prose, text
     from freebeam.lesson.physics import physics_chapters
+    from freebeam.lesson.short import shortened
     from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
     from freebeam.lesson.systems import general_physics
     from freebeam.own import column as column_of
@@ -80,21 +82,51 @@ def lesson(
     else:
         facts = Facts(column_of(column, "modes"), column_of(column, "legendre"), own, data)
     say("derivation")
-    chapter = Chapter(pipeline.derived(stated), errata and stated.name == PAPER and name == PAPER)
+    chapter = Chapter(pipeline.derived(stated), errata and stated.name == PAPER and name == PAPER, short)
     source = pipeline.columns().get(name, Path(name))
     say("proofs of the derivation")
-    about = prose("opening.paper" if facts.column.name == PAPER else "opening.other", ends="-".join(facts.column.ends))
     derivation = general_derivation if kernels.general else derivation_chapters
-    blocks = [prose("opening.lesson"), about, *derivation(chapter, facts.column, source)]
+    physics = general_physics if kernels.general else physics_chapters
+    blocks: list[Any] = [*derivation(chapter, facts.column, source)]
     say("physics")
-    blocks += general_physics(chapter, facts) if kernels.general else physics_chapters(chapter, facts, chapter.paper)
-    say("Newmark's method")
-    blocks += newmark_chapter(chapter)
-    blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
-    made = Lesson(facts.column.title, _subtitle(facts), stated.name, tuple(blocks))
+    blocks += physics(chapter, facts)
+    if short:
+        blocks = shortened(blocks)
+    else:
+        say("Newmark's method")
+        blocks += newmark_chapter(chapter)
+        if rest := _rest(chapter):
+            blocks += [Heading(text("opening.errata"), 2, "errata"), *rest]
+    made = Lesson(facts.column.title, _subtitle(facts), stated.name, (*_opening(facts, chapter.paper), *blocks))
     residual = max(check.residual for check in made.checks)
     closing = prose("opening.closing", count=len(made.checks), residual=residual)
     return replace(made, blocks=(*made.blocks, closing))
+
+
+def _opening(facts: Any, errata: bool) -> list[Any]:
+    """Why one should care, what one can do afterwards, and what is presumed."""
+    from freebeam.lesson.blocks import Points, Prose
+    from freebeam.lesson.phrases import at, prose, text
+
+    about = text("opening.paper" if facts.column.name == PAPER else "opening.other")
+    about += " " + text("opening.misprints") if errata else ""
+    blocks: list[Any] = [prose("opening.motivation")]
+    blocks += [Points(text(f"opening.{name}_title"), tuple(at(f"opening.{name}"))) for name in ("goals", "presumed")]
+    blocks += [prose("opening.lesson"), Prose(about)]
+    if facts.data.seed is not None:
+        blocks.append(prose("opening.seed", seed=facts.data.seed))
+    return blocks
+
+
+def solutions(made: Lesson) -> tuple[Lesson, Lesson]:
+    """A lesson without the answers of its exercises, and the worked solutions, numbered as there."""
+    from freebeam.lesson.blocks import Exercise, Lesson
+    from freebeam.lesson.phrases import text
+    from freebeam.lesson.solved import solved
+
+    asked = tuple(replace(b, answer="") if isinstance(b, Exercise) else b for b in made.blocks)
+    title = text("solutions.title", title=made.title)
+    return replace(made, blocks=asked), Lesson(title, text("solutions.subtitle"), made.column, tuple(solved(made)))
 
 
 def _subtitle(facts: Any) -> str:
@@ -163,7 +195,7 @@ def proven(derived: Any, what: str, why: str = "", stage: str = "", shown: bool 
         if not shown and not isinstance(step.after, str | int):
             show(step.after)
         left = step.residual()
-        print(f"checked: {step.check or 'put back'}" + (f" (leaves {left:.0e})" if left else ""))
+        print(f"proven: {step.check or 'put back'}" + (f" (leaves {left:.0e})" if left else ""))
 
 
 def compiled(column: Any) -> Any:

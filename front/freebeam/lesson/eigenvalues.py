@@ -10,7 +10,7 @@ import numpy as np
 
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import arguments, exercise, figure, heading, percent, prose
+from freebeam.lesson.phrases import arguments, exercise, figure, heading, percent, prose, summary
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 __all__ = ["coalescence", "divergence", "eigenvalues", "vanishing_damping"]
 
 
-def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
+def eigenvalues(chapter: Chapter, facts: Facts) -> list[Block]:
     """The eigenvalue problem, and the critical load."""
     from freebeam import figures
 
@@ -42,7 +42,7 @@ def eigenvalues(chapter: Chapter, facts: Facts, paper: bool) -> list[Block]:
     asked = f"fb.critical_load(beam, modes={facts.modes}{arguments(facts.own)})"
     code = f"beam = compiled(column)\nfound = {asked}\nprint(found)"
     blocks.append(Cell(code, (lost,)))
-    if paper:
+    if column.name == "free-free" and not (facts.own or chapter.short):
         blocks += _printed()
     blocks.append(
         figure(
@@ -164,6 +164,7 @@ def vanishing_damping(chapter: Chapter, facts: Facts) -> list[Block]:
             "damping.some", alpha=facts.data.some, load=some.load or math.nan, kind=some.kind, undamped=facts.load
         ),
         exercise("damping.sign", share=percent(facts.data.below), left=left),
+        summary("damping.summary_kept"),
     ]
 
 
@@ -201,6 +202,7 @@ def _lowered(facts: Facts, limit: float, frequency: float) -> list[Block]:
         exercise(
             "damping.strong", answer, alpha=facts.data.strong, load=load, kind=strong.kind, top=strong.question.load_max
         ),
+        summary("damping.summary_lowered", drop=drop),
     ]
 
 

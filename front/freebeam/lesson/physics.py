@@ -12,27 +12,38 @@ import numpy as np
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, vanishing_damping
 from freebeam.lesson.facts import Facts
-from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, text
+from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, summary, text
+from freebeam.lesson.pulsation import pulsation
 from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
 
-__all__ = ["enclosed", "physics_chapters", "work"]
+__all__ = ["closed", "enclosed", "physics_chapters", "work"]
 
 
-def physics_chapters(chapter: Chapter, facts: Facts, paper: bool) -> tuple[Block, ...]:
+def physics_chapters(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
     """From the eigenvalue problem to the cost of the series. Eqs. (24)-(26)."""
+    found = closed("stability", eigenvalues(chapter, facts))
     if facts.critical.load is None:
-        return (*eigenvalues(chapter, facts, paper), *rigid(chapter, facts))
+        return (*found, *closed("rigid", rigid(chapter, facts)))
+    if facts.flutters:
+        found += closed("coalescence", coalescence(chapter, facts))
+    else:
+        found += closed("divergence", divergence(chapter, facts))
     return (
-        *eigenvalues(chapter, facts, paper),
-        *(coalescence(chapter, facts) if facts.flutters else divergence(chapter, facts)),
+        *found,
         *vanishing_damping(chapter, facts),
-        *work(chapter, facts),
-        *rigid(chapter, facts),
-        *truncation(chapter, facts),
+        *closed("work", work(chapter, facts)),
+        *closed("rigid", rigid(chapter, facts)),
+        *pulsation(chapter, facts),
+        *closed("truncation", truncation(chapter, facts)),
     )
+
+
+def closed(chapter: str, blocks: list[Block]) -> list[Block]:
+    """A chapter's blocks with its summary."""
+    return [*blocks, summary(f"{chapter}.summary")]
 
 
 def work(chapter: Chapter, facts: Facts) -> list[Block]:

@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Listing, Prose
+from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Heading, Listing, Prose
 from freebeam.lesson.errata import entries
 from freebeam.lesson.phrases import data, heading, prose, summary, text, words
 
@@ -34,11 +34,11 @@ SHOWS_MORE = {
 class Chapter:
     """Steps of a record as blocks: each with what it started from, its result, and its check."""
 
-    def __init__(self, derived: Derived | GeneralDerived, paper: bool) -> None:
+    def __init__(self, derived: Derived | GeneralDerived, paper: bool, short: bool = False) -> None:
         from freebeam_derive.derivation import GeneralDerivation
         from freebeam_derive.latex import printer
 
-        self.derived, self.paper = derived, paper
+        self.derived, self.paper, self.short = derived, paper, short
         self.general = isinstance(derived, GeneralDerivation)
         self.printer = printer(derived.column)
         self.steps = derived.steps
@@ -47,7 +47,11 @@ class Chapter:
         self.shown: set[tuple[str, ...]] = set()
 
     def of(self, stage: str) -> list[Step]:
-        return [step for step in self.steps if step.stage == stage]
+        return [step for step in self.steps if step.stage == stage and self.wanted(step)]
+
+    def wanted(self, step: Step) -> bool:
+        """Whether a step is told; a lesson of one lecture tells some."""
+        return not self.short or step.what in data("record.toml")["short"]["steps"]
 
     def find(self, what: str) -> Step | None:
         return next((step for step in self.steps if step.what == what), None)
@@ -55,7 +59,7 @@ class Chapter:
     def named(self, *names: str) -> list[Block]:
         """The steps with these names as blocks; those that this column's record lacks are left out."""
         found = (self.find(name) for name in names)
-        return [block for step in found if step is not None for block in self.step(step)]
+        return [block for step in found if step is not None and self.wanted(step) for block in self.step(step)]
 
     def lines(self, step: Step, part: Any) -> tuple[str, ...]:
         """LaTeX of what a step has before or after it."""
@@ -272,5 +276,7 @@ def _admissible(chapter: Chapter, stage: str) -> tuple[Block, ...]:
 
 
 def newmark_chapter(chapter: Chapter) -> tuple[Block, ...]:
-    """Newmark's method, which the paper uses and does not print."""
-    return (*chapter.section("newmark"), *chapter.errata("Section 4.5", "Abstract"))
+    """Newmark's method, which the paper uses and does not print: an appendix."""
+    _, *blocks = chapter.section("newmark")
+    title = text("opening.appendix", title=text("newmark.title"))
+    return (Heading(title, 2, "newmark"), *blocks, *chapter.errata("Section 4.5", "Abstract"))

@@ -10,7 +10,7 @@ import numpy as np
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence
 from freebeam.lesson.phrases import arguments, exercise, figure, heading, n, percent, prose, summary, text
-from freebeam.lesson.physics import enclosed, work
+from freebeam.lesson.physics import closed, enclosed, work
 from freebeam.lesson.pulsation import pulsation
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
@@ -32,9 +32,10 @@ def general_physics(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
     found = [*loss(chapter, facts)]
     if facts.critical.load is not None:
         if facts.undamped and facts.linear:
-            found += coalescence(chapter, facts) if facts.flutters else divergence(chapter, facts)
+            name, told = ("coalescence", coalescence) if facts.flutters else ("divergence", divergence)
+            found += closed(name, told(chapter, facts))
         found += damping(chapter, facts)
-        found += work(chapter, facts)
+        found += closed("work", work(chapter, facts))
     found += control(chapter, facts)
     if facts.critical.load is not None:
         found += [*parameters(facts), *pulsation(chapter, facts), *truncation(chapter, facts)]
@@ -214,7 +215,8 @@ def control(chapter: Chapter, facts: Facts) -> list[Block]:
     gain = next((p for p in facts.column.parameters if _steers(facts, p.name)), None)
     if gain is not None:
         blocks += _turned_up(facts, gain)
-    blocks.append(exercise("control.share", share=facts.circulatory))
+    else:
+        blocks.append(exercise("control.share", share=facts.circulatory))
     return [*blocks, summary("control.summary")]
 
 
