@@ -69,7 +69,9 @@ def _held(space: Space, length: Expr, seed: int) -> Expr:
     }[space.joined]
     free = [corner for where, corner in corners.items() if where not in space.held]
     inside = (x * (length - x)) ** space.joined * (seed - x)
-    return expand(inside + Add(*((k + 2) * corner for k, corner in enumerate(free))))
+    # values and slopes at the ends differ from seed to seed, so that no two functions have them in common
+    weights = ((seed * (k + 2) + k) % 11 + 1 for k in range(len(free)))
+    return expand(inside + Add(*(weight * corner for weight, corner in zip(weights, free, strict=True))))
 
 
 def moving(beam: Beam, spaces: Iterable[Space], coordinates: Iterable[str], seed: int = 1) -> Motion:

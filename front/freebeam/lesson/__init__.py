@@ -111,7 +111,8 @@ def _opening(facts: Any, errata: bool) -> list[Any]:
     about = text("opening.paper" if facts.column.name == PAPER else "opening.other")
     about += " " + text("opening.misprints") if errata else ""
     blocks: list[Any] = [prose("opening.motivation")]
-    blocks += [Points(text(f"opening.{name}_title"), tuple(at(f"opening.{name}"))) for name in ("goals", "presumed")]
+    blocks += [Points(text("opening.goals_title"), tuple(at("opening.goals")))]
+    blocks += [Points(text("opening.presumed_title"), tuple(at("opening.presumed")))]
     blocks += [prose("opening.lesson"), Prose(about)]
     if facts.data.seed is not None:
         blocks.append(prose("opening.seed", seed=facts.data.seed))

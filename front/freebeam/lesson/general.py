@@ -33,6 +33,7 @@ def general_derivation(chapter: Chapter, kernels: Column, source: Path | None) -
         opening,
         *_picture(kernels),
         *statement_blocks(chapter, source),
+        *chapter.summed("statement"),
         *(chapter.section("scaling", said=False) if chapter.derived.scaling else ()),
         *chapter.section("variation"),
         *(_segments(chapter) if motion.beam.cuts else ()),
@@ -87,4 +88,5 @@ def _segments(chapter: Chapter) -> list[Block]:
         Table(header, tuple(rows)),
         prose("segments.conditions"),
         *([prose("segments.jumps")] if any(space.opened for space in motion.spaces) else []),
+        *chapter.summed("segments"),
     ]

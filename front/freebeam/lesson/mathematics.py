@@ -87,7 +87,7 @@ def _children(element: ElementTree.Element) -> str:
             rows = [[_children(cell) for cell in row] for row in rest.pop(0)]
             if (child.text or "").strip() == "(":
                 cells_ = "; ".join(", ".join(f"display({c})" if c else '""' for c in cells) for cells in rows)
-                found.append(f'mat(delim: "(", row-gap: 0.5em, {cells_})')
+                found.append(f'mat(delim: "(", row-gap: #0.5em, {cells_})')
                 rest.pop(0)
             else:
                 found.append("cases(" + ", ".join(" & ".join(cells) for cells in rows) + ")")

@@ -43,7 +43,10 @@ def pulsation(chapter: Chapter, facts: Facts) -> list[Block]:
     def draw() -> Any:
         from freebeam import figures
 
-        return figures.pulsating_regions(pulse.grid(question, load, Omega, eps))
+        ax = figures.pulsating_regions(pulse.grid(question, load, Omega, eps))
+        for drawn_ in ax.collections:  # few rectangles, which follow the page's colours as no image does
+            drawn_.set_rasterized(False)
+        return ax
 
     drawn = Figure("regions", draw, text("pulsation.drawn", load=load), "Regions in which motion grows")
     code = (

@@ -132,14 +132,17 @@ class Chapter:
         text = f"**{what}.** {_sentence(step.why)}" if said else f"**{what}.**"
         return (Prose(text), cell, *self.errata(step.equation))
 
-    def section(self, stage: str, chapter: str = "", said: bool = True, **values: str) -> list[Block]:
+    def section(
+        self, stage: str, chapter: str = "", said: bool = True, more: tuple[Block, ...] = (), **values: str
+    ) -> list[Block]:
         """A chapter of text.toml, by default named as the stage: its opening, then the stage's steps without the
-        conditions that are numbered. said: whether each step tells why it is taken."""
+        conditions that are numbered, and its summary. said: whether each step tells why it is taken. more: blocks
+        before the summary."""
         found: list[Block] = [heading(chapter or stage), prose(f"{chapter or stage}.opening", **values)]
         for step in self.of(stage):
             if not _numbered(step):
                 found += self.step(step, said)
-        return [*found, *self.summed(chapter or stage)]
+        return [*found, *more, *self.summed(chapter or stage)]
 
     def summed(self, chapter: str) -> list[Block]:
         """The summary of a chapter, where it has one that holds of any column."""
@@ -218,7 +221,7 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
         Cell("", (Figure("beam", lambda: figures.beam(kernels), "Deflected as in its lowest mode.", "The column"),)),
         *statement_blocks(chapter, source),
     ]
-    blocks += chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)")
+    blocks += [*chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)"), *chapter.summed("statement")]
     if chapter.derived.scaling:
         blocks += chapter.section("scaling", said=False)
     varies = chapter.derived.motion.strong.coeff(P).has(x)
@@ -226,12 +229,9 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
         *blocks,
         *chapter.section("variation"),
         *chapter.section("Ritz series", "ritz", reason=text(f"ritz.{'varying' if varies else 'constant'}_load")),
-        *chapter.section("modes"),
-        *_admissible(chapter, "modes"),
-        *chapter.errata("Section 3.1"),
+        *chapter.section("modes", more=(*_admissible(chapter, "modes"), *chapter.errata("Section 3.1"))),
         *chapter.section("integrals"),
-        *chapter.section("polynomials"),
-        *_admissible(chapter, "polynomials"),
+        *chapter.section("polynomials", more=_admissible(chapter, "polynomials")),
     )
 
 

@@ -57,12 +57,12 @@ def loss(chapter: Chapter, facts: Facts) -> list[Block]:
         *chapter.named("Let all coordinates move alike", "Write it as an eigenvalue problem of the first order"),
         prose("loss.how"),
     ]
-    said: dict[str, Any] = {"N": facts.modes, "own": _settings(facts)}
+    N, settled = facts.modes, _settings(facts)
     if found.load is None:
-        lost = prose("loss.stable", top=found.question.load_max, **said)
+        lost = prose("loss.stable", N=N, own=settled, top=found.question.load_max)
     else:
         kind = "divergence" if not facts.flutters else "meet" if facts.undamped else "cross"
-        lost = prose(f"loss.{kind}", load=found.load, frequency=facts.frequency, **said)
+        lost = prose(f"loss.{kind}", N=N, own=settled, load=found.load, frequency=facts.frequency)
     code = f"beam = compiled(column)\nfound = fb.critical_load(beam, modes={facts.modes}{arguments(own)})\nprint(found)"
     blocks += [Cell(code, (lost,)), *_error(facts), *_lowest(facts)]
     if found.load is None:
