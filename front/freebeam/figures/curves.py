@@ -358,9 +358,12 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
     """
     name, damped = question.column.name, bool(question.alpha or question.beta)
     if load is None:
-        load = answer(question).load
+        critical = answer(question)
+        load = critical.load
         if load is None:
             raise InputError(f"load: {name} is stable up to P = {question.load_max:g}; give a load")
+        if critical.kind == "divergence":
+            raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
     system = question.system(load, rigid)
     found = spectrum(system)
     elastic = found.elastic

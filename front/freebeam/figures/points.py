@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
     from freebeam_sym.columns import Column
 
-__all__ = ["Parts", "beam_of_parts", "parts"]
+__all__ = ["Parts", "beam", "parts"]
 
 SMALL = 1e-12
 
@@ -125,14 +125,24 @@ def _sensors(forms: Any) -> tuple[tuple[float, float], ...]:
     return tuple(sorted(found))
 
 
-def beam_of_parts(
-    column: Column, *, x_s: float | None = None, x_F: float | None = None, ax: Axes | None = None, **parameters: Any
+def beam(
+    column: Column, *, x_s: float | None = 0.15, x_F: float | None = 0.7, ax: Axes | None = None, **parameters: Any
 ) -> Axes:
-    """The column deflected as in its lowest mode, with what stands at its places: `beam` of a column of segments."""
+    """The column deflected as in its lowest mode: ends, load with the direction that it keeps, force and sensor.
+
+    x_s, x_F: where the sensor and the transversal force are drawn; None leaves one out, as does a column without a
+    transversal force. The load's direction is read off the end's condition (a follower is normal to the
+    cross-section). A column of segments also shows its hinges, cracks, masses, springs and dampers, the places at which
+    loads act, and sensors that steer a force. Raises InputError for places off the beam, unknown parameters, and a
+    column without a deflection along a beam.
+    """
+    if not column.general:
+        return sketch.beam(column, x_s=x_s, x_F=x_F, ax=ax, **parameters)
     if "y" not in [each["name"] for each in column.kernel.COLUMN["fields"]]:
         raise InputError(f"{column.name}: has no deflection y along a beam to draw")
     there = parts(column, **parameters)
-    for name, place in (("x_s", x_s), ("x_F", x_F)):
+    places = {"x_s": x_s, "x_F": x_F} if column.forced else {}
+    for name, place in places.items():
         if place is not None:
             positions(name, place)
     line = _line(column, there, parameters)
@@ -144,7 +154,7 @@ def beam_of_parts(
             sketch.body(ax, x, y, slope)
         for end, (x, y, _), k, side in ((0, line[0], 0, -1), (1, line[-1], -1, 1)):
             sketch.support(ax, column.ends[end], float(x[k]), float(y[k]), side)
-        _things(ax, there, line)
+        _things(ax, there, line, [x_s] if places.get("x_s") is not None else [])
         letter = symbol(column, "P")
         for place, force, follows in there.loads:
             _, y, slope = _there(line, place)
@@ -152,9 +162,8 @@ def beam_of_parts(
             sketch.force(ax, np.array([place, y]), math.atan(follows * slope), name, follows, slope)
         if there.spread and not there.loads:
             _spread(ax, line, letter)
-        if x_F is not None and column.forced:
-            _, y, _ = _there(line, x_F)
-            sketch.transversal(ax, column, x_F, y)
+        if (x_F := places.get("x_F")) is not None:
+            sketch.transversal(ax, column, x_F, _there(line, x_F)[1])
         low, high = (f(f(y) for _, y, _ in line) for f in (min, max))
         ax.set_xlim(-0.24, 1.28)
         ax.set_ylim(min(low, 0.0) - 0.24, max(high, 0.0) + 0.16)
@@ -188,8 +197,8 @@ def _there(line: list[tuple[Any, Any, Any]], place: float) -> tuple[float, float
     return place, float(np.interp(place, x, y)), float(np.interp(place, x, slope))
 
 
-def _things(ax: Axes, there: Parts, line: list[tuple[Any, Any, Any]]) -> None:
-    """Joints, masses, springs and dampers, sensors."""
+def _things(ax: Axes, there: Parts, line: list[tuple[Any, Any, Any]], more: list[Any]) -> None:
+    """Joints, masses, springs and dampers, sensors; more: places of other sensors."""
     from matplotlib.patches import Rectangle
 
     for place, order in there.joints.items():
@@ -213,7 +222,7 @@ def _things(ax: Axes, there: Parts, line: list[tuple[Any, Any, Any]]) -> None:
                 ax.plot([x, x], [low, low - 0.05], color=INK, lw=1.0, zorder=4)
                 ax.add_patch(Rectangle((x - 0.012, low - 0.085), 0.024, 0.035, fc="white", ec=INK, lw=1.0, zorder=4))
                 ax.plot([x, x], [low - 0.085, low - 0.12], color=INK, lw=1.0, zorder=4)
-    for place in sorted({place for place, _ in there.sensors}):
+    for place in sorted({*more, *(place for place, _ in there.sensors)}):
         _, y, _ = _there(line, place)
         ax.plot([place], [y], "s", color=colour(3), mec=INK, mew=0.9, ms=7.5, zorder=8)
         ax.annotate(

@@ -38,17 +38,7 @@ def centre_line(column: Column, points: int = 201) -> tuple[Any, Any, Any]:
 def beam(
     column: Column, *, x_s: float | None = 0.15, x_F: float | None = 0.7, ax: Axes | None = None, **parameters: Any
 ) -> Axes:
-    """The column deflected as in its lowest mode: ends, load with the direction that it keeps, force and sensor.
-
-    x_s, x_F: where the sensor and the transversal force are drawn; None leaves one out, as does a column without a
-    transversal force. The load's direction is read off the end's condition (a follower is normal to the
-    cross-section). A column of segments also shows its hinges, cracks, masses, springs and dampers, and the places at
-    which loads act. Raises InputError for places off the beam, unknown parameters, and a column without a deflection.
-    """
-    if column.general:
-        from freebeam.figures.points import beam_of_parts
-
-        return beam_of_parts(column, x_s=x_s, x_F=x_F, ax=ax, **parameters)
+    """`beam` of points.py, of a column that is one segment."""
     x, y, slope = centre_line(column)
     follows = curves.follower_share(Question.of(column, **parameters))
     axial = column.kernel.equation(1.0, **column.own_parameters(parameters)).get((2, 0), ())

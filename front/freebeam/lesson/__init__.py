@@ -53,9 +53,9 @@ def lesson(
     from freebeam.lesson.blocks import Heading, Lesson
     from freebeam.lesson.draws import drawn
     from freebeam.lesson.facts import Facts
-    from freebeam.lesson.general import general_derivation
     from freebeam.lesson.phrases import prose, text
     from freebeam.lesson.physics import physics_chapters
+    from freebeam.lesson.segmented import general_derivation
     from freebeam.lesson.short import shortened
     from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
     from freebeam.lesson.systems import general_physics

@@ -13,7 +13,7 @@ from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, vanishing_damping
 from freebeam.lesson.facts import Facts
 from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, summary, text
-from freebeam.lesson.pulsation import pulsation
+from freebeam.lesson.resonance import pulsation
 from freebeam_sym.question import Question
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence
 from freebeam.lesson.phrases import arguments, exercise, figure, heading, n, percent, prose, summary, text
 from freebeam.lesson.physics import closed, enclosed, work
-from freebeam.lesson.pulsation import pulsation
+from freebeam.lesson.resonance import pulsation
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
