@@ -8,9 +8,10 @@ from sympy import Eq, Expr, Function, I, Integer, Lambda, S, Subs, Symbol, exp, 
 
 from freebeam_derive import motions, pulsation
 from freebeam_derive.derivation import GeneralDerivation
+from freebeam_derive.display import gathered
 from freebeam_derive.eigenproblem import STAGE, C, K, M, cycle_of, eigenproblem, meeting, v
 from freebeam_derive.forms import BilinearForm
-from freebeam_derive.jets import ALWAYS, gathered, name_of, segment_of
+from freebeam_derive.jets import ALWAYS, name_of, segment_of
 from freebeam_derive.notation import F_0, alpha, beta, chi, lambda_, omega, t, x
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import jets

@@ -15,8 +15,9 @@ from functools import cached_property
 
 from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, Symbol, expand
 
+from freebeam_derive.display import gathered
 from freebeam_derive.forms import Space
-from freebeam_derive.jets import ALWAYS, Beam, beside, gathered, leap, name_of, segment_of, trial, varying
+from freebeam_derive.jets import ALWAYS, Beam, beside, leap, name_of, segment_of, trial, varying
 from freebeam_derive.notation import F_0, P, alpha, beta, x
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import (

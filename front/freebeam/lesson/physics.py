@@ -106,11 +106,12 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
 def _work_exercises(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     from freebeam.figures import curves
 
-    past = curves.cycle(facts.question, (1 + facts.data.past) * facts.load)
-    found: list[Block] = [
-        exercise("work.past", over=percent(facts.data.past), given=float(past.work[-1]), rate=past.eigenvalue.real),
-        exercise("work.circulatory", share=facts.circulatory),
-    ]
+    found: list[Block] = []
+    if facts.undamped:  # else something takes energy without alpha and beta too
+        past = curves.cycle(facts.question, (1 + facts.data.past) * facts.load)
+        given, rate = float(past.work[-1]), past.eigenvalue.real
+        found.append(exercise("work.past", over=percent(facts.data.past), given=given, rate=rate))
+    found.append(exercise("work.circulatory", share=facts.circulatory))
     if damping:
         load = facts.data.below * facts.load
         c = curves.cycle(Question.of(facts.column, facts.modes, **damping, **facts.own), load)

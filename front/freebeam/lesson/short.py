@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from freebeam.lesson.blocks import Block, Exercise, Heading
+from freebeam.lesson.blocks import Block, Cell, Equation, Exercise, Figure, Heading, Points, Prose, Summary
 from freebeam.lesson.phrases import data
 
-__all__ = ["shortened"]
+__all__ = ["minutes", "shortened"]
+
+WORDS, FORMULA, PICTURE, EXERCISE = 130, 1.0, 1.0, 2.0
+"""Words a minute of reading aloud, and minutes for what a lecturer writes, shows and asks: an estimate."""
 
 
 def shortened(blocks: Iterable[Block]) -> list[Block]:
@@ -23,3 +26,25 @@ def shortened(blocks: Iterable[Block]) -> list[Block]:
         asked = asked or isinstance(block, Exercise)
         kept.append(block)
     return kept
+
+
+def minutes(blocks: Iterable[Block]) -> float:
+    """About how long a lecture takes that says all words, and writes all formulas that are not folded away."""
+    total = 0.0
+    for block in blocks:
+        match block:
+            case Cell():
+                total += minutes(block.blocks)
+            case Prose() | Summary():
+                total += len(block.text.split()) / WORDS
+            case Points():
+                total += sum(len(item.split()) for item in block.items) / WORDS
+            case Equation():
+                total += FORMULA
+            case Figure():
+                total += PICTURE
+            case Exercise():
+                total += EXERCISE
+            case _:
+                pass
+    return total

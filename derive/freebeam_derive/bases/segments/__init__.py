@@ -19,9 +19,9 @@ from sympy import factor as factored
 
 from freebeam_derive import pieces
 from freebeam_derive.bases.segments.strong_form import NoStrongForm, StrongForm, strong_form
+from freebeam_derive.display import neighbours
 from freebeam_derive.emit import source
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Value
-from freebeam_derive.jets import neighbours
 from freebeam_derive.kernel import Facts, Figure, Kernel, Progress
 from freebeam_derive.latex import letter
 from freebeam_derive.newmark import derive_newmark
