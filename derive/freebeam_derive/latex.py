@@ -91,6 +91,9 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             return self.own[name], True
         if name in NOTATION and NOTATION[name].symbol.is_Function:
             return NOTATION[name].latex, True
+        if name not in _FIELDS and expr.args[-1] == t and len(expr.args) < 3:  # an unknown of some column
+            varied = r"\delta " if name.startswith("delta_") else ""
+            return varied + str(LatexPrinter().doprint(Symbol(name.removeprefix("delta_")))), True
         return _FIELDS.get(name, name), name in _FIELDS
 
     def _derivative(self, letter: str, orders: dict[Any, int]) -> str:

@@ -180,8 +180,9 @@ def show(*objects: Any) -> None:
     from freebeam.lesson.blocks import Equation
     from freebeam_derive.latex import Printer
 
+    printer = Printer()
     for item in objects:
-        lines = Printer().lines(item)
+        lines = printer.lines(item)
         if lines:
             _display(Equation(tuple(lines)).latex)
 

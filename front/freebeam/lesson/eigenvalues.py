@@ -130,6 +130,7 @@ def divergence(chapter: Chapter, facts: Facts) -> list[Block]:
     share = facts.data.below
     unloaded, half, most = (float(facts.squares(load * part)[0].real) for part in (0.0, share, 0.9))
     rate = math.sqrt(max(-float(facts.squares((1 + facts.data.over) * load)[0].real), 0.0))
+    restored = unloaded > 1e-12 * float(np.abs(facts.squares(0.0)).max())  # not a motion that the load alone holds
     curve = "answer" if symmetric else "bent"
     return [
         replace(heading("divergence"), key="coalescence"),
@@ -137,8 +138,19 @@ def divergence(chapter: Chapter, facts: Facts) -> list[Block]:
         prose("divergence.imagined"),
         *chapter.named("Look at the place where two frequencies meet"),
         prose("divergence.statics"),
-        exercise(
-            "divergence.curve", curve, share=percent(share), half=half / unloaded, most=most / unloaded, line=1 - share
+        *(
+            [
+                exercise(
+                    "divergence.curve",
+                    curve,
+                    share=percent(share),
+                    half=half / unloaded,
+                    most=most / unloaded,
+                    line=1 - share,
+                )
+            ]
+            if restored
+            else []
         ),
         exercise("divergence.growth", over=percent(facts.data.over), rate=rate),
     ]

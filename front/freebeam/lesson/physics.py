@@ -26,7 +26,7 @@ def physics_chapters(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
     """From the eigenvalue problem to the cost of the series. Eqs. (24)-(26)."""
     found = closed("stability", eigenvalues(chapter, facts))
     if facts.critical.load is None:
-        return (*found, *closed("rigid", rigid(chapter, facts)))
+        return (*found, *rigid(chapter, facts))
     if facts.flutters:
         found += closed("coalescence", coalescence(chapter, facts))
     else:
@@ -35,7 +35,7 @@ def physics_chapters(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
         *found,
         *vanishing_damping(chapter, facts),
         *closed("work", work(chapter, facts)),
-        *closed("rigid", rigid(chapter, facts)),
+        *rigid(chapter, facts),
         *pulsation(chapter, facts),
         *closed("truncation", truncation(chapter, facts)),
     )
@@ -149,6 +149,7 @@ def rigid(chapter: Chapter, facts: Facts) -> list[Block]:
             prose("rigid.none", left=column.ends[0], right=column.ends[1]),
             exercise("rigid.zero", least=float(facts.pencil.e[0])),
             exercise("rigid.pairs", pairs=_rigid_pairs()),
+            summary("rigid.summary_none"),
         ]
     M, _, H = column.matrices(facts.modes, True, **facts.own)
     forth = float(np.abs(H[count:, :count]).max() / np.abs(H).max())
@@ -167,7 +168,7 @@ def rigid(chapter: Chapter, facts: Facts) -> list[Block]:
     block = np.linalg.solve(M[:count, :count], H[:count, :count])
     if count == 2 and abs(block[0, 1]) > 1e-12 and not np.abs(block - np.triu(block, 1)).max() > 1e-12:
         blocks.append(exercise("rigid.drift", factor=-block[0, 1], sixth=-block[0, 1] / 6))
-    return blocks
+    return closed("rigid", blocks)
 
 
 def _spectra_apart(facts: Facts, load: float) -> float:

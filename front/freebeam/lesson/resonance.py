@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 __all__ = ["pulsation"]
 
-GRID = (28, 10)
-"""Frequencies and amplitudes of the picture: two seconds for four segments."""
+GRID = {True: (28, 10), False: (48, 12)}
+"""Frequencies and amplitudes of the picture, of several segments or one: two seconds for four segments."""
 
 
 def pulsation(chapter: Chapter, facts: Facts) -> list[Block]:
@@ -37,8 +37,9 @@ def pulsation(chapter: Chapter, facts: Facts) -> list[Block]:
     ]
     if frequency is None:
         return [*blocks, prose("pulsation.none", load=load)]
-    Omega = np.linspace(1.3 * frequency, 2.7 * frequency, GRID[0])
-    eps = np.linspace(0.0, min(1.0, 0.9 / facts.data.below - 0.9), GRID[1])
+    across, up = GRID[segments > 1]
+    Omega = np.linspace(1.3 * frequency, 2.7 * frequency, across)
+    eps = np.linspace(0.0, min(1.0, 0.9 / facts.data.below - 0.9), up)
 
     def draw() -> Any:
         from freebeam import figures

@@ -121,11 +121,18 @@ def _lowest(facts: Facts) -> list[Block]:
     for load in loads:
         values = spectrum(facts.question.system(load)).eigenvalues
         upper = values[values.imag >= 0]
+        upper[np.abs(upper) < _rounding(values)] = 0.0
         columns.append(upper[np.argsort(np.abs(upper))][:4])
     count = min(map(len, columns))
     header = ("", *(f"$P_0 = {load:.5g}$" for load in loads))
     rows = [(rf"$\lambda_{{{k + 1}}}$", *(_complex(values[k]) for values in columns)) for k in range(count)]
     return [prose("loss.table"), Table(header, tuple(rows))]
+
+
+def _rounding(values: Any) -> float:
+    """Size below which an eigenvalue is zero but for rounding: the root of that of its square, which is of the size of
+    the largest."""
+    return float(1e-7 * np.abs(values).max())
 
 
 def _complex(value: complex) -> str:
@@ -139,8 +146,8 @@ def _complex(value: complex) -> str:
 
 
 def _lowest_frequency(facts: Facts) -> float:
-    values = spectrum(facts.question.system(0.0)).elastic.imag
-    return float(values[values > 1e-9].min(initial=math.inf))
+    values = spectrum(facts.question.system(0.0)).elastic
+    return float(values.imag[values.imag > _rounding(values)].min(initial=math.inf))
 
 
 def damping(chapter: Chapter, facts: Facts) -> list[Block]:
