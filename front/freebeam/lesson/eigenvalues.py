@@ -10,7 +10,7 @@ import numpy as np
 
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import arguments, exercise, figure, heading, percent, prose, summary
+from freebeam.lesson.phrases import arguments, at, exercise, figure, heading, percent, prose, summary
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
@@ -201,7 +201,11 @@ def _lowered(facts: Facts, limit: float, frequency: float) -> list[Block]:
         blocks += [
             prose("damping.external"),
             exercise(
-                "damping.ratio", times=facts.data.ratio, ratio=ratio, load=load, drop=percent(1 - load / undamped)
+                "damping.ratio",
+                times=at("damping.times")[f"{facts.data.ratio:g}"],
+                ratio=ratio,
+                load=load,
+                drop=percent(1 - load / undamped),
             ),
         ]
     small = facts.damped(facts.data.small, 0.0).load or math.nan
