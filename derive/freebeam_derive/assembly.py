@@ -29,7 +29,7 @@ def assemble(column: Column, motion: EquationOfMotion) -> GeneralSystem:
     """
     found: dict[int, Powers] = {0: {}, 1: {}, 2: {}}
     force: list[tuple[Value, Expr]] = []
-    for part, along in ((motion.weak.density, True), (_bounded(motion), False)):
+    for part, along in ((motion.weak.density, True), (bounded(motion), False)):
         for test in jets(part, 1):
             factor = part.coeff(test)
             force += _force(test, factor, along)
@@ -47,7 +47,7 @@ def assemble(column: Column, motion: EquationOfMotion) -> GeneralSystem:
     )
 
 
-def _bounded(motion: EquationOfMotion) -> Expr:
+def bounded(motion: EquationOfMotion) -> Expr:
     """The point values of the weak form without those that the energies do not bound, as far as a natural condition
     says what they are: the slope of a Timoshenko beam at its end is the rotation there, where no shear force is. A
     series of functions that need not meet that condition would not converge."""

@@ -30,7 +30,7 @@ from sympy import (
     symbols,
 )
 
-from freebeam_derive import integrals, motions, step_proofs
+from freebeam_derive import integrals, motions, step_proofs, variation_proofs
 from freebeam_derive.comparison import ComparisonBeam
 from freebeam_derive.derivation import Derivation
 from freebeam_derive.notation import P, alpha, beta, chi, lambda_, omega, t, x, y
@@ -77,14 +77,14 @@ def load_matrix(beam: ComparisonBeam, form: Form) -> Step:
 
 def steps(derivation: Derivation) -> tuple[Step, ...]:
     """What follows for the stability of a column. Eqs. (24)-(26)."""
-    found = [*_eigenproblem(), _pencil(), *_reference(derivation), *_meeting(), *_damping(), *_energy(derivation)]
+    found = [*eigenproblem(), _pencil(), *_reference(derivation), *meeting(), *_damping(), *_energy(derivation)]
     return (*found, *_rigid(derivation), *_beam_itself(derivation))
 
 
 # --- eigenvalues ----------------------------------------------------------------------------------------------
 
 
-def _eigenproblem() -> tuple[Step, ...]:
+def eigenproblem() -> tuple[Step, ...]:
     motion = q_hat * exp(lambda_ * t)
     equation = (lambda_**2 * M + lambda_ * C + K) * q_hat
     state = Matrix([[0, one], [-(M**-1) * K, -(M**-1) * C]])
@@ -170,7 +170,7 @@ def _reference(derivation: Derivation) -> tuple[Step, ...]:
 # --- where frequencies meet -------------------------------------------------------------------------------------
 
 
-def _meeting() -> tuple[Step, ...]:
+def meeting() -> tuple[Step, ...]:
     d_P, d_s, d_ss = symbols("D_P D_s D_ss")
     away = Symbol("Delta")
     c = Symbol("c")
@@ -280,9 +280,36 @@ def _damping() -> tuple[Step, ...]:
 
 def _energy(derivation: Derivation) -> tuple[Step, ...]:
     circulatory = derivation.system.H + derivation.system.H.transposed.map(lambda f: -f)
+
+    def asymmetric() -> Any:
+        f, g = (motions.admissible(derivation.column.ends, S.One, seed) for seed in (3, 6))
+        h = derivation.system.H
+        return expand(
+            step_proofs.form_value(circulatory, f, g)
+            - step_proofs.form_value(h, f, g)
+            + step_proofs.form_value(h, g, f)
+        )
+
+    return (
+        cycle_of(H, P),
+        Step(
+            STAGE,
+            "Keep what does not cancel",
+            "only the part of H that is not symmetric does work over a cycle; it is zero for a load with a potential",
+            Eq(Symbol("H_ij"), derivation.system.H.expression),
+            Eq(Symbol("H_ij") - Symbol("H_ji"), circulatory.expression),
+            "",
+            "the form less its transpose, on polynomials",
+            asymmetric,
+        ),
+    )
+
+
+def cycle_of(matrix: Expr, factor: Expr) -> Step:
+    """The work over a cycle of what a matrix of forces, times a factor, gives, and of damping."""
     a, b = symbols("a b", commutative=False)
     a_T, b_T = symbols("a^T b^T", commutative=False)
-    work = pi * P * (b_T * H * a - a_T * H * b)
+    work = pi * factor * (b_T * matrix * a - a_T * matrix * b)
 
     def cycle() -> Any:
         """Both integrals over one period, for matrices of letters."""
@@ -297,44 +324,24 @@ def _energy(derivation: Derivation) -> tuple[Step, ...]:
             """∫ over a period: of a density of second degree in cos ωt and sin ωt, four instants have the mean."""
             return expand(period * sum(density.subs(t, k * period / 4) for k in range(4)) / 4)
 
-        done = -P * over((q.diff(t).T * h * q)[0])
+        done = -factor * over((q.diff(t).T * h * q)[0])
         taken = over((q.diff(t).T * h * q.diff(t))[0])
         return (
-            expand(done - pi * P * (second.T * h * first - first.T * h * second)[0]),
+            expand(done - pi * factor * (second.T * h * first - first.T * h * second)[0]),
             expand(taken - pi * frequency * (first.T * h * first + second.T * h * second)[0]),
         )
 
-    def asymmetric() -> Any:
-        f, g = (motions.admissible(derivation.column.ends, S.One, seed) for seed in (3, 6))
-        h = derivation.system.H
-        return expand(
-            step_proofs.form_value(circulatory, f, g)
-            - step_proofs.form_value(h, f, g)
-            + step_proofs.form_value(h, g, f)
-        )
-
     swing = Eq(Function("q")(t), re(v * exp(I * omega * t)), evaluate=False)
-    return (
-        Step(
-            STAGE,
-            "Add up the work over one cycle",
-            "v = a + ib; the load gives in one period what this says, and damping takes πω (aᵀC a + bᵀC b)",
-            swing,
-            Eq(Symbol("W"), work),
-            "",
-            "both integrals over one period, for matrices of letters",
-            cycle,
-        ),
-        Step(
-            STAGE,
-            "Keep what does not cancel",
-            "only the part of H that is not symmetric does work over a cycle; it is zero for a load with a potential",
-            Eq(Symbol("H_ij"), derivation.system.H.expression),
-            Eq(Symbol("H_ij") - Symbol("H_ji"), circulatory.expression),
-            "",
-            "the form less its transpose, on polynomials",
-            asymmetric,
-        ),
+    what = "the load" if matrix == H else "what is not symmetric in K"
+    return Step(
+        STAGE,
+        "Add up the work over one cycle",
+        f"v = a + ib; {what} gives in one period what this says, and damping takes πω (aᵀC a + bᵀC b)",
+        swing,
+        Eq(Symbol("W"), work),
+        "",
+        "both integrals over one period, for matrices of letters",
+        cycle,
     )
 
 
@@ -353,9 +360,9 @@ def _rigid(derivation: Derivation) -> tuple[Step, ...]:
 
     def quadrature() -> Any:
         """Forms of a rigid function and of the first modes, by quadrature; of two rigid ones, exactly."""
-        own = step_proofs.own_values(derivation)
+        own = variation_proofs.own_values(derivation.column)
         form, found = derivation.system.H.map(lambda f: f.subs(own)), []
-        with mpmath.workdps(step_proofs.DIGITS):
+        with mpmath.workdps(motions.DIGITS):
             for entry, r in zip(columns, derivation.beam.rigid, strict=True):
                 written = entry.subs(own)
                 suffixed = written.xreplace({

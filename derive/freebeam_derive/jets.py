@@ -9,7 +9,7 @@ just beside it; ALWAYS for a coordinate, which has no place.
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -575,16 +575,6 @@ def _shown(which: Expr, p: Expr, r: Expr, place: Expr, function: Any) -> Expr:
     if segment_of(place) is not None:
         return derivative
     return Subs(derivative, x, place) if int(p) or place.func in (beside, leap) else derivative.subs(x, place)
-
-
-def display(functional: Functional, length: Expr = S.One, cuts: Sequence[Expr] = ()) -> Expr:
-    """A functional in jets as the integrals and point values that a reader knows."""
-    beam, total = Beam(length, tuple(cuts)), show(functional.points)
-    for segment, place in enumerate(beam.segments):
-        density = Add(*(t for t in Add.make_args(functional.density) if any(j.args[3] == place for j in t.atoms(jet))))
-        if density != 0:
-            total += Integral(show(density), (x, *beam.places[segment : segment + 2]))
-    return total
 
 
 def jets(expression: Expr, which: int | None = None) -> list[Expr]:

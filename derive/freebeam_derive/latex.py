@@ -24,14 +24,17 @@ from sympy import (
     S,
     Subs,
     Symbol,
+    cos,
     exp,
     fraction,
+    sin,
     sympify,
 )
 from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
 from freebeam_derive.comparison import eta, sigma
+from freebeam_derive.jets import beside, leap
 from freebeam_derive.notation import NOTATION, QUANTITIES, P, alpha, beta, gamma, t, x
 from freebeam_derive.statement import Column, Parameter
 
@@ -52,7 +55,7 @@ _FIELDS = {
     "q_i": "q_{i}", "q_j": "q_{j}", "q": "q", "u": "u", "v": "v", "tau": r"\tau", "F": "F", "M": "M",
 }  # fmt: skip
 """Functions of place and time that NOTATION has not; their arguments are left out."""
-_ENTRY = re.compile(r"[A-Z](\^G)?_[a-z]{1,2}|d?d?q|q_hat")
+_ENTRY = re.compile(r"[A-Z](\^[G\d])?_[a-z]{1,2}|d?d?q|q_hat")
 PRIME = r"\prime"
 _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}", r"\dddot{{{}}}")
 
@@ -70,6 +73,10 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             return self.own.get(name) or _NAMES[name]
         if name in NOTATION:
             return NOTATION[name].latex
+        if powered := re.fullmatch(
+            r"([MCK])\^(\d)_(ij|ji)", name
+        ):  # the part of a matrix that goes with a power of the load
+            return rf"{powered[1]}^{{({powered[2]})}}_{{{powered[3]}}}"
         if barred := re.fullmatch(r"([a-zA-Z]+)_(?:(\w+)_)?bar(?:_(\w+))?", name):
             below = barred[2] or barred[3]
             return rf"\bar{{{super()._print_Symbol(Symbol(barred[1]))}}}" + (f"_{{{below}}}" if below else "")
@@ -80,8 +87,13 @@ class Printer(LatexPrinter):  # type: ignore[misc]
     def _field(self, expr: Any) -> tuple[str, bool]:
         """The letter of an undefined function, and whether it is one whose arguments are left out."""
         name = expr.func.__name__
+        if name in self.own:  # another unknown of the column, its variation or its trial function
+            return self.own[name], True
         if name in NOTATION and NOTATION[name].symbol.is_Function:
             return NOTATION[name].latex, True
+        if name not in _FIELDS and expr.args[-1] == t and len(expr.args) < 3:  # an unknown of some column
+            varied = r"\delta " if name.startswith("delta_") else ""
+            return varied + str(LatexPrinter().doprint(Symbol(name.removeprefix("delta_")))), True
         return _FIELDS.get(name, name), name in _FIELDS
 
     def _derivative(self, letter: str, orders: dict[Any, int]) -> str:
@@ -110,14 +122,27 @@ class Printer(LatexPrinter):  # type: ignore[misc]
 
     def _placed(self, text: str, place: Any) -> str:
         """A field's letter, and its place where that is one: x and t are left out."""
-        return text if place in (x, t) else f"{text}({self._print(place)})"
+        return text if place in (x, t) else f"{text}({self.place(place)})"
+
+    def place(self, place: Any) -> str:
+        """A place along the beam, a decimal where that is short; with a sign above it just beside it."""
+        if place.func in (beside, leap):
+            above = "" if place.func == leap else "^{+}" if place.args[1] > 0 else "^{-}"
+            return self.place(place.args[0]) + above
+        if place.is_Rational and not place.is_Integer and 10000 % place.q == 0:
+            return f"{float(place):g}"
+        return str(self._print(place))
 
     def _print_Subs(self, expr: Any) -> str:
         inner, _, (place,) = expr.args
-        return f"{self._print(inner)}({self._print(place)})"
+        if place.func == leap:  # how much it jumps there
+            return rf"\left[{self._print(inner)}\right]_{{{self.place(place)}}}"
+        return f"{self._print(inner)}({self.place(place)})"
 
     def _print_Function(self, expr: Any, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
+            if expr.func.__name__ in ("det", "tr"):
+                return rf"\operatorname{{{expr.func.__name__}}}\left({self._print(expr.args[0])}\right)"
             letter, known = self._field(expr)
             if letter == "P" and len(expr.args) == 2:
                 text = f"P_{{{self._print(expr.args[0])}}}"
@@ -151,7 +176,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
         inside = self._print(expr.function)
         if expr.function.is_Add:
             inside = rf"\left({inside}\right)"
-        low, high = (self._print(b) for b in bounds)
+        low, high = (self.place(b) for b in bounds)
         return rf"\int_{{{low}}}^{{{high}}} {inside}\,d{self._print(variable)}"
 
     # --- order of terms and factors
@@ -242,7 +267,7 @@ class Printer(LatexPrinter):  # type: ignore[misc]
             if isinstance(term, Integral) and term.function.is_Add and width(self._print(term)) > 24:
                 ((variable, low, high),) = term.limits
                 inner = self.terms(term.function)
-                opening = rf"\int_{{{self._print(low)}}}^{{{self._print(high)}}} \bigl("
+                opening = rf"\int_{{{self.place(low)}}}^{{{self.place(high)}}} \bigl("
                 for k, (sign, text) in enumerate(inner):
                     if k == 0:
                         sign, text = "+", opening + (f"-{text}" if sign == "-" else text)
@@ -279,8 +304,20 @@ class Printer(LatexPrinter):  # type: ignore[misc]
 
 
 def printer(column: Column) -> Printer:
-    """The printer of a column, which knows its own parameters."""
-    return Printer({p.name: letter(p) for p in column.parameters})
+    """The printer of a column, which knows its own parameters and unknowns."""
+    own = {p.name: letter(p) for p in column.parameters}
+    for function in column.unknowns:
+        name = str(function)
+        if name == "y":
+            continue
+        plain = str(LatexPrinter().doprint(Symbol(name))) if function.letter == name else function.letter
+        base, _, below = re.sub(r"_(\w)$", r"_{\1}", plain).partition("_")
+        below = below.removeprefix("{").removesuffix("}")
+        full = f"{base}_{{{below}}}" if below else base
+        own |= {name: full, f"delta_{name}": rf"\delta {full}", f"shape_{name}": rf"\hat{{{base}}}{full[len(base) :]}"}
+        trial = rf"\hat{{{base}}}" if name in column.coordinates else base
+        own |= {f"trial_{name}_{k}": f"{trial}_{{{f'{below},{k}' if below else k}}}" for k in "ij"}
+    return Printer(own)
 
 
 def letter(parameter: Parameter) -> str:
@@ -348,10 +385,10 @@ def _fields(expr: Any) -> bool:
 
 def _kind(factor: Any) -> int:
     """Numbers and parameters, entries of matrices, sums, fields, what is virtual, the delta function."""
-    if factor.has(DiracDelta):
+    if factor.has(DiracDelta) or isinstance(factor, cos | sin):
         return 5
     if _fields(factor):
-        return 4 if any(a.func.__name__ == "delta_y" for a in factor.atoms(AppliedUndef)) else 3
+        return 4 if any(a.func.__name__.startswith("delta_") for a in factor.atoms(AppliedUndef)) else 3
     return 2 if factor.is_Add else int(bool(_ENTRY.fullmatch(str(factor))))
 
 
@@ -375,8 +412,14 @@ def _rank(term: Any) -> tuple[Any, ...]:
         -2 if highest == 2 else 0,
         -1 if term.has(beta) else 0,
         0 if term.has(alpha) else 1,
+        min((_number(i.limits[0][1]) for i in term.atoms(Integral)), default=0.0),
         str(term),
     )
+
+
+def _number(place: Any) -> float:
+    """Where a place lies, in the middle if that is not known."""
+    return float(place) if place.is_number else 0.5
 
 
 def _leading_minus(expr: Expr) -> bool:

@@ -9,8 +9,10 @@ assembly      weak form of any column     M, C, K by powers of P, rigid motions 
 modes         ends                        comparison modes, rigid functions         comparison.py    Eqs. (14)-(23)
 integrals     forms, modes                closed forms                              integrals.py     Eq. (11)
 stability     matrices                    pencil, meeting, tangent rule, work       eigenproblem.py  Eqs. (24)-(26)
+any column    forms, matrices             the same, as a record                     general_steps.py, -stability.py
+pulsation     a load that pulsates        multipliers, edges of regions             pulsation.py
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
-proofs        all of these                every step by another route               step_proofs.py
+proofs        all of these                every step by another route               step_proofs.py, variation_proofs.py
 bases         forms, trial functions      programs: modes, Legendre's polynomials   bases/           Eqs. (9), (11)
 emission      programs                    NumPy module                              emit/
 verification  module, forms               measured errors within bounds             verify.py, independent.py
@@ -35,8 +37,11 @@ from freebeam_derive import (
     comparison,
     eigenproblem,
     emit,
+    general_stability,
+    general_steps,
     integrals,
     newmark,
+    pulsation,
     ritz,
     scaling,
     statement,
@@ -78,6 +83,28 @@ class Derived(Derivation):
             *self.system.steps,
             *(step for basis in statement.bases() for step in bases.steps(basis, self)),
             *eigenproblem.steps(self),
+            *pulsation.steps(),
+            *self.newmark.steps,
+        )
+        return tuple(step_proofs.attach(self, made))
+
+
+class GeneralDerived(GeneralDerivation):
+    """A derivation of any column with what is made of it: its kernel, and the record of all its steps."""
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """The kernel graph in polynomials on segments, made once."""
+        return segments.kernel_of(self.column, self.system, self.motion)
+
+    @cached_property
+    def steps(self) -> tuple[Step, ...]:
+        """The record of every stage, in order; each step with its proof."""
+        made = (
+            *self.scaling,
+            *self.motion.steps,
+            *general_steps.steps(self),
+            *general_stability.steps(self),
             *self.newmark.steps,
         )
         return tuple(step_proofs.attach(self, made))
@@ -110,12 +137,20 @@ def derive(column: Column) -> Derived:
     return Derived(column, scaled, motion, system, beam, damped, newmark.derive_newmark())
 
 
-def general(column: Column) -> GeneralDerivation:
+def general(column: Column) -> GeneralDerived:
     """Every stage before emission of any column, as forms on segments. Raises StatementError as `derive` does."""
     scaled = scaling.derive_scaling(column)
     motion = variation.derive_column(column)
     system = assembly.assemble(column, motion)
-    return GeneralDerivation(column, scaled, motion, system, newmark.derive_newmark())
+    return GeneralDerived(column, scaled, motion, system, newmark.derive_newmark())
+
+
+def derived(column: Column) -> Derived | GeneralDerived:
+    """`derive`, or `general` for a column beyond the textbook's."""
+    try:
+        return derive(column)
+    except ritz.NotTextbook:
+        return general(column)
 
 
 def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
@@ -131,7 +166,7 @@ def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
             wanted = column.basis if column.basis != POLYNOMIALS else in_bases[0]
             raise StatementError(f"basis {wanted}: does not suit {column.name}: {reason}; use {POLYNOMIALS}") from None
         found = general(column)
-        return {POLYNOMIALS: segments.kernel_of(column, found.system, found.motion)}
+        return {POLYNOMIALS: found.kernel}
     return {basis: derived.kernel(basis) for basis in in_bases}
 
 

@@ -37,6 +37,7 @@ from sympy import (
 )
 from sympy.core.function import AppliedUndef
 
+from freebeam_derive.display import display
 from freebeam_derive.jets import (
     ALONG,
     Beam,
@@ -50,7 +51,6 @@ from freebeam_derive.jets import (
     at_place,
     beside,
     delta,
-    display,
     hinge,
     integral,
     jet,

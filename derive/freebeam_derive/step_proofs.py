@@ -13,26 +13,27 @@ from functools import cache, lru_cache, partial
 from typing import Any
 
 import mpmath
-from sympy import Add, Expr, Function, Integer, Poly, S, Symbol, cancel, exp, expand, lambdify, legendre, nsimplify
+from sympy import Add, Expr, Function, Integer, Poly, S, Symbol, cancel, exp, expand, lambdify, legendre
 
-from freebeam_derive import comparison, integrals, motions, newmark_proofs, roots, variation
+from freebeam_derive import comparison, integrals, motions, newmark_proofs, roots, variation, variation_proofs
 from freebeam_derive.bases import legendre as polynomials
-from freebeam_derive.derivation import Derivation
+from freebeam_derive.derivation import Derivation, GeneralDerivation
 from freebeam_derive.independent import gauss
-from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, chi, gamma, lambda_, m, t, x, x_F, y
+from freebeam_derive.motions import DIGITS
+from freebeam_derive.notation import F_0, P, alpha, beta, chi, gamma, lambda_, t, x, y
 from freebeam_derive.record import Step
 from freebeam_derive.ritz import Form
-from freebeam_derive.scaling import SCALES
 from freebeam_derive.statement import ALONG, GEOMETRIC, Energies, Functional, delta, integral, jet, jets, show
+from freebeam_derive.variation_proofs import own_values
 
-DIGITS = 40
 MODES = 3  # first modes at which closed forms are compared with numbers
 
-Proof = Callable[["Derivation", Step], Any]
+Proof = Callable[[Any, Step], Any]
 
 
-def attach(derivation: Derivation, steps: Iterable[Step]) -> Iterator[Step]:
+def attach(derivation: Derivation | GeneralDerivation, steps: Iterable[Step]) -> Iterator[Step]:
     """The steps, each with its proof, and in `check` what it does. Raises KeyError for one that nothing here proves."""
+    exact = motions.polynomial_in_x(derivation.motion.weak.density)
     for step in steps:
         if step.proof is None:
             if step.stage == newmark_proofs.STAGE:
@@ -42,100 +43,16 @@ def attach(derivation: Derivation, steps: Iterable[Step]) -> Iterator[Step]:
                 run = _PROOFS[step.stage, step.why[:2] if step.why[1:2] == ")" else step.what]
                 proof = partial(run, derivation, step)
             # the docstring of a proof says what it does
-            step = replace(step, proof=proof, check=" ".join(str(run.__doc__).split()).removesuffix("."))
+            said = " ".join(str(run.__doc__).split()).removesuffix(".")
+            if not exact and step.stage in ("scaling", "variation"):
+                said = said.replace(", exactly", f", to {DIGITS} digits")
+            step = replace(step, proof=proof, check=said)
         yield step
-
-
-# --- scaling and variation ------------------------------------------------------------------------------------
-
-
-def _scaling(d: Derivation, step: Step) -> Any:
-    """a motion and the same motion scaled, of a beam with numbers for m, EI and L: their works differ by the factor EI
-    / L, exactly."""
-    name = step.what.split()[1]
-    assert d.column.dimensional is not None
-    length = Integer(2)
-    numbers = {m: 9, EI: 4, L: length}  # the unit of time, (m L^4 / EI)^(1/2), is then no root
-    unit = {key: size.subs(numbers) for key, size in SCALES.items()}
-    scaled = {x: x / length, t: t / unit["time"]}
-    moving, virtual = motions.motion(), motions.admissible(d.column.ends, S.One) * (1 + t)
-    given = d.column.dimensional.functional(name)
-    long, along = (expand(length * e.subs(scaled, simultaneous=True)) for e in (moving, virtual))
-    work = Functional(given.density.subs(numbers), given.points.subs(numbers))
-    found = motions.value(work, long, along, length, unit["force"] * motions.force().subs(scaled))
-    own = {P: unit["load"] * P, C_alpha: unit["alpha"] * alpha, C_beta: unit["beta"] * beta, x_F: length * x_F}
-    wanted = motions.value(d.column.energies.functional(name), moving, virtual).subs(scaled)
-    return expand(found.subs(own, simultaneous=True) - unit["energy"] * wanted)
-
-
-def _works(d: Derivation) -> tuple[Functional, ...]:
-    return tuple(d.column.energies.functional(name) for name in ("T", "V", "W_c", "dW_nc"))
-
-
-def _action(d: Derivation) -> Functional:
-    T, V, W_c, dW_nc = _works(d)
-    return variation.first_variation(T + V.scaled(-1) + W_c) + dW_nc
-
-
-def _first_variation(d: Derivation, step: Step) -> Any:
-    """half the difference of the energies at y + δy and y − δy, on polynomials, exactly."""
-    T, V, W_c, dW_nc = _works(d)
-    moving, virtual = motions.motion(), motions.vanishing(S.One) + x * t
-    energy = T + V.scaled(-1) + W_c
-    exact = motions.varied(energy, moving, virtual, S.One) + motions.value(dW_nc, moving, virtual)
-    return expand(motions.value(_action(d), moving, virtual) - exact)
-
-
-def _over_time(d: Derivation, work: Functional) -> Expr:
-    """∫ of a functional from the instant 0 to 1, at which the virtual displacement vanishes."""
-    virtual = expand(t * (1 - t) * motions.admissible(d.column.ends, S.One))
-    return motions.over_time(motions.value(work, motions.motion(), virtual))
-
-
-def _by_parts_in_time(d: Derivation, step: Step) -> Any:
-    """both sides integrated over time, on polynomials with δy = 0 at both instants, exactly."""
-    kinetic = variation.first_variation(_works(d)[0])
-    return _over_time(d, kinetic + variation.off_the_rates(kinetic).scaled(-1))
-
-
-def _weak_form(d: Derivation, step: Step) -> Any:
-    """its time integral is that of the line before, negated, on polynomials with δy = 0 at both instants, exactly."""
-    return _over_time(d, _action(d) + d.motion.weak)
-
-
-def _by_parts_along(d: Derivation, step: Step) -> Any:
-    """both sides on polynomials, exactly."""
-    density = d.motion.weak.density
-    interior, bracket = variation.by_parts(density)
-    bare = interior * _virtual(0, ALONG)
-    ends = variation.at_end(bracket, S.One) - variation.at_end(bracket, S.Zero)
-    moving, virtual = motions.motion(), motions.polynomial(4, 5)
-    return motions.value(Functional(density - bare, -ends), moving, virtual)
-
-
-def _strong(d: Derivation, virtual: Expr) -> Expr:
-    """Weak form less equation of motion and natural conditions, each times the virtual displacement."""
-    motion = d.motion
-    forces = (-f * _virtual(0, place) for place, f in motion.forces)
-    conditions = (condition * _virtual(order, Integer(end)) for (end, order), condition in motion.natural.items())
-    weak, strong = motion.weak, motion.strong * _virtual(0, ALONG)
-    apart = Functional(weak.density - strong, weak.points - Add(*forces, *conditions))
-    return expand(motions.value(apart, motions.motion(), virtual))
 
 
 def _virtual(order: int, place: Expr) -> Expr:
     """A derivative along the beam of the virtual displacement, at a place."""
     return jet(Integer(1), Integer(order), Integer(0), place)
-
-
-def _equation_of_motion(d: Derivation, step: Step) -> Any:
-    """times δy and integrated it is the weak form, on polynomials with δy = δy′ = 0 at the ends, exactly."""
-    return _strong(d, motions.vanishing(S.One))
-
-
-def _natural_conditions(d: Derivation, step: Step) -> Any:
-    """with them, weak and strong form agree on polynomials that move the ends wherever they may move, exactly."""
-    return _strong(d, motions.admissible(d.column.ends, S.One))
 
 
 # --- Ritz -----------------------------------------------------------------------------------------------------
@@ -335,11 +252,6 @@ def sampled(beam: comparison.ComparisonBeam) -> Sampled:
         return Sampled([node for node, _ in pairs], [w for _, w in pairs], values, ends)
 
 
-def own_values(d: Derivation) -> dict[Expr, Expr]:
-    """The column's own parameters at their defaults, exactly."""
-    return {p.symbol: nsimplify(p.default, rational=True) for p in d.column.parameters}
-
-
 def _shapes(d: Derivation, step: Step) -> Any:
     """the fourth derivative is γ⁴ times the mode identically; at the first three roots all end conditions hold to 40
     digits."""
@@ -439,7 +351,7 @@ def _orthogonal(d: Derivation, step: Step) -> Any:
 
 def _load_matrix(d: Derivation, step: Step) -> Any:
     """the closed forms against quadrature of the first three modes, all nine entries, 40 digits."""
-    own = own_values(d)
+    own = own_values(d.column)
     different, same = (relation.rhs.subs(own) for relation in step.after)
     form = d.system.H.map(lambda f: f.subs(own))
     pairs = [(i, j) for i in range(MODES) for j in range(MODES)]
@@ -508,13 +420,7 @@ def _differentiable(d: Derivation, step: Step) -> Any:
 
 
 _PROOFS: dict[tuple[str, str], Proof] = {
-    **{("scaling", f"Write {name} in nondimensional quantities"): _scaling for name in ("T", "V", "W_c", "dW_nc")},
-    ("variation", "Take the first variation of the energies and add the virtual work"): _first_variation,
-    ("variation", "Integrate the kinetic term by parts in time"): _by_parts_in_time,
-    ("variation", "Read off the weak form"): _weak_form,
-    ("variation", "Integrate by parts along the beam until δy stands bare"): _by_parts_along,
-    ("variation", "State the equation of motion"): _equation_of_motion,
-    ("variation", "State the natural end conditions"): _natural_conditions,
+    **variation_proofs.PROOFS,
     ("Ritz series", "Approximate the deflection by a series"): _linear,
     ("Ritz series", "Substitute it into the weak form"): _coordinates,
     ("Ritz series", "Collect the equation of the coordinates"): _coordinates,

@@ -15,8 +15,9 @@ from functools import cached_property
 
 from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, Symbol, expand
 
+from freebeam_derive.display import gathered
 from freebeam_derive.forms import Space
-from freebeam_derive.jets import ALWAYS, Beam, beside, name_of, segment_of, trial, varying
+from freebeam_derive.jets import ALWAYS, Beam, beside, leap, name_of, segment_of, trial, varying
 from freebeam_derive.notation import F_0, P, alpha, beta, x
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import (
@@ -99,10 +100,9 @@ class EquationOfMotion:
         return (*along, *(equal(_of_coordinate(w, self.beam), 0) for w in self.of_coordinates.values()))
 
     def _field(self, name: str, segment: int) -> Eq:
-        forces = self.forces if name == "y" and not self.beam.cuts else ()
-        return equal(
-            show(self.equations[name, segment]) - Add(*(force * DiracDelta(x - place) for place, force in forces)), 0
-        )
+        forces = self.forces if name == "y" else ()
+        along = show(gathered(self.equations[name, segment]))
+        return equal(along - Add(*(force * DiracDelta(x - place) for place, force in forces)), 0)
 
     @property
     def equation(self) -> Eq:
@@ -215,7 +215,7 @@ def derive(
     steps: list[Step] = []
 
     def shown(work: Functional) -> Expr:
-        return display(work, beam.length, beam.cuts)
+        return display(Functional(work.density, leaping(work.points)), beam.length, beam.cuts)
 
     of_T, of_V, of_W_c = map(first_variation, (T, V, W_c))
     action = of_T + of_V.scaled(-1) + of_W_c + dW_nc
@@ -259,17 +259,19 @@ def derive(
     along, bracket = parts(balance.density)
     boundary = joined_values(balance.points + ends_of(bracket, beam), beam, spaces)
     fields = {bare: factor for bare, factor in along.items() if bare.args[3] != ALWAYS}
-    steps.append(
-        Step(
-            STAGE,
-            "Integrate by parts along the beam until δy stands bare",
-            "δy is arbitrary inside, so what multiplies it must vanish; the rest has gone to the ends",
-            shown(Functional(balance.density, S.Zero)),
-            shown(Functional(Add(*(f * bare for bare, f in along.items())), expand(boundary - balance.points))),
-            "Eq. (2)" if dimensional else "Eq. (6)",
-            "density = strong form times δy + d/dx of the bracket, expanded to zero",
+    if spaces:
+        inside = Add(*(gathered(factor) * bare for bare, factor in along.items()))
+        steps.append(
+            Step(
+                STAGE,
+                "Integrate by parts along the beam until δy stands bare",
+                "δy is arbitrary inside, so what multiplies it must vanish; the rest has gone to the ends",
+                shown(Functional(balance.density, S.Zero)),
+                shown(Functional(inside, expand(boundary - balance.points))),
+                "Eq. (2)" if dimensional else "Eq. (6)",
+                "density = strong form times δy + d/dx of the bracket, expanded to zero",
+            )
         )
-    )
 
     of_coordinates = _coordinates(along, boundary)
     conditions, forces = _conditions(boundary, beam, spaces)
@@ -301,8 +303,8 @@ def derive(
                 STAGE,
                 "State the natural end conditions",
                 "at each end the factors of δy and of its slope vanish, save where the support holds them",
-                show(boundary),
-                tuple(equal(show(c.factor), 0) for c in held),
+                show(leaping(boundary)),
+                tuple(equal(show(leaping(c.factor)), 0) for c in held),
                 "Eq. (15)",
                 "; ".join(said),
             )
@@ -362,6 +364,23 @@ def joined_values(expression: Expr, beam: Beam, spaces: Iterable[Space]) -> Expr
                 f"{show(j)} jumps there: say on which side it is taken, such as at(..., {place}, -1) for the left"
             )
     return expand(expression.xreplace(replaced))
+
+
+def leaping(expression: Expr) -> Expr:
+    """An expression with what jumps written as a jump, where that is shorter: f(a⁺) is f(a⁻) and the jump at a."""
+    short = expression
+    right = sorted((j for j in jets(expression) if j.args[3].func == beside and j.args[3].args[1] == 1), key=str)
+    places = dict.fromkeys(j.args[3].args[0] for j in right)
+    for group in (*([j for j in right if j.args[3].args[0] == place] for place in places), *([j] for j in right)):
+        written = {j: _leap(j) + jet(*j.args[:3], beside(j.args[3].args[0], Integer(-1))) for j in group}
+        tried = expand(short.xreplace(written))
+        if len(Add.make_args(tried)) < len(Add.make_args(short)):
+            short = tried
+    return short
+
+
+def _leap(j: Expr) -> Expr:
+    return jet(*j.args[:3], leap(j.args[3].args[0]))
 
 
 def _coordinates(along: dict[Expr, Expr], boundary: Expr) -> dict[str, Functional]:

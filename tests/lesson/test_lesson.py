@@ -35,6 +35,7 @@ from freebeam.lesson.blocks import (
     Lesson,
     Listing,
     Prose,
+    Summary,
     spans,
     walk,
 )
@@ -43,6 +44,8 @@ from freebeam.lesson.facts import Facts
 from freebeam.lesson.mathematics import mathml, typst
 from freebeam.lesson.notebook import unexecuted
 from freebeam.lesson.pdf import source as typeset
+from freebeam.lesson.short import minutes
+from freebeam.lesson.stages import Chapter
 from freebeam.lesson.tex import _ESCAPES, text_of
 from freebeam.lesson.writer import Writer
 from freebeam_derive import emit, latex, pipeline, statement, step_proofs, verify
@@ -80,14 +83,15 @@ def compiled(name: str, basis: str) -> Column:
 
 
 @cache
-def made(name: str) -> Lesson:
+def made(name: str, short: bool = False, seed: int | None = None) -> Lesson:
     residuals(name)  # before what computes it is replaced
     with pytest.MonkeyPatch.context() as patch:
         if name not in statement.columns():
             patch.setattr("freebeam.own.column", lambda _, basis=None: compiled(name, basis or "modes"))
         patch.setattr(Step, "residual", lambda step: residuals(name)[f"{step.stage}: {step.what}: {step.why}"])
         patch.setattr("freebeam_derive.pipeline.derive", lambda _: derived(name))
-        return lesson(name if name in statement.columns() else file_of(name))
+        given = name if name in statement.columns() else file_of(name)
+        return lesson(given, errata=name == "free-free", short=short, seed=seed)
 
 
 @pytest.fixture(params=COLUMNS)
@@ -196,13 +200,16 @@ def test_every_equation_is_printed_from_the_record(name: str) -> None:
                     for inner in item if isinstance(item, tuple) else (item,):
                         if not isinstance(inner, str | int):
                             known |= {re.sub(r"[&\s]|\\quad", "", line) for line in printer.lines(inner)}
+                            known |= {
+                                re.sub(r"[&\s]|\\quad", "", line.replace("&=", "=")) for line in printer.lines(inner)
+                            }
                             # a part after a name has less room, and is broken elsewhere
                             known.add(re.sub(r"[&\s]|\\quad", "", "".join(printer.lines(inner))))
     whole = "".join(sorted(known))
     for block in blocks_of(name, Equation):
         text = re.sub(r"[&\s]|\\quad", "", "".join(block.lines))
         # what stands before the equals sign is the name of a part, or printed with the rest of its relation
-        rights = [line.split("&=")[-1] for line in block.lines]
+        rights = [line.split("&=")[-1].rpartition(r"\colon")[2] for line in block.lines]
         for right in rights:
             kept = re.sub(r"[&\s]|\\quad", "", right).lstrip("-+")
             assert len(kept) < 30 or kept in whole, f"{kept} of {text[:80]}"
@@ -262,6 +269,9 @@ def test_errata_stand_where_they_arise() -> None:
             early = {"Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)"}  # of the statement, which prints Eq. (8)
             assert any(p.startswith(("Section", "Abstract")) or p in numbers | early for p in places), block.title
     assert not [b for b in made("euler-pinned").all_blocks if isinstance(b, Erratum)]
+    assert Chapter(derived("free-free"), True).errata("Eq. (11)") and not Chapter(derived("free-free"), False).errata(
+        "Eq. (11)"
+    )
     source = (ROOT / "docs" / "errata.md").read_text(encoding="utf-8")
     assert all(f"## {title}" in source for title in told)
 
@@ -278,7 +288,8 @@ def calls() -> list[tuple[str, set[str]]]:
             continue
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             name = node.func if isinstance(node, ast.Call) else None
-            if not isinstance(node, ast.Call) or getattr(name, "id", "") not in ("prose", "text", "exercise"):
+            known = ("prose", "text", "exercise", "summary", "at")
+            if not isinstance(node, ast.Call) or getattr(name, "id", "") not in known:
                 continue
             values = {word.arg for word in node.keywords if word.arg}
             if any(word.arg is None for word in node.keywords):  # needed functions, by basis
@@ -292,14 +303,14 @@ def calls() -> list[tuple[str, set[str]]]:
 
 
 def texts(table: Any, place: str = "") -> dict[str, str]:
-    if isinstance(table, str):
-        return {place: table}
+    if isinstance(table, str | list):
+        return {place: table if isinstance(table, str) else " ".join(table)}
     return {k: text for name, part in table.items() for k, text in texts(part, f"{place}.{name}".strip(".")).items()}
 
 
 def test_every_text_is_asked_for_with_its_values() -> None:
     asked = calls()
-    written = texts(phrases.data("text.toml"))
+    written = texts(phrases.words())
     for key, values in asked:
         meant = [text for place, text in written.items() if fnmatch(place, key) or place.startswith(f"{key}.")]
         assert meant, key
@@ -308,7 +319,9 @@ def test_every_text_is_asked_for_with_its_values() -> None:
                 assert set(re.findall(r"«(\w+)", text)) <= values, key
     for place in written:
         chapter, _, last = place.rpartition(".")
-        assert last in ("title", "opening") or any(fnmatch(place, key) or chapter == key for key, _ in asked), place
+        assert last in ("title", "opening", "summary") or any(
+            fnmatch(place, key) or chapter == key for key, _ in asked
+        ), place
 
 
 def test_numbers_in_a_text() -> None:
@@ -364,6 +377,51 @@ def test_facts_agree_with_independent_values() -> None:
     assert limit.load * (s[2] - s[0]) / (2e-5 * limit.load) == pytest.approx(s[1], rel=1e-6)
     assert facts.beam_load == pytest.approx(20.0509536, rel=1e-8)  # Beck's load
     assert Facts(fb.column("euler-pinned"), fb.column("euler-pinned", "legendre")).circulatory < 1e-14
+
+
+def test_a_short_lesson_fits_a_lecture_and_carries_the_argument() -> None:
+    """Its chapters are some of the whole's, in their order; what it takes is an estimate."""
+    short, whole = made("euler-pinned", True), made("euler-pinned")
+    keys = [block.key for block in short.blocks if isinstance(block, Heading)]
+    every = [block.key for block in whole.blocks if isinstance(block, Heading)]
+    assert keys == [key for key in every if key in keys] and {"variation", "ritz", "stability", "work"} <= set(keys)
+    assert 20 < minutes(short.blocks) < 45 < minutes(whole.blocks)
+    answers = {block.answer for block in whole.all_blocks if isinstance(block, Exercise)}
+    assert {block.answer for block in short.all_blocks if isinstance(block, Exercise)} <= answers
+
+
+def test_a_seed_changes_what_is_asked_and_the_answers_with_it() -> None:
+    one, usual = made("tip-mass", seed=3), made("tip-mass")
+    assert "seed $3$" in " ".join(b.text for b in one.blocks if isinstance(b, Prose)) or "seed 3" in str(one.blocks)
+    asked, before = ([b for b in x.all_blocks if isinstance(b, Exercise)] for x in (one, usual))
+    assert len(asked) == len(before) and sum(a != b for a, b in zip(asked, before, strict=True)) > len(asked) / 2
+    mass = float(re.search(r"\\mu = ([\d.]+)", " ".join(b.text for b in one.all_blocks if isinstance(b, Prose)))[1])  # type: ignore[index]
+    assert mass != derived("tip-mass").column.parameters[0].default
+    found = fb.critical_load(compiled("tip-mass", "modes"), 8, mu=mass)
+    assert f"{found.load:.6g}" in one.subtitle
+
+
+def test_every_exercise_has_a_method_and_every_chapter_a_summary(name: str) -> None:
+    assert all(block.method for block in blocks_of(name, Exercise))
+    chapter, summed = "", set()
+    for block in made(name).blocks:
+        if isinstance(block, Heading):
+            chapter = block.key
+        if isinstance(block, Summary):
+            summed.add(chapter)
+    without = {"errata"} | ({"damping"} if "alpha" not in derived(name).column.damping else set())
+    assert summed == {b.key for b in made(name).blocks if isinstance(b, Heading)} - without
+
+
+def test_proofs_are_folded_or_stand_at_the_end() -> None:
+    kept = tuple(block for block in made("euler-pinned").blocks if not has_figure(block))
+    plain = Lesson("T", "S", "euler-pinned", kept)
+    (data,) = printed(plain, "html", Path("a.html")).values()
+    assert data.decode().count('<details class="proof">') == len(plain.checks) > 30
+    text, _ = typeset(plain)
+    body, _, end = text.rpartition("How each result was proven")
+    assert re.findall(r"#checked\[Proof (\d+)\]", body) == [str(k + 1) for k in range(len(plain.checks))]
+    assert len(re.findall(r"^\+ ", end, re.MULTILINE)) == len(plain.checks)
 
 
 # --- formats --------------------------------------------------------------------------------------------------------
@@ -447,7 +505,7 @@ def test_notebook_runs_when_the_statement_is_changed(monkeypatch: pytest.MonkeyP
     seen: list[Any] = []
     monkeypatch.setattr("freebeam.lesson._display", seen.append)
     monkeypatch.setattr("freebeam.lesson.compiled", lambda column: kernels)
-    monkeypatch.setattr("freebeam_derive.pipeline.derive", lambda column: derived(column.name))
+    monkeypatch.setattr("freebeam_derive.pipeline.derived", lambda column: derived(column.name))
     monkeypatch.setattr(
         "freebeam_derive.record.Step.residual",
         lambda step: residuals(changed)[f"{step.stage}: {step.what}: {step.why}"],
@@ -636,7 +694,7 @@ def test_latex_of_a_parameter_is_shown_in_every_format(tmp_path: Path) -> None:
 @pytest.fixture
 def quick(monkeypatch: pytest.MonkeyPatch) -> None:
     """The lesson that was made, and a printer that is quick."""
-    monkeypatch.setattr("freebeam.lesson.lesson", lambda column, report=None: made("euler-pinned"))
+    monkeypatch.setattr("freebeam.lesson.lesson", lambda column, report=None, **asked: made("euler-pinned"))
     monkeypatch.setattr("freebeam.lesson.printed", lambda found, format, output: {output: b"text"})
 
 
@@ -651,6 +709,12 @@ def test_command_writes_once(tmp_path: Path, capsys: pytest.CaptureFixture[str],
     assert capsys.readouterr().err.count("\n") == 1 and output.read_bytes() == b"mine"
     assert main([*command, "--force"]) == 0
     assert output.read_bytes() == b"text"
+    capsys.readouterr()
+    second, other = tmp_path / "answers.html", tmp_path / "b.html"
+    assert main([*command, "--force", "--solutions", str(second), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["written"] == [str(output), str(second)]
+    assert second.read_bytes() == b"text"
+    assert main([*command[:-1], str(other), "--solutions", str(second)]) == 2 and not other.exists()
 
 
 @pytest.mark.parametrize(
@@ -660,6 +724,8 @@ def test_command_writes_once(tmp_path: Path, capsys: pytest.CaptureFixture[str],
         (["--format", "html", "--output", "no/such/a.html"], "folder does not exist"),
         (["--column", "bek", "--format", "html", "--output", "a.html"], "did you mean beck"),
         (["--format", "html"], "--output"),
+        (["--format", "html", "--output", "a.html", "--seed", "-1"], "seed = -1: must be a whole number"),
+        (["--format", "html", "--output", "a.html", "--solutions", "a.html"], "is the lesson's own file"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_line(

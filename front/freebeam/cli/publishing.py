@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from freebeam.cli.application import command
-from freebeam.cli.options import REQUIRED, BasisOptions, FileOptions, NameOptions, argument, option, refuse
+from freebeam.cli.options import REQUIRED, BasisOptions, FileOptions, NameOptions, argument, flag, option, refuse
 from freebeam.cli.output import print_json, working, written
 
 # --- figures ----------------------------------------------------------------------------------------------------
@@ -88,25 +89,38 @@ def _number(text: str, known: tuple[int, ...]) -> int:
 class Lesson(FileOptions, NameOptions):
     """Write a lesson on a column: its derivation with a proof of each step, then its physics, with exercises.
 
-    The formats md and tex also write their drawings, to a folder beside FILE.
+    The formats md and tex also write their drawings, to a folder beside FILE. With --solutions the lesson itself has no
+    answers.
     """
 
     format: str = option("html|md|tex|ipynb|pdf", "Kind of file.", default=REQUIRED)
     output: Path = option("FILE", "The file to write.", default=REQUIRED)
+    solutions: Path | None = option("FILE", "Write worked solutions of the exercises to this second file.")
+    short: bool = flag("For one lecture of 45 minutes.", "--short")
+    errata: bool = flag("With the misprints of the paper, where they arise.", "--errata")
+    seed: int | None = option("NUMBER", "Other data of exercises and parameters for each number.")
 
     def run(self) -> None:
-        from freebeam.lesson import FORMATS, printed
+        from freebeam.lesson import FORMATS, printed, solutions
         from freebeam.lesson import lesson as made
 
         format, output = self.format, self.output
         refuse(format not in FORMATS, f"format = {format!r}: must be one of {', '.join(FORMATS)}")
         beside = output.with_name(f"{output.stem}_files") if format in ("md", "tex") else None
-        with written(output, self.force) as text, working("lesson") as report:
+        refuse(self.solutions == output, f"--solutions {output}: is the lesson's own file; give another name")
+        with ExitStack() as stack, working("lesson") as report:
+            text = stack.enter_context(written(output, self.force))
+            second = stack.enter_context(written(self.solutions, self.force)) if self.solutions else None
             there = beside and beside.exists() and not self.force
             refuse(there, f"{beside}: exists and is kept; give another name, or --force to replace it")
-            found = made(self.column, report)
+            found = made(self.column, report, errata=self.errata, short=self.short, seed=self.seed)
             report(f"printing {format}")
-            files = printed(found, format, output)
+            answers: dict[Path, bytes] = {}
+            asked = found
+            if self.solutions:
+                asked, worked = solutions(found)
+                answers = printed(worked, format, self.solutions)
+            files = printed(asked, format, output)
             if beside is not None:
                 beside.mkdir(exist_ok=True)
             for path, data in files.items():
@@ -114,16 +128,18 @@ class Lesson(FileOptions, NameOptions):
                     with written(path, self.force) as stream:
                         stream.write(data)
             text.write(files[output])
+            if second is not None and self.solutions:
+                second.write(answers[self.solutions])
         if self.as_json:
             print_json({
                 "column": found.column,
                 "format": format,
-                "written": [*files],
+                "written": [*files, *answers],
                 "checks": len(found.checks),
                 "largest_residual": max(check.residual for check in found.checks),
             })  # fmt: skip
             return
-        typer.echo(f"{output}: {found.title}; {len(found.checks)} checks, all passed")
+        typer.echo(f"{output}: {found.title}; {len(found.checks)} proofs, none failed")
 
 
 # --- explore ----------------------------------------------------------------------------------------------------

@@ -18,10 +18,10 @@ from freebeam.figures.diagrams import (
     tangent,
 )
 from freebeam.figures.look import style
+from freebeam.figures.points import beam
 from freebeam.figures.published import paper
 from freebeam.figures.regions import pulsating_regions
 from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_loop
-from freebeam.figures.sketch import beam
 
 __all__ = [
     "beam", "paper",

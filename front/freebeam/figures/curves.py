@@ -18,7 +18,7 @@ from freebeam_sym.spectra import ROUNDING, branches, spectrum
 from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
-    from freebeam_sym.columns import System
+    from freebeam_sym.columns import Coefficients, System
 
 __all__ = [
     "Coalescence", "CriticalCurve", "Cycle", "FrequencyLoad", "Locus", "Tangent",
@@ -192,7 +192,8 @@ class Tangent:
 def tangent(question: Question, points: int = 240) -> Tangent:
     """The construction of the critical load of vanishing damping, a question with kappa, on the undamped curve ω²(P).
 
-    Raises InputError where the column does not flutter, and for κ = ∞, whose point is the coalescence itself.
+    Raises InputError where the column does not flutter, for κ = ∞, whose point is the coalescence itself, and where
+    damping is not of the form C = c_M M + c_E E or the load enters beyond K = E + P H, so that there is no such rule.
     """
     column, kappa = question.column, question.kappa or 0.0
     if not kappa < math.inf:
@@ -201,11 +202,38 @@ def tangent(question: Question, points: int = 240) -> Tangent:
     limit = answer(question)
     if curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
         raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
-    c_M, c_E = column.damping_factors(1.0, kappa, **question.parameters)
+    c_M, c_E = _proportions(question, kappa)
     if not c_E:
         raise InputError(f"{column.name}: states no internal damping, so there is no limit of it to construct")
     square = limit.frequency**2
     return Tangent(curves, limit, c_M / c_E, limit.load, square, (square + c_M / c_E) / limit.load)
+
+
+def _proportions(question: Question, kappa: float) -> tuple[float, float]:
+    """c_M and c_E of the damping C = c_M M + c_E E at α = 1, β = κ. Raises InputError where it is none of this kind."""
+    column, own = question.column, question.parameters
+    if not column.general:
+        return column.damping_factors(1.0, kappa, **own)
+    dampings = {name: value for name, value in (("alpha", 1.0), ("beta", kappa)) if name in column.damping}
+    terms = column.coefficients(question.modes, False, **dampings, **own)
+    M, E = terms.M[0], terms.K[0]
+    if len(terms.M) == 1 and len(terms.K) == 2 and len(terms.C) == 1 and not undamped(question).C:
+        scale = 1 / np.sqrt(np.outer(np.diag(E), np.diag(E)))  # entries of high functions are large
+        basis = np.stack([(scale * X).ravel() for X in (M, E)], axis=1)
+        C = (scale * terms.C[0]).ravel()
+        (c_M, c_E), *_ = np.linalg.lstsq(basis, C, rcond=None)
+        if np.abs(basis @ (c_M, c_E) - C).max() < 1e-9 * np.abs(C).max():
+            tiny = 1e-9 * max(abs(c_M), abs(c_E))
+            return (float(c_M) if abs(c_M) > tiny else 0.0), float(c_E)
+    raise InputError(
+        f"{column.name}: its damping and load are not of the form C = c_M M + c_E E, K = E + P H, to which the tangent "
+        "rule belongs"
+    )
+
+
+def undamped(question: Question) -> Coefficients:
+    """M, C and K without alpha and beta, by powers of the load."""
+    return question.column.coefficients(question.modes, False, 0.0, 0.0, **question.parameters)
 
 
 @dataclass(frozen=True)
@@ -245,7 +273,11 @@ def coalescence(question: Question, *, width: float = 0.04, points: int = 201) -
     # squares of u on both sides make the square root of the load a straight line
     u = np.linspace(-1.0, 1.0, points)
     P = np.unique(np.append(P_c * (1 + width * u * np.abs(u)), P_c))
-    terms = question.column.coefficients(question.modes, False, 0.0, 0.0, **question.parameters)
+    terms = undamped(question)
+    if terms.C:
+        raise InputError(
+            f"{question.column.name}: has dampers or gyroscopic forces of its own; no two frequencies meet"
+        )
 
     def pair(load: float) -> Complex:
         M, _, K = terms.at(load)
@@ -332,16 +364,19 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
     """
     name, damped = question.column.name, bool(question.alpha or question.beta)
     if load is None:
-        load = answer(question).load
+        critical = answer(question)
+        load = critical.load
         if load is None:
             raise InputError(f"load: {name} is stable up to P = {question.load_max:g}; give a load")
+        if critical.kind == "divergence":
+            raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
     system = question.system(load, rigid)
     found = spectrum(system)
     elastic = found.elastic
-    tiny = 1e-6 * np.abs(elastic).max()
-    above, still = elastic[elastic.imag > tiny], elastic[np.abs(elastic.imag) <= tiny]
+    swings = np.abs(elastic.imag) > 1e-6 * np.abs(elastic)  # of its own size: the largest may be far beyond
+    above, still = elastic[swings & (elastic.imag > 0)], elastic[~swings]
     worst = above[above.real.argmax()] if len(above) else 0j
-    if not len(above) or still.real.max(initial=-np.inf) > worst.real - tiny:
+    if not len(above) or still.real.max(initial=-np.inf) > worst.real - 1e-6 * abs(worst):
         raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
     if not damped and abs(worst.real) < 1e-3 * abs(worst):
         # all decay alike: the pair that flutters is the one that the load brings together
@@ -380,8 +415,11 @@ def follower_share(question: Question) -> float:
     From the equation of motion, whose axial force at the end is P a(1), and the end's condition, in which the
     shear takes up the rest, P (a(1) − η) y′.
     """
-    question.column.textbook("the share of the load that follows the slope")
     kernel = question.column.kernel
+    if question.column.general:
+        rows = kernel.forms(1.0, **question.parameters)["K"][1:2] if hasattr(kernel, "forms") else []
+        at_end = (("y", 0, 1.0, 0), ("y", 1, 1.0, 0))
+        return float(sum(f for _, points in rows for test, trial, f in points if (test, trial) == at_end))
     axial = sum(kernel.equation(1.0, **question.parameters).get((2, 0), ()))
     for condition in kernel.end_conditions(1.0, **question.parameters)[1]:
         if (3, 0) in condition:

@@ -38,12 +38,7 @@ def centre_line(column: Column, points: int = 201) -> tuple[Any, Any, Any]:
 def beam(
     column: Column, *, x_s: float | None = 0.15, x_F: float | None = 0.7, ax: Axes | None = None, **parameters: Any
 ) -> Axes:
-    """The column deflected as in its lowest mode: ends, load with the direction that it keeps, force and sensor.
-
-    x_s, x_F: where the sensor and the transversal force are drawn; None leaves one out, as does a column without a
-    transversal force. The load's direction is read off the end's condition (a follower is normal to the
-    cross-section). Raises InputError for places off the beam and unknown parameters.
-    """
+    """`beam` of points.py, of a column that is one segment."""
     x, y, slope = centre_line(column)
     follows = curves.follower_share(Question.of(column, **parameters))
     axial = column.kernel.equation(1.0, **column.own_parameters(parameters)).get((2, 0), ())
@@ -52,30 +47,21 @@ def beam(
         if place is not None:
             positions(name, place)
     with drawing(ax, (6.4, 2.7)) as ax:
-        from matplotlib.patches import Polygon
-
         ax.set_aspect("equal")
         ax.axis("off")
         ax.plot([-0.06, 1.02], [0, 0], color=MUTED, lw=0.8, ls=(0, (6, 3)), zorder=1)
-        normal = np.stack([-slope, np.ones_like(slope)]) / np.hypot(1, slope)
-        line = np.stack([x, y])
-        outline = np.concatenate([(line + HALF * normal).T, (line - HALF * normal).T[::-1]])
-        ax.add_patch(Polygon(outline, fc=BODY, ec=INK, lw=1.0, zorder=3))
+        body(ax, x, y, slope)
         for k, end in ((0, column.ends[0]), (-1, column.ends[1])):
-            _support(ax, end, float(x[k]), float(y[k]), -1 if k == 0 else 1)
+            support(ax, end, float(x[k]), float(y[k]), -1 if k == 0 else 1)
         letter = symbol(column, "P")
         if sum(axial):
-            _force(ax, line[:, -1], math.atan(follows * slope[-1]), letter, follows, slope[-1])
+            force(ax, np.array([x[-1], y[-1]]), math.atan(follows * slope[-1]), letter, follows, slope[-1])
         elif any(axial):  # no force at the end: the load is spread along the beam
             for k in range(10, len(x), 20):
                 _arrow(ax, (x[k] + 0.045, y[k]), (x[k] - 0.02, y[k]), ACCENT, 1.0)
             ax.text(1.04, y[-1], letter, color=ACCENT, va="center", fontsize=12)
         if places["x_F"] is not None:
-            at = float(np.interp(places["x_F"], x, y))
-            tip = at - HALF - 0.004
-            _arrow(ax, (places["x_F"], tip - 0.125), (places["x_F"], tip), colour(0))
-            name = symbol(column, "F_0")
-            ax.text(places["x_F"] + 0.016, tip - 0.1, f"${name[1:-1]}(t)$", color=colour(0), fontsize=12)
+            transversal(ax, column, places["x_F"], float(np.interp(places["x_F"], x, y)))
         if places["x_s"] is not None:
             at = float(np.interp(places["x_s"], x, y))
             ax.plot([places["x_s"]], [at], "s", color=colour(3), mec=INK, mew=0.9, ms=7.5, zorder=5)
@@ -83,17 +69,34 @@ def beam(
                 "sensor", (places["x_s"], at), (8, 11), textcoords="offset points", color=colour(3), fontsize=10,
             )  # fmt: skip
         _measures(ax, column, places, float(min(y.min(), 0.0)))
-        _frame(ax)
+        frame(ax)
         ax.set_xlim(-0.24, 1.28)
         ax.set_ylim(min(y.min(), 0.0) - 0.24, max(y.max(), 0.0) + 0.12)
     return ax
+
+
+def body(ax: Axes, x: Any, y: Any, slope: Any) -> None:
+    """The beam along its centre line, with a depth."""
+    from matplotlib.patches import Polygon
+
+    normal = np.stack([-slope, np.ones_like(slope)]) / np.hypot(1, slope)
+    line = np.stack([x, y])
+    outline = np.concatenate([(line + HALF * normal).T, (line - HALF * normal).T[::-1]])
+    ax.add_patch(Polygon(outline, fc=BODY, ec=INK, lw=1.0, zorder=3))
+
+
+def transversal(ax: Axes, column: Column, place: float, at: float) -> None:
+    """The transversal force F_0 from below, at a place of the beam whose height is `at`."""
+    tip = at - HALF - 0.004
+    _arrow(ax, (place, tip - 0.125), (place, tip), colour(0))
+    ax.text(place + 0.016, tip - 0.1, f"${symbol(column, 'F_0')[1:-1]}(t)$", color=colour(0), fontsize=12)
 
 
 def _arrow(ax: Axes, tail: tuple[float, float], head: tuple[float, float], tone: str, width: float = 1.8) -> None:
     arrow(ax, tail, head, tone, width, 9 * width**0.5, zorder=6)
 
 
-def _force(ax: Axes, end: Any, angle: float, letter: str, follows: float, slope: float) -> None:
+def force(ax: Axes, end: Any, angle: float, letter: str, follows: float, slope: float) -> None:
     """The load at x = 1, pushing along the tangent (a follower), the axis (a dead load), or between."""
     along = np.array([math.cos(angle), math.sin(angle)])
     tip, tail = end + 0.008 * along, end + 0.2 * along
@@ -107,7 +110,7 @@ def _force(ax: Axes, end: Any, angle: float, letter: str, follows: float, slope:
             ax.plot(*np.transpose(path), color=INK, lw=0.9, zorder=4)
 
 
-def _support(ax: Axes, kind: str, x: float, y: float, side: int) -> None:
+def support(ax: Axes, kind: str, x: float, y: float, side: int) -> None:
     """An end's symbol, on the side -1 (left) or 1."""
     from matplotlib.patches import Polygon, Rectangle
 
@@ -144,7 +147,7 @@ def _measures(ax: Axes, column: Column, places: dict[str, float | None], lowest:
         ax.text(place / 2, level + 0.008, label, ha="center", va="bottom", fontsize=10.5)
 
 
-def _frame(ax: Axes) -> None:
+def frame(ax: Axes) -> None:
     """The axes x and y at the left end."""
     at = -0.2
     _arrow(ax, (at, 0.0), (at, 0.11), MUTED, 1.0)

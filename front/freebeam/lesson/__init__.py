@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from freebeam.lesson.blocks import Lesson
     from freebeam_sym.stability.convergence import BeamLoss
 
-__all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show"]
+__all__ = ["FORMATS", "compiled", "draw", "lesson", "printed", "proven", "show", "solutions"]
 
 FORMATS = {"html": "html", "md": "markdown", "tex": "tex", "ipynb": "notebook", "pdf": "pdf"}
 """Formats, and the module that prints each."""
@@ -33,62 +33,111 @@ PAPER = "free-free"
 Progress = Callable[[str], None]
 
 
-def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = None) -> Lesson:
+def lesson(
+    column: str | os.PathLike[str] = PAPER,
+    progress: Progress | None = None,
+    *,
+    errata: bool = False,
+    short: bool = False,
+    seed: int | None = None,
+) -> Lesson:
     """The lesson on a column, by its name or by the path of its file. Eqs. (1)-(26).
 
     Every formula is printed from the object that the program computed with, and every step's proof is run.
-    progress: told what is being done. Raises InputError for a column that is not known or has no statement, and
+    progress: told what is being done. errata: with the misprints of the paper, where they arise. short: for one lecture
+    of 45 minutes. seed: data of the exercises, and values of the column's own parameters, that are another student's.
+
+    Raises InputError for a column that is not known or has no statement and for a seed that is none, and
     AssertionError where a proof fails.
     """
     from freebeam.lesson.blocks import Heading, Lesson
+    from freebeam.lesson.draws import drawn
     from freebeam.lesson.facts import Facts
-    from freebeam.lesson.phrases import prose
+    from freebeam.lesson.phrases import prose, text
     from freebeam.lesson.physics import physics_chapters
+    from freebeam.lesson.segmented import general_derivation
+    from freebeam.lesson.short import shortened
     from freebeam.lesson.stages import Chapter, derivation_chapters, newmark_chapter
+    from freebeam.lesson.systems import general_physics
     from freebeam.own import column as column_of
     from freebeam_derive import pipeline
     from freebeam_derive.statement import StatementError
 
     say = progress or (lambda _: None)
     say("kernels")
-    facts = Facts(column_of(column), None)  # type: ignore[arg-type]
-    facts.column.textbook("a lesson")
     name = os.fspath(column)
+    kernels = column_of(column)
     try:
         stated = pipeline.find(name)
     except StatementError as error:
-        if hasattr(facts.column.kernel, "COLUMN") and Path(name).is_file():
+        if hasattr(kernels.kernel, "COLUMN") and Path(name).is_file():
             raise InputError(
                 f"{name}: is a kernel, and a lesson needs the statement that it was derived from; give the column's "
                 "file"
             ) from None
         raise InputError(str(error)) from error
-    facts = Facts(column_of(column, "modes"), column_of(column, "legendre"))
+    data, own = drawn(kernels, seed)
+    if kernels.general:
+        facts = Facts(kernels, kernels, own, data)
+    else:
+        facts = Facts(column_of(column, "modes"), column_of(column, "legendre"), own, data)
     say("derivation")
-    derived = pipeline.derive(stated)
-    chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
+    chapter = Chapter(pipeline.derived(stated), errata and stated.name == PAPER and name == PAPER, short)
     source = pipeline.columns().get(name, Path(name))
     say("proofs of the derivation")
-    about = prose("opening.paper" if facts.column.name == PAPER else "opening.other", ends="-".join(facts.column.ends))
-    blocks = [prose("opening.lesson"), about, *derivation_chapters(chapter, facts.column, source)]
+    derivation = general_derivation if kernels.general else derivation_chapters
+    physics = general_physics if kernels.general else physics_chapters
+    blocks: list[Any] = [*derivation(chapter, facts.column, source)]
     say("physics")
-    blocks += physics_chapters(chapter, facts, chapter.paper)
-    say("Newmark's method")
-    blocks += newmark_chapter(chapter)
-    blocks += [Heading("Errata that belong nowhere else", 2, "errata"), *rest] if (rest := _rest(chapter)) else []
-    made = Lesson(facts.column.title, _subtitle(facts), stated.name, tuple(blocks))
+    blocks += physics(chapter, facts)
+    if short:
+        blocks = shortened(blocks)
+    else:
+        say("Newmark's method")
+        blocks += newmark_chapter(chapter)
+        if rest := _rest(chapter):
+            blocks += [Heading(text("opening.errata"), 2, "errata"), *rest]
+    made = Lesson(facts.column.title, _subtitle(facts), stated.name, (*_opening(facts, chapter.paper), *blocks))
     residual = max(check.residual for check in made.checks)
     closing = prose("opening.closing", count=len(made.checks), residual=residual)
     return replace(made, blocks=(*made.blocks, closing))
 
 
+def _opening(facts: Any, errata: bool) -> list[Any]:
+    """Why one should care, what one can do afterwards, and what is presumed."""
+    from freebeam.lesson.blocks import Points, Prose
+    from freebeam.lesson.phrases import at, prose, text
+
+    about = text("opening.paper" if facts.column.name == PAPER else "opening.other")
+    about += " " + text("opening.misprints") if errata else ""
+    blocks: list[Any] = [prose("opening.motivation")]
+    blocks += [Points(text("opening.goals_title"), tuple(at("opening.goals")))]
+    blocks += [Points(text("opening.presumed_title"), tuple(at("opening.presumed")))]
+    blocks += [prose("opening.lesson"), Prose(about)]
+    if facts.data.seed is not None:
+        blocks.append(prose("opening.seed", seed=facts.data.seed))
+    return blocks
+
+
+def solutions(made: Lesson) -> tuple[Lesson, Lesson]:
+    """A lesson without the answers of its exercises, and the worked solutions, numbered as there."""
+    from freebeam.lesson.blocks import Exercise, Lesson
+    from freebeam.lesson.phrases import text
+    from freebeam.lesson.solved import solved
+
+    asked = tuple(replace(b, answer="") if isinstance(b, Exercise) else b for b in made.blocks)
+    title = text("solutions.title", title=made.title)
+    return replace(made, blocks=asked), Lesson(title, text("solutions.subtitle"), made.column, tuple(solved(made)))
+
+
 def _subtitle(facts: Any) -> str:
     found = facts.critical
     if found.load is None:
-        return f"Derived from its energies; stable up to a load of {found.load_max:g}"
+        return f"Derived from its energies; stable up to a load of {found.question.load_max:g}"
     kind, beam = "flutter" if facts.flutters else "divergence", found.beam
     known = "" if beam is None or beam.load is None else f"; the beam itself: {_lost(beam)}"
-    return f"Derived from its energies, to the {kind} load {found.load:.6g} of eight modes{known}"
+    series = f"{facts.modes} functions a segment" if facts.column.general else "eight modes"
+    return f"Derived from its energies, to the {kind} load {found.load:.6g} of {series}{known}"
 
 
 def _lost(beam: BeamLoss) -> str:
@@ -131,8 +180,9 @@ def show(*objects: Any) -> None:
     from freebeam.lesson.blocks import Equation
     from freebeam_derive.latex import Printer
 
+    printer = Printer()
     for item in objects:
-        lines = Printer().lines(item)
+        lines = printer.lines(item)
         if lines:
             _display(Equation(tuple(lines)).latex)
 
@@ -147,7 +197,7 @@ def proven(derived: Any, what: str, why: str = "", stage: str = "", shown: bool 
         if not shown and not isinstance(step.after, str | int):
             show(step.after)
         left = step.residual()
-        print(f"checked: {step.check or 'put back'}" + (f" (leaves {left:.0e})" if left else ""))
+        print(f"proven: {step.check or 'put back'}" + (f" (leaves {left:.0e})" if left else ""))
 
 
 def compiled(column: Any) -> Any:
@@ -160,7 +210,9 @@ def compiled(column: Any) -> Any:
     from freebeam_sym.columns import Column
 
     try:
-        return Column(verify.load(emit.emit(pipeline.derive(column).kernel("modes")), column.module))
+        derived = pipeline.derived(column)
+        kernel = derived.kernel("modes") if isinstance(derived, pipeline.Derived) else derived.kernel
+        return Column(verify.load(emit.emit(kernel), column.module))
     except StatementError as error:
         raise InputError(str(error)) from error
 

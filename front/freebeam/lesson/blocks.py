@@ -12,7 +12,7 @@ from typing import Any
 
 __all__ = [
     "Block", "Cell", "Check", "Equation", "Erratum", "Exercise", "Figure", "Folded", "Heading", "Lesson", "Listing",
-    "Prose", "Table", "spans", "walk",
+    "Points", "Prose", "Summary", "Table", "spans", "walk",
 ]  # fmt: skip
 
 
@@ -93,10 +93,26 @@ class Table:
 
 @dataclass(frozen=True)
 class Exercise:
-    """A question, and the answer that the program computed."""
+    """A question, the answer that the program computed, and how to come to it."""
 
     question: str
     answer: str
+    method: str = ""
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What a chapter comes to, in a sentence or two."""
+
+    text: str
+
+
+@dataclass(frozen=True)
+class Points:
+    """A short list with a title: what a lesson presumes, what it is for."""
+
+    title: str
+    items: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -114,7 +130,21 @@ class Cell:
     blocks: tuple[Block, ...]
 
 
-Block = Heading | Prose | Equation | Check | Folded | Erratum | Figure | Table | Exercise | Listing | Cell
+Block = (
+    Heading
+    | Prose
+    | Equation
+    | Check
+    | Folded
+    | Erratum
+    | Figure
+    | Table
+    | Exercise
+    | Summary
+    | Points
+    | Listing
+    | Cell
+)
 
 
 @dataclass(frozen=True)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from freebeam.lesson.draws import USUAL, Data
 from freebeam.proofs import exact_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
@@ -16,7 +18,7 @@ from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
     from freebeam.proofs import Certified
-    from freebeam_sym.columns import Column
+    from freebeam_sym.columns import Coefficients, Column
     from freebeam_sym.stability.pencil import Pencil
 
 __all__ = ["MODES", "Facts"]
@@ -27,20 +29,54 @@ MODES = 8
 
 @dataclass(frozen=True)
 class Facts:
-    """Numbers of a column, its own parameters at their defaults. polynomials: the same column over polynomials."""
+    """Numbers of a column. polynomials: the same column over polynomials. own: its own parameters, all of them where a
+    seed has drawn them, else the defaults. data: what the exercises are about, drawn or as usual."""
 
     column: Column
     polynomials: Column
+    own: Mapping[str, Any] = field(default_factory=dict)
+    data: Data = USUAL
+
+    @property
+    def modes(self) -> int:
+        """Number of functions: the paper's eight modes, or of a column of segments what it states."""
+        return self.column.number(None) if self.column.general else MODES
+
+    @property
+    def values(self) -> dict[str, float]:
+        """The column's own parameters."""
+        return self.column.own_parameters(dict(self.own))
 
     @cached_property
     def question(self) -> Question:
-        """The paper's number of modes, without damping."""
-        return Question.of(self.column, MODES)
+        """This number of functions, without damping."""
+        return Question.of(self.column, self.modes, **self.own)
 
     @cached_property
     def critical(self) -> CriticalLoad:
         """Without damping."""
         return answer(self.question)
+
+    @cached_property
+    def terms(self) -> Coefficients:
+        """M, C and K without damping, by powers of the load."""
+        return self.column.coefficients(self.modes, False, **self.own)
+
+    @property
+    def damping(self) -> tuple[str, ...]:
+        """The dampings that can be asked about: not those that couple rigid motions to the bending."""
+        coupled = self.column.kernel.COLUMN.get("coupled", ())
+        return tuple(name for name in self.column.damping if name not in coupled)
+
+    @property
+    def linear(self) -> bool:
+        """Whether the load enters as in K = E + P H."""
+        return len(self.terms.M) == 1 and len(self.terms.K) == 2
+
+    @property
+    def undamped(self) -> bool:
+        """Whether there are no forces with rates at α = β = 0, so that frequencies can meet."""
+        return not self.terms.C
 
     @property
     def flutters(self) -> bool:
@@ -59,11 +95,11 @@ class Facts:
 
     def limit(self, kappa: float) -> CriticalLoad:
         """The limit of vanishing damping at β = κα."""
-        return answer(Question.of(self.column, MODES, kappa=kappa))
+        return answer(Question.of(self.column, self.modes, kappa=kappa, **self.own))
 
     def damped(self, alpha: float, beta: float) -> CriticalLoad:
         """With damping; a damping that the column does not state is left at zero."""
-        known = self.column.damping
+        known = self.damping
         given = {"alpha": alpha, "beta": beta}
         return answer(self.question.at(**{name: value for name, value in given.items() if name in known}))
 
@@ -71,7 +107,8 @@ class Facts:
     def exact(self) -> Certified | str:
         """The beam itself, undamped, or why it is not enclosed."""
         try:
-            return exact_load(self.column, digits=12)
+            own: dict[str, Any] = {name: f"{value:g}" for name, value in self.own.items()}
+            return exact_load(self.column, digits=12, **own)
         except InputError as error:
             return str(error)
 
@@ -79,10 +116,17 @@ class Facts:
     def pencil(self) -> Pencil:
         return self.question.pencil
 
+    def operator(self, load: float) -> Any:
+        """K at a load in coordinates in which M is the identity, (N, N): its eigenvalues are ω² without damping."""
+        if not self.column.general:
+            return np.diag(self.pencil.e) + load * self.pencil.H
+        M, _, K = self.terms.at(load)
+        lower = np.linalg.cholesky(M)
+        return np.linalg.solve(lower, np.linalg.solve(lower, K).T).T
+
     def squares(self, load: float) -> Any:
         """ω² of the undamped column at a load, ascending in the real part, (N,) complex."""
-        p = self.pencil
-        found = np.linalg.eigvals(np.diag(p.e) + load * p.H).astype(complex)
+        found = np.linalg.eigvals(self.operator(load)).astype(complex)
         return found[np.lexsort((found.imag, found.real))]
 
     def pair(self, load: float) -> tuple[complex, complex]:
@@ -94,8 +138,7 @@ class Facts:
 
     def overlap(self, load: float) -> float:
         """|cosine| of the angle between the two shapes that meet, in the norm of the mass: 1 where they are one."""
-        p = self.pencil
-        values, vectors = np.linalg.eig(np.diag(p.e) + load * p.H)
+        values, vectors = np.linalg.eig(self.operator(load))
         a, b = np.argsort(np.abs(values - self.frequency**2))[:2]
         u, v = vectors[:, a], vectors[:, b]
         return float(abs(np.vdot(u, v)) / np.linalg.norm(u) / np.linalg.norm(v))
@@ -107,7 +150,7 @@ class Facts:
     def ritz(self, modes: int, basis: str = "modes") -> float | None:
         """The undamped critical load at a number of functions; None where another kind of loss comes first."""
         try:
-            found = answer(Question.of(self.column if basis == "modes" else self.polynomials, modes))
+            found = answer(Question.of(self.column if basis == "modes" else self.polynomials, modes, **self.own))
         except InputError:
             return None
         return found.load if found.kind == self.critical.kind else None
@@ -122,6 +165,6 @@ class Facts:
 
     @cached_property
     def circulatory(self) -> float:
-        """Size of the part of H that is not symmetric, relative to H."""
-        H = self.pencil.H
+        """Size of the part of the load's matrix that is not symmetric, relative to the whole of it."""
+        H = self.operator(1.0) - self.operator(0.0) if self.column.general else self.pencil.H
         return float(np.abs(H - H.T).max() / np.abs(H).max())

@@ -9,11 +9,15 @@ from pathlib import Path
 from typing import ClassVar
 
 from freebeam.lesson import blocks
-from freebeam.lesson.mathematics import mathml
+from freebeam.lesson.mathematics import mathml, width
+from freebeam.lesson.phrases import text
 from freebeam.lesson.pictures import inline_svg
-from freebeam.lesson.writer import Writer, left
+from freebeam.lesson.writer import Writer, proven
 
 __all__ = ["files"]
+
+ROOM = 88
+"""Letters of a formula that fit a line of the page; a longer one is set smaller. Measured at a width of 1100 pixels."""
 
 
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
@@ -52,10 +56,13 @@ class _Page(Writer):
 
     def equation(self, block: blocks.Equation) -> str:
         number = f'<span class="number">({block.number})</span>' if block.number else ""
-        return f'<div class="equation"><div class="formula">{mathml(block.latex, True)}</div>{number}</div>'
+        wide = max(map(width, block.lines))
+        size = f' style="font-size: {max(ROOM / wide, 0.5):.2f}em"' if wide > ROOM else ""
+        return f'<div class="equation"><div class="formula"{size}>{mathml(block.latex, True)}</div>{number}</div>'
 
     def check(self, block: blocks.Check) -> str:
-        return f'<p class="check"><b>checked:</b> {self.inline(block.text)} &middot; {left(block)}</p>'
+        title = text("proof.title")
+        return f'<details class="proof"><summary>{title}</summary><p>{self.inline(proven(block))}</p></details>'
 
     def folded(self, block: blocks.Folded) -> str:
         summary = self.inline(block.summary)
@@ -84,8 +91,15 @@ class _Page(Writer):
 
     def exercise(self, block: blocks.Exercise) -> str:
         question = f"<p><b>Exercise {self.count['exercise']}.</b> {self.inline(block.question)}</p>"
-        answer = f"<details><summary>Answer</summary><p>{self.inline(block.answer)}</p></details>"
-        return f'<section class="exercise">{question}\n{answer}</section>'
+        answer = f"\n<details><summary>Answer</summary><p>{self.inline(block.answer)}</p></details>"
+        return f'<section class="exercise">{question}{answer if block.answer else ""}</section>'
+
+    def summary(self, block: blocks.Summary) -> str:
+        return f'<p class="summary"><b>In short.</b> {self.inline(block.text)}</p>'
+
+    def points(self, block: blocks.Points) -> str:
+        items = "\n".join(f"<li>{self.inline(item)}</li>" for item in block.items)
+        return f"<p><b>{self.inline(block.title)}</b></p>\n<ul>\n{items}\n</ul>"
 
     def listing(self, block: blocks.Listing) -> str:
         return f"<pre><code>{escape(block.code, quote=False)}</code></pre>"

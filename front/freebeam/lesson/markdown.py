@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 from freebeam.lesson import blocks
-from freebeam.lesson.writer import Writer, left
+from freebeam.lesson.phrases import text
+from freebeam.lesson.writer import Writer, proven
 
 __all__ = ["Markdown", "files"]
 
@@ -39,7 +40,7 @@ class Markdown(Writer):
         return f"$$\n{block.latex}{tag}\n$$"
 
     def check(self, block: blocks.Check) -> str:
-        return f"> ✓ *checked:* {block.text} · {left(block)}"
+        return f"<details><summary>{text('proof.title')}</summary>\n\n{proven(block)}\n\n</details>"
 
     def folded(self, block: blocks.Folded) -> str:
         return f"<details><summary>{block.summary}</summary>\n\n{self.joined(block.blocks)}\n\n</details>"
@@ -57,8 +58,15 @@ class Markdown(Writer):
         return "\n".join("| " + " | ".join(row) + " |" for row in rows)
 
     def exercise(self, block: blocks.Exercise) -> str:
-        answer = f"<details><summary>Answer</summary>\n\n{block.answer}\n\n</details>"
-        return f"**Exercise {self.count['exercise']}.** {block.question}\n\n{answer}"
+        question = f"**Exercise {self.count['exercise']}.** {block.question}"
+        answer = f"\n\n<details><summary>Answer</summary>\n\n{block.answer}\n\n</details>"
+        return question + (answer if block.answer else "")
+
+    def summary(self, block: blocks.Summary) -> str:
+        return f"**In short.** {block.text}"
+
+    def points(self, block: blocks.Points) -> str:
+        return f"**{block.title}**\n\n" + "\n".join(f"- {item}" for item in block.items)
 
     def listing(self, block: blocks.Listing) -> str:
         fence = "`" * max(3, *(len(ticks) + 1 for ticks in re.findall("`+", block.code + "`")))

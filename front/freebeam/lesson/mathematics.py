@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["mathml", "typst"]
+__all__ = ["mathml", "typst", "width"]
 
 _FUNCTIONS = {"sin", "cos", "sinh", "cosh", "ln", "det"}
 _PRIMES = {"′": 1, "″": 2, "‴": 3, "⁗": 4}
@@ -25,6 +25,8 @@ def mathml(latex: str, block: bool = False) -> str:
         raise InputError("lessons need latex2mathml, which is not installed: pip install 'freebeam[lesson]'") from None
     root = convert_to_element(latex, display="block" if block else "inline")
     for parent in root.iter():
+        if parent.tag == "mtable" and parent.get("columnspacing") != "0em":
+            parent.set("displaystyle", "true")  # fractions in a matrix are as large as outside
         if parent.tag == "mi" and re.fullmatch("&#x0*[0-7][0-9A-F];", parent.text or ""):
             parent.set("mathvariant", "normal")  # a single letter in roman, which a browser would slant
         primes = "".join(_text(child) for child in parent if child.tag == "mi" and _text(child) in _PRIMES)
@@ -43,6 +45,13 @@ def mathml(latex: str, block: bool = False) -> str:
     root.attrib.pop("xmlns", None)
     text = ElementTree.tostring(root, encoding="unicode")
     return re.sub(r"&amp;(#x?[0-9A-Fa-f]+;)", r"&\1", text)
+
+
+def width(line: str) -> int:
+    """Roughly how many letters a line of LaTeX takes."""
+    from freebeam_derive.latex import width as letters
+
+    return letters(line)
 
 
 def _text(element: ElementTree.Element) -> str:
@@ -77,9 +86,8 @@ def _children(element: ElementTree.Element) -> str:
         if child.tag == "mo" and rest and rest[0].tag == "mtable" and (child.text or "").strip() in ("(", "{"):
             rows = [[_children(cell) for cell in row] for row in rest.pop(0)]
             if (child.text or "").strip() == "(":
-                found.append(
-                    'mat(delim: "(", ' + "; ".join(", ".join(c or '""' for c in cells) for cells in rows) + ")"
-                )
+                cells_ = "; ".join(", ".join(f"display({c})" if c else '""' for c in cells) for cells in rows)
+                found.append(f'mat(delim: "(", row-gap: #0.5em, {cells_})')
                 rest.pop(0)
             else:
                 found.append("cases(" + ", ".join(" & ".join(cells) for cells in rows) + ")")

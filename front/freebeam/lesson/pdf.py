@@ -9,10 +9,14 @@ from typing import ClassVar
 
 from freebeam.lesson import blocks
 from freebeam.lesson.mathematics import typst
-from freebeam.lesson.writer import Writer, left
+from freebeam.lesson.phrases import text
+from freebeam.lesson.writer import Writer
 from freebeam_sym.checks import InputError
 
 __all__ = ["files", "source"]
+
+ON_A_PAGE = 60
+"""Lines of code that are not split between pages."""
 
 
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
@@ -35,7 +39,11 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
 def source(lesson: blocks.Lesson) -> tuple[str, dict[Path, bytes]]:
     """Typst's source, and the drawings that it needs by name."""
     page = _Page()
-    return page.filled("page.typ", lesson, name=_quoted(lesson.title), body=page.joined(lesson.blocks)), page.pictures
+    body = page.joined(lesson.blocks)
+    if page.proofs:
+        items = "\n".join(f"+ {proof}" for proof in page.proofs)
+        body += f"\n\n= {_escape(text('proof.appendix'))}\n\n#text(size: 9pt)[\n{items}\n]"
+    return page.filled("page.typ", lesson, name=_quoted(lesson.title), body=body), page.pictures
 
 
 def _quoted(text: str) -> str:
@@ -56,6 +64,11 @@ class _Page(Writer):
         "emphasis": "#emph[{}]".format,
     }
 
+    def prose(self, block: blocks.Prose) -> str:
+        text = self.inline(block.text)
+        # the name of a step stays with what it is about
+        return f"#block(sticky: true)[{text}]" if block.text.startswith("**") else text
+
     def heading(self, block: blocks.Heading) -> str:
         return f"{'=' * (block.level - 1)} {self.inline(block.text)}"
 
@@ -64,7 +77,7 @@ class _Page(Writer):
         return f"#formula({number}, $ {typst(block.latex)} $)"
 
     def check(self, block: blocks.Check) -> str:
-        return f"#checked[{self.inline(block.text)} · {_escape(left(block))}]"
+        return f"#checked[{text('proof.title')} {self.noted(block)}]"
 
     def folded(self, block: blocks.Folded) -> str:
         return f"#folded({_quoted(block.summary)})[{self.joined(block.blocks)}]"
@@ -84,16 +97,22 @@ class _Page(Writer):
     def table(self, block: blocks.Table) -> str:
         head = ", ".join(f"[*{self.inline(cell)}*]" for cell in block.header)
         body = ", ".join(f"[{self.inline(cell)}]" for row in block.rows for cell in row)
-        return (
-            f"#align(center, text(size: 9pt, table(columns: {len(block.header)}, stroke: none, align: left, "
-            f"table.hline(stroke: 0.6pt), {head}, table.hline(stroke: 0.4pt), {body}, table.hline(stroke: 0.6pt))))"
-        )
+        rules = f"table.hline(stroke: 0.6pt), {head}, table.hline(stroke: 0.4pt), {body}, table.hline(stroke: 0.6pt)"
+        table = f"table(columns: {len(block.header)}, stroke: none, align: left, {rules})"
+        return f"#block(breakable: false, width: 100%, align(center, text(size: 9pt, {table})))"
 
     def exercise(self, block: blocks.Exercise) -> str:
-        return (
-            f"*Exercise {self.count['exercise']}.* {self.inline(block.question)}\n\n"
-            f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {self.inline(block.answer)}])"
-        )
+        question = f"*Exercise {self.count['exercise']}.* {self.inline(block.question)}"
+        answer = f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {self.inline(block.answer)}])"
+        return f"{question}\n\n{answer}" if block.answer else question
+
+    def summary(self, block: blocks.Summary) -> str:
+        return f"#short[{self.inline(block.text)}]"
+
+    def points(self, block: blocks.Points) -> str:
+        return f"*{self.inline(block.title)}*\n\n" + "\n".join(f"- {self.inline(item)}" for item in block.items)
 
     def listing(self, block: blocks.Listing) -> str:
-        return f'#raw({_quoted(block.code)}, lang: "python", block: true)'
+        whole = block.code.count("\n") < ON_A_PAGE
+        code = f'#raw({_quoted(block.code)}, lang: "python", block: true)'
+        return f"#block(breakable: false)[{code}]" if whole else code

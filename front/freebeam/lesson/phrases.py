@@ -9,15 +9,32 @@ from functools import lru_cache
 from importlib.resources import files
 from typing import Any
 
-from freebeam.lesson.blocks import Cell, Exercise, Figure, Heading, Prose
+from freebeam.lesson.blocks import Cell, Exercise, Figure, Heading, Prose, Summary
 
-__all__ = ["data", "exercise", "figure", "heading", "n", "percent", "prose", "text"]
+__all__ = ["arguments", "data", "exercise", "figure", "heading", "n", "percent", "prose", "summary", "text", "words"]
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=8)
 def data(name: str) -> Mapping[str, Any]:
     """A file of this package, text.toml or record.toml."""
     return tomllib.loads((files("freebeam.lesson") / name).read_text(encoding="utf-8"))
+
+
+@lru_cache(maxsize=1)
+def words() -> Mapping[str, Any]:
+    """All texts, those of text.toml and those of general.toml, which may share a chapter."""
+    found = {chapter: dict(texts) for chapter, texts in data("text.toml").items()}
+    for chapter, texts in data("general.toml").items():
+        found[chapter] = found.get(chapter, {}) | texts
+    return found
+
+
+def at(key: str) -> Any:
+    """A text, or a table of texts, by its place. Raises KeyError for one that there is not."""
+    found: Any = words()
+    for part in key.split("."):
+        found = found[part]
+    return found
 
 
 def text(key: str, **values: Any) -> str:
@@ -25,9 +42,7 @@ def text(key: str, **values: Any) -> str:
 
     Raises KeyError for a place that there is not, and for a value that is missing.
     """
-    found: Any = data("text.toml")
-    for part in key.split("."):
-        found = found[part]
+    found = at(key)
 
     def written(place: re.Match[str]) -> str:
         value = values[place[1]]
@@ -50,7 +65,14 @@ def heading(chapter: str) -> Heading:
 
 def exercise(key: str, answer: str = "answer", **values: Any) -> Exercise:
     """An exercise of text.toml; answer: which of its answers, where it has several."""
-    return Exercise(text(f"{key}.question", **values), text(f"{key}.{answer}", **values))
+    question, answered = text(f"{key}.question", **values), text(f"{key}.{answer}", **values)
+    method = text(f"{key}.method", **values) if "method" in at(key) else ""
+    return Exercise(question, answered, method)
+
+
+def summary(key: str, **values: Any) -> Summary:
+    """What a chapter comes to, of text.toml."""
+    return Summary(text(key, **values))
 
 
 def n(value: float, digits: int = 5) -> str:
@@ -60,6 +82,11 @@ def n(value: float, digits: int = 5) -> str:
         return f"${value:.{digits}g}$" if abs(value) < 10**digits else f"${value:.0f}$"
     mantissa, exponent = f"{value:.{max(digits - 3, 1)}e}".split("e")
     return rf"${mantissa} \cdot 10^{{{int(exponent)}}}$"
+
+
+def arguments(values: Mapping[str, float]) -> str:
+    """Values by name as further arguments of a call."""
+    return "".join(f", {name}={value:g}" for name, value in values.items())
 
 
 def percent(share: float) -> str:

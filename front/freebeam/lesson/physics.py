@@ -11,28 +11,39 @@ import numpy as np
 
 from freebeam.lesson.blocks import Block, Cell, Table
 from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, vanishing_damping
-from freebeam.lesson.facts import MODES, Facts
-from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, text
+from freebeam.lesson.facts import Facts
+from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, summary, text
+from freebeam.lesson.resonance import pulsation
 from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
 
-__all__ = ["physics_chapters"]
+__all__ = ["closed", "enclosed", "physics_chapters", "work"]
 
 
-def physics_chapters(chapter: Chapter, facts: Facts, paper: bool) -> tuple[Block, ...]:
+def physics_chapters(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
     """From the eigenvalue problem to the cost of the series. Eqs. (24)-(26)."""
+    found = closed("stability", eigenvalues(chapter, facts))
     if facts.critical.load is None:
-        return (*eigenvalues(chapter, facts, paper), *rigid(chapter, facts))
+        return (*found, *rigid(chapter, facts))
+    if facts.flutters:
+        found += closed("coalescence", coalescence(chapter, facts))
+    else:
+        found += closed("divergence", divergence(chapter, facts))
     return (
-        *eigenvalues(chapter, facts, paper),
-        *(coalescence(chapter, facts) if facts.flutters else divergence(chapter, facts)),
+        *found,
         *vanishing_damping(chapter, facts),
-        *work(chapter, facts),
+        *closed("work", work(chapter, facts)),
         *rigid(chapter, facts),
-        *truncation(chapter, facts),
+        *pulsation(chapter, facts),
+        *closed("truncation", truncation(chapter, facts)),
     )
+
+
+def closed(chapter: str, blocks: list[Block]) -> list[Block]:
+    """A chapter's blocks with its summary."""
+    return [*blocks, summary(f"{chapter}.summary")]
 
 
 def work(chapter: Chapter, facts: Facts) -> list[Block]:
@@ -52,7 +63,7 @@ def work(chapter: Chapter, facts: Facts) -> list[Block]:
         ]
     if not facts.flutters:
         return [*blocks, prose("work.unused")]
-    damping = {name: size for name, size in (("alpha", 1e-3), ("beta", 0.1)) if name in facts.column.damping}
+    damping = {name: size for name, size in (("alpha", facts.data.small), ("beta", 0.1)) if name in facts.damping}
     return [*blocks, *_balance(facts, damping), *_work_exercises(facts, damping)]
 
 
@@ -65,12 +76,13 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
         return []
     column = facts.column
     whole: dict[str, Any] = {"alpha": 0.0, "beta": 0.0, **damping}
-    critical = facts.damped(**whole).load or facts.load
+    critical = facts.damped(whole["alpha"], whole["beta"]).load or facts.load
     rows = []
     for share in (0.9, 1.0, 1.1):
-        c = curves.cycle(Question.of(column, MODES, **damping), share * critical)
+        c = curves.cycle(Question.of(column, facts.modes, **damping, **facts.own), share * critical)
         rate = c.eigenvalue.real if abs(c.eigenvalue.real) > 1e-9 * abs(c.eigenvalue) else 0.0
         rows.append((f"{share * critical:.5g}", f"{c.work[-1]:.4g}", f"{c.dissipated[-1]:.4g}", f"{rate:.3g}"))
+    whole |= facts.own
     named = " and ".join(f"$\\{name} = {size:g}$" for name, size in damping.items())
     arguments = ", ".join(f"{name}={size:g}" for name, size in whole.items())
     blocks: list[Block] = [
@@ -81,7 +93,7 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
             "Energy given by the load and taken by damping through one period at the critical load.",
         ),
     ]  # fmt: skip
-    if curves.follower_share(Question.of(column)):
+    if curves.follower_share(facts.question):
         caption = (
             "The follower force's transversal part against the deflection of its end: the loop's area is the work."
         )
@@ -94,18 +106,27 @@ def _balance(facts: Facts, damping: dict[str, Any]) -> list[Block]:
 def _work_exercises(facts: Facts, damping: dict[str, Any]) -> list[Block]:
     from freebeam.figures import curves
 
-    past = curves.cycle(Question.of(facts.column, MODES), 1.02 * facts.load)
-    found: list[Block] = [
-        exercise("work.past", given=float(past.work[-1]), rate=past.eigenvalue.real),
-        exercise("work.circulatory", share=facts.circulatory),
-    ]
+    found: list[Block] = []
+    if facts.undamped:  # else something takes energy without alpha and beta too
+        past = curves.cycle(facts.question, (1 + facts.data.past) * facts.load)
+        given, rate = float(past.work[-1]), past.eigenvalue.real
+        found.append(exercise("work.past", over=percent(facts.data.past), given=given, rate=rate))
+    found.append(exercise("work.circulatory", share=facts.circulatory))
     if damping:
-        load = 0.5 * facts.load
-        c = curves.cycle(Question.of(facts.column, MODES, **damping), load)
+        load = facts.data.below * facts.load
+        c = curves.cycle(Question.of(facts.column, facts.modes, **damping, **facts.own), load)
         given, taken = float(c.work[-1]), float(c.dissipated[-1])
         gives = "gives" if given > 0 else "takes"
         found.append(
-            exercise("work.half", gives=gives, given=abs(given), taken=taken, rate=c.eigenvalue.real, load=load)
+            exercise(
+                "work.half",
+                gives=gives,
+                given=abs(given),
+                taken=taken,
+                rate=c.eigenvalue.real,
+                load=load,
+                share=percent(facts.data.below),
+            )
         )
     return found
 
@@ -128,11 +149,12 @@ def rigid(chapter: Chapter, facts: Facts) -> list[Block]:
             prose("rigid.none", left=column.ends[0], right=column.ends[1]),
             exercise("rigid.zero", least=float(facts.pencil.e[0])),
             exercise("rigid.pairs", pairs=_rigid_pairs()),
+            summary("rigid.summary_none"),
         ]
-    M, _, H = column.matrices(MODES, True)
+    M, _, H = column.matrices(facts.modes, True, **facts.own)
     forth = float(np.abs(H[count:, :count]).max() / np.abs(H).max())
     back = float(np.abs(H[:count, count:]).max() / np.abs(H).max())
-    load = 0.8 * facts.load if facts.critical.load else 10.0
+    load = facts.data.above * facts.load if facts.critical.load else 10.0
     difference = _spectra_apart(facts, load)
     tumbles = np.abs(H[:count, :count]).max() > 1e-12
     blocks: list[Block] = [
@@ -146,14 +168,14 @@ def rigid(chapter: Chapter, facts: Facts) -> list[Block]:
     block = np.linalg.solve(M[:count, :count], H[:count, :count])
     if count == 2 and abs(block[0, 1]) > 1e-12 and not np.abs(block - np.triu(block, 1)).max() > 1e-12:
         blocks.append(exercise("rigid.drift", factor=-block[0, 1], sixth=-block[0, 1] / 6))
-    return blocks
+    return closed("rigid", blocks)
 
 
 def _spectra_apart(facts: Facts, load: float) -> float:
     """Largest relative difference of the elastic ω² without rigid functions from the nearest with them."""
     whole, elastic = (
         np.linalg.eigvals(np.linalg.solve(s.M, s.K))
-        for s in (facts.column.system(MODES, load, rigid=rigid) for rigid in (True, False))
+        for s in (facts.column.system(facts.modes, load, rigid=rigid, **facts.own) for rigid in (True, False))
     )
     return float(max(np.abs(whole - s).min() / abs(s) for s in elastic))
 
@@ -190,7 +212,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
         heading("truncation"),
         prose("truncation.opening"),
         *chapter.named("Leave the series out"),
-        _enclosed(facts),
+        enclosed(facts),
         prose("truncation.table"),
         Table(("$N$", "modes", "error", "polynomials", "error"), rows),
         prose("truncation.no_bounds", order=_order(loads["modes"], reference)),
@@ -204,7 +226,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     ]  # fmt: skip
 
 
-def _enclosed(facts: Facts) -> Block:
+def enclosed(facts: Facts) -> Block:
     """What is proven of the beam itself."""
     if isinstance(facts.exact, str) or facts.exact.load is None:
         return prose("truncation.unknown", why=facts.exact)

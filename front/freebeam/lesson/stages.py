@@ -6,18 +6,21 @@ import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Listing, Prose
+from freebeam.lesson.blocks import Block, Cell, Check, Equation, Erratum, Figure, Folded, Heading, Listing, Prose
 from freebeam.lesson.errata import entries
-from freebeam.lesson.phrases import data, heading, prose, text
+from freebeam.lesson.phrases import data, heading, prose, summary, text, words
 
 if TYPE_CHECKING:
-    from freebeam_derive.pipeline import Derived
+    from freebeam_derive.pipeline import Derived, GeneralDerived
     from freebeam_derive.record import Step
     from freebeam_sym.columns import Column
 
-__all__ = ["Chapter", "derivation_chapters", "newmark_chapter"]
+__all__ = ["Chapter", "derivation_chapters", "newmark_chapter", "statement_blocks"]
 
 RIGID = "Keep what the ends let move as a rigid body"
+CONDITIONS = "State the natural end conditions"
+PLACED = ("State the equation of motion", CONDITIONS)
+"""Steps whose results hold at a place, or on a segment."""
 LONG = 420
 """Characters of LaTeX beyond which a formula is folded."""
 
@@ -31,10 +34,12 @@ SHOWS_MORE = {
 class Chapter:
     """Steps of a record as blocks: each with what it started from, its result, and its check."""
 
-    def __init__(self, derived: Derived, paper: bool) -> None:
+    def __init__(self, derived: Derived | GeneralDerived, paper: bool, short: bool = False) -> None:
+        from freebeam_derive.derivation import GeneralDerivation
         from freebeam_derive.latex import printer
 
-        self.derived, self.paper = derived, paper
+        self.derived, self.paper, self.short = derived, paper, short
+        self.general = isinstance(derived, GeneralDerivation)
         self.printer = printer(derived.column)
         self.steps = derived.steps
         self.told: set[str] = set()
@@ -42,7 +47,11 @@ class Chapter:
         self.shown: set[tuple[str, ...]] = set()
 
     def of(self, stage: str) -> list[Step]:
-        return [step for step in self.steps if step.stage == stage]
+        return [step for step in self.steps if step.stage == stage and self.wanted(step)]
+
+    def wanted(self, step: Step) -> bool:
+        """Whether a step is told; a lesson of one lecture tells some."""
+        return not self.short or step.what in data("record.toml")["short"]["steps"]
 
     def find(self, what: str) -> Step | None:
         return next((step for step in self.steps if step.what == what), None)
@@ -50,7 +59,7 @@ class Chapter:
     def named(self, *names: str) -> list[Block]:
         """The steps with these names as blocks; those that this column's record lacks are left out."""
         found = (self.find(name) for name in names)
-        return [block for step in found if step is not None for block in self.step(step)]
+        return [block for step in found if step is not None and self.wanted(step) for block in self.step(step)]
 
     def lines(self, step: Step, part: Any) -> tuple[str, ...]:
         """LaTeX of what a step has before or after it."""
@@ -64,7 +73,32 @@ class Chapter:
         if part is step.after and step.what == RIGID:
             names = tuple(rf"r_{{{k + 1}}}" for k in range(len(part)))
             return tuple(self.printer.labelled(part, names))
+        if part is step.after and step.what in PLACED:
+            return self.placed(step)
         return tuple(self.printer.lines(part))
+
+    def placed(self, step: Step) -> tuple[str, ...]:
+        """Equations of motion and conditions with the places where they hold before them; what is the same, once."""
+        motion, place = self.derived.motion, self.printer.place
+        relations = step.after if isinstance(step.after, tuple) else (step.after,)
+        if step.what == CONDITIONS:
+            where = [f"x = {place(motion.beam.places[c.place])}" for c in motion.conditions]
+        else:
+            edges = [place(edge) for edge in motion.beam.places]
+            where = [f"{edges[k]} < x < {edges[k + 1]}" if motion.beam.cuts else "" for _, k in motion.equations]
+            where += [""] * len(motion.of_coordinates)
+        found: dict[Any, list[str]] = {}
+        for relation, at in zip(relations, where, strict=True):
+            found.setdefault(relation, []).append(at)
+        lines: list[str] = []
+        for relation, places in found.items():
+            written = self.printer.lines(relation)
+            label = r",\; ".join(places)
+            if label:
+                first = written[0].removeprefix("& ").replace(" &= ", " = ", 1)
+                written = [rf"{label}\colon \quad & {first}", *written[1:]]
+            lines += written
+        return tuple(lines)
 
     def step(self, step: Step, said: bool = True) -> tuple[Block, ...]:
         """One step: why, from what, what came of it, what proved it; then the errata of its equation."""
@@ -92,20 +126,27 @@ class Chapter:
             shown.append(Folded("The formula, which is long", (result,)) if long else result)
             self.shown.add(result.lines)
         shown.append(Check(written(step.check), self.residual(step)))
-        code = data("record.toml")["cells"].get(step.what, "")
+        code = data("record.toml")["general" if self.general else "cells"].get(step.what, "")
         quiet = ", shown=True" if code and step.what not in SHOWS_MORE else ""
         cell = Cell((code + "\n" if code else "") + f"proven(derived, {step.what!r}{quiet})", tuple(shown))
         text = f"**{what}.** {_sentence(step.why)}" if said else f"**{what}.**"
         return (Prose(text), cell, *self.errata(step.equation))
 
-    def section(self, stage: str, chapter: str = "", said: bool = True, **values: str) -> list[Block]:
+    def section(
+        self, stage: str, chapter: str = "", said: bool = True, more: tuple[Block, ...] = (), **values: str
+    ) -> list[Block]:
         """A chapter of text.toml, by default named as the stage: its opening, then the stage's steps without the
-        conditions that are numbered. said: whether each step tells why it is taken."""
+        conditions that are numbered, and its summary. said: whether each step tells why it is taken. more: blocks
+        before the summary."""
         found: list[Block] = [heading(chapter or stage), prose(f"{chapter or stage}.opening", **values)]
         for step in self.of(stage):
             if not _numbered(step):
                 found += self.step(step, said)
-        return found
+        return [*found, *more, *self.summed(chapter or stage)]
+
+    def summed(self, chapter: str) -> list[Block]:
+        """The summary of a chapter, where it has one that holds of any column."""
+        return [summary(f"{chapter}.summary")] if "summary" in words()[chapter] else []
 
     def residual(self, step: Step) -> float:
         """What the step's proof leaves; it is run once."""
@@ -177,22 +218,10 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
     blocks: list[Block] = [
         heading("statement"),
         prose("statement.opening", left=column.ends[0], right=column.ends[1]),
+        Cell("", (Figure("beam", lambda: figures.beam(kernels), "Deflected as in its lowest mode.", "The column"),)),
+        *statement_blocks(chapter, source),
     ]
-    blocks.append(
-        Cell("", (Figure("beam", lambda: figures.beam(kernels), "Deflected as in its lowest mode.", "The column"),))
-    )
-    if source is not None:
-        code = source.read_text(encoding="utf-8").strip()
-        blocks.append(Cell(f"{code}", (Folded("The statement as the program reads it", (Listing(code),)),)))
-    blocks.append(
-        Cell(
-            "derived = pipeline.derive(column)\n"
-            'for name in ("T", "V", "W_c", "dW_nc"):\n'
-            "    show(Eq(Symbol(name), display(column.energies.functional(name)), evaluate=False))",
-            _statement(chapter),
-        )
-    )
-    blocks += chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)")
+    blocks += [*chapter.errata("Eq. (1)", "Eq. (2)", "Eq. (3)", "Eq. (4)"), *chapter.summed("statement")]
     if chapter.derived.scaling:
         blocks += chapter.section("scaling", said=False)
     varies = chapter.derived.motion.strong.coeff(P).has(x)
@@ -200,13 +229,24 @@ def derivation_chapters(chapter: Chapter, kernels: Column, source: Path | None) 
         *blocks,
         *chapter.section("variation"),
         *chapter.section("Ritz series", "ritz", reason=text(f"ritz.{'varying' if varies else 'constant'}_load")),
-        *chapter.section("modes"),
-        *_admissible(chapter, "modes"),
-        *chapter.errata("Section 3.1"),
+        *chapter.section("modes", more=(*_admissible(chapter, "modes"), *chapter.errata("Section 3.1"))),
         *chapter.section("integrals"),
-        *chapter.section("polynomials"),
-        *_admissible(chapter, "polynomials"),
+        *chapter.section("polynomials", more=_admissible(chapter, "polynomials")),
     )
+
+
+def statement_blocks(chapter: Chapter, source: Path | None) -> list[Block]:
+    """The statement as the program reads it, and as formulas."""
+    blocks: list[Block] = []
+    if source is not None:
+        code = source.read_text(encoding="utf-8").strip()
+        blocks.append(Cell(f"{code}", (Folded("The statement as the program reads it", (Listing(code),)),)))
+    cell = (
+        "derived = pipeline.derived(column)\n"
+        'for name in ("T", "V", "W_c", "dW_nc"):\n'
+        "    show(Eq(Symbol(name), display(column.energies.functional(name), 1, column.cuts), evaluate=False))"
+    )
+    return [*blocks, Cell(cell, _statement(chapter))]
 
 
 def _statement(chapter: Chapter) -> tuple[Block, ...]:
@@ -236,5 +276,7 @@ def _admissible(chapter: Chapter, stage: str) -> tuple[Block, ...]:
 
 
 def newmark_chapter(chapter: Chapter) -> tuple[Block, ...]:
-    """Newmark's method, which the paper uses and does not print."""
-    return (*chapter.section("newmark"), *chapter.errata("Section 4.5", "Abstract"))
+    """Newmark's method, which the paper uses and does not print: an appendix."""
+    _, *blocks = chapter.section("newmark")
+    title = text("opening.appendix", title=text("newmark.title"))
+    return (Heading(title, 2, "newmark"), *blocks, *chapter.errata("Section 4.5", "Abstract"))

@@ -7,7 +7,8 @@ from pathlib import Path
 from typing import ClassVar
 
 from freebeam.lesson import blocks
-from freebeam.lesson.writer import Writer, left
+from freebeam.lesson.phrases import text
+from freebeam.lesson.writer import Writer
 
 __all__ = ["files"]
 
@@ -46,8 +47,11 @@ def text_of(text: str) -> str:
 def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     """The source, and its drawings in a folder named after it."""
     page = _Page(output.with_name(f"{output.stem}_files"))
-    text = page.filled("page.tex", lesson, body=page.joined(lesson.blocks))
-    return {output: text.encode(), **page.pictures}
+    body = page.joined(lesson.blocks)
+    if page.proofs:
+        items = "\n".join(rf"\item {proof}" for proof in page.proofs)
+        body += rf"\section{{{text('proof.appendix')}}}{{\small\begin{{enumerate}}" + f"\n{items}\n\\end{{enumerate}}}}"
+    return {output: page.filled("page.tex", lesson, body=body).encode(), **page.pictures}
 
 
 class _Page(Writer):
@@ -66,10 +70,12 @@ class _Page(Writer):
     def equation(self, block: blocks.Equation) -> str:
         tag = rf"\tag{{{block.number}}}" if block.number else ""
         latex = block.latex.replace("{split}", "{aligned}")  # split may not stand in a box
+        if "pmatrix" in latex:  # whose fractions would be small
+            latex = latex.replace(r"\frac", r"\dfrac").replace(r"\\", r"\\[4pt] ")
         return rf"\begin{{equation*}}\fitted{{{latex}}}{tag}\end{{equation*}}"
 
     def check(self, block: blocks.Check) -> str:
-        return rf"{{\small $\checkmark$ \emph{{checked:}} {self.inline(block.text)}; {left(block)}\par}}"
+        return rf"{{\small $\checkmark$ \emph{{{text('proof.title')} {self.noted(block)}}}\par}}"
 
     def folded(self, block: blocks.Folded) -> str:
         return rf"{{\small \emph{{{self.inline(block.summary)}}}" + f"\n\n{self.joined(block.blocks)}\\par}}"
@@ -96,10 +102,16 @@ class _Page(Writer):
         )
 
     def exercise(self, block: blocks.Exercise) -> str:
-        return (
-            rf"\textbf{{Exercise {self.count['exercise']}.}} {self.inline(block.question)}"
-            f"\n\n{{\\small \\emph{{Answer.}} {self.inline(block.answer)}\\par}}"
-        )
+        question = rf"\textbf{{Exercise {self.count['exercise']}.}} {self.inline(block.question)}"
+        answer = f"\n\n{{\\small \\emph{{Answer.}} {self.inline(block.answer)}\\par}}"
+        return question + (answer if block.answer else "")
+
+    def summary(self, block: blocks.Summary) -> str:
+        return rf"\textbf{{In short.}} {self.inline(block.text)}"
+
+    def points(self, block: blocks.Points) -> str:
+        items = "\n".join(rf"\item {self.inline(item)}" for item in block.items)
+        return rf"\textbf{{{self.inline(block.title)}}}" + f"\n\\begin{{itemize}}\n{items}\n\\end{{itemize}}"
 
     def listing(self, block: blocks.Listing) -> str:
         return "{\\scriptsize\n\\begin{verbatim}\n" + _ascii(block.code) + "\n\\end{verbatim}}"

@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from freebeam.lesson import blocks
+from freebeam.lesson.phrases import text
 from freebeam.lesson.pictures import image
 
-__all__ = ["Writer", "left"]
+__all__ = ["Writer", "proven"]
 
 
 class Writer(ABC):
@@ -28,6 +29,8 @@ class Writer(ABC):
         self.folder = folder or Path()
         self.pictures: dict[Path, bytes] = {}
         self.count: Counter[str] = Counter()
+        self.proofs: list[str] = []
+        """Of a format in which nothing folds: what goes to the end."""
 
     def joined(self, some: Iterable[blocks.Block]) -> str:
         """Blocks one after the other; those that print nothing are left out."""
@@ -55,6 +58,11 @@ class Writer(ABC):
         path = self.folder / f"{figure.key}.{format}"
         self.pictures[path] = image(figure, format)
         return path
+
+    def noted(self, check: blocks.Check) -> int:
+        """Keep a proof for the end; its number."""
+        self.proofs.append(self.inline(proven(check)))
+        return len(self.proofs)
 
     def filled(self, template: str, lesson: blocks.Lesson, **values: str) -> str:
         """A file of this package with what stands for «title», «subtitle» and other names in it."""
@@ -93,9 +101,17 @@ class Writer(ABC):
     def exercise(self, block: blocks.Exercise) -> str: ...
 
     @abstractmethod
+    def summary(self, block: blocks.Summary) -> str: ...
+
+    @abstractmethod
+    def points(self, block: blocks.Points) -> str: ...
+
+    @abstractmethod
     def listing(self, block: blocks.Listing) -> str: ...
 
 
-def left(check: blocks.Check) -> str:
-    """What a check's proof leaves, in words."""
-    return f"leaves {check.residual:.0e}" if check.residual else "leaves nothing"
+def proven(check: blocks.Check) -> str:
+    """What a check's proof did and left, in a teacher's words."""
+    if not check.residual:
+        return text("proof.exact", check=check.text)
+    return text("proof.rounded", check=check.text, residual=check.residual)

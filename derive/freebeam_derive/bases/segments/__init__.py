@@ -19,6 +19,7 @@ from sympy import factor as factored
 
 from freebeam_derive import pieces
 from freebeam_derive.bases.segments.strong_form import NoStrongForm, StrongForm, strong_form
+from freebeam_derive.display import neighbours
 from freebeam_derive.emit import source
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Value
 from freebeam_derive.kernel import Facts, Figure, Kernel, Progress
@@ -220,7 +221,7 @@ class SegmentsKernel(Kernel):
         terms = []
         for term in grouped(form):
             of = f"{_named(term.test, True)} {_named(term.trial)}"
-            for first, last in _runs(term.segments):
+            for first, last in neighbours(term.segments):
                 low, high = breaks[first], breaks[last + 1]
                 span = "" if (low, high) == (0, 1) else f"[{low}, {high}] "
                 terms.append((term.factor, f"∫{span or ' '}{{}}{of} dx"))
@@ -311,17 +312,6 @@ def _motion(number: int, motion: dict[tuple[str, int | None], Expr]) -> list[dic
         part = {"number": number, "name": name, "segments": tuple(sorted(segments))}
         found.append({**part, "constant": constant, "slope": slope})
     return found
-
-
-def _runs(segments: tuple[int, ...]) -> list[tuple[int, int]]:
-    """First and last of each run of neighbouring segments."""
-    runs: list[list[int]] = []
-    for segment in segments:
-        if runs and runs[-1][1] == segment - 1:
-            runs[-1][1] = segment
-        else:
-            runs.append([segment, segment])
-    return [(first, last) for first, last in runs]
 
 
 def _named(of: tuple[str, int], test: bool = False) -> str:
