@@ -294,14 +294,17 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
     """
     basis = module.basis(modes)
     defaults = {p.name: float(p.default) for p in column.parameters}
-    orders = np.empty(len(basis.order), dtype=object)
-    orders[:] = [fmpq(n) for n in range(len(orders))]
-    in_fractions = module.complete(orders)
+    in_fractions = None
+    if hasattr(module, "complete"):  # other languages have no fractions
+        orders = np.empty(len(basis.order), dtype=object)
+        orders[:] = [fmpq(n) for n in range(len(orders))]
+        in_fractions = module.complete(orders)
     pieces = Pieces(system, defaults, basis.numbers, basis.size, modes + 2)
     say("functions")
     _space(pieces)
     yield from _functions(pieces, module, basis)
-    _rigid(pieces, module, in_fractions, defaults)
+    if in_fractions is not None:
+        _rigid(pieces, module, in_fractions, defaults)
     say("matrices")
     for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
         forms = getattr(system, letter)

@@ -22,10 +22,10 @@ import difflib
 import hashlib
 import importlib.util
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -35,6 +35,7 @@ from freebeam_derive import (
     comparison,
     eigenproblem,
     emit,
+    foreign,
     integrals,
     newmark,
     ritz,
@@ -161,6 +162,7 @@ def generate(
     progress: Progress | None = None,
     check: bool = False,
     only: Sequence[str] | None = None,
+    language: str = "python",
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
@@ -168,10 +170,18 @@ def generate(
     installed package has no tree, and needs one named.
     check: write nothing, compare with what is there. progress: told what is being done. only: the bases that modules
     are made for, all where None; those of polynomials are named `…_legendre.py`.
+    language: of the modules, "python", "c" or "javascript"; this tree's own are Python's.
 
     Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
     VerificationError for a kernel that fails; then nothing is written.
     """
+    emit.refuse_language(language)
+    if lacking := "" if check else foreign.missing(language):
+        raise StatementError(f"{lacking}; nothing is written that was not verified")
+    if output is None and language != "python":
+        raise StatementError(
+            f"freebeam's own kernels are Python's; name a folder for those in {language} with --output"
+        )
     if output is None and not (Path(__file__).parents[2] / "pyproject.toml").is_file():
         raise StatementError("an installed freebeam is not written to: name a folder for the kernels with --output")
     output = tree() if output is None else Path(output)
@@ -183,44 +193,55 @@ def generate(
     built = []
     for column in chosen:
         say(f"{column.name}: derive")
-        built += [(f"{bases.module_of(column, basis)}.py", k) for basis, k in kernels(column, in_bases).items()]
-    modules = [file for file, _ in built]
-    _refuse_doubled(modules)
+        built += [(bases.module_of(column, basis), k) for basis, k in kernels(column, in_bases).items()]
+    _refuse_doubled([module for module, _ in built])
     _refuse_homonyms(chosen, targets, output)
-    others = sorted(set(before) - set(modules))
+    emitted = [(kernel, emit.files(kernel, language, module)) for module, kernel in built]
+    texts = {file: text for _, found in emitted for file, text in found.items()}
+    others = sorted(set(before) - set(texts))
     if targets and others and tools != _tools():
         raise StatementError(
             f"{output} holds {others[0]} of other tools: {_other_tools(tools)}, or choose another --output"
         )
 
-    made = [_made(file, kernel, check, say) for file, kernel in built]
-    # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
-    kept = before if targets else {}
-    entries = {file: _entry(kernel, text) for file, kernel, text, _ in made}
+    figures: dict[str, tuple[Figure, ...]] = {}
+    for kernel, found in () if check else emitted:
+        label = ", ".join([kernel.column.name, kernel.basis_name, *([language] if language != "python" else [])])
+        figures[label] = _measured(kernel, found, language, partial(_told, say, label))
+    # a part of the columns leaves the others of the folder as they are; all of them leave nothing else of the language
+    kept = {file: entry for file, entry in before.items() if targets or Path(file).suffix not in _suffixes(texts)}
+    entries = {file: _entry(kernel, text) for kernel, found in emitted for file, text in found.items()}
     files = dict(sorted({**kept, **entries}.items()))
-    texts = {file: text for file, _, text, _ in made}
-    texts[INDEX] = _index(files)
+    if language == "python":
+        texts[INDEX] = _index(files)
     texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
     if check:
         return Outcome(output, names, (), _difference(output, texts, set(kept), bool(targets)), {})
-    figures = {f"{kernel.column.name}, {kernel.basis_name}": found for _, kernel, _, found in made}
     written = _write(output, texts, [output / name for name in before if name not in files])
     _report(output, figures)
     return Outcome(output, names, written, "", figures)
 
 
-def _made(file: str, kernel: Kernel, check: bool, say: Progress) -> tuple[str, Kernel, str, tuple[Figure, ...]]:
-    """A module of a column: file, kernel, text, and what the verification measured; nothing for a mere check."""
-    label = f"{kernel.column.name}, {kernel.basis_name}"
-    text = emit.emit(kernel)
-    figures = () if check else verify.verify(kernel, text, lambda what: say(f"{label}: verify {what}"))
-    return file, kernel, text, figures
+def _measured(kernel: Kernel, texts: dict[str, str], language: str, say: Progress) -> tuple[Figure, ...]:
+    """What the verification of a column's module measures."""
+    if language == "python":
+        return verify.verify(kernel, next(iter(texts.values())), say)
+    with foreign.loaded(texts, language, kernel) as module:
+        return verify.measure(kernel, module, say)
+
+
+def _told(say: Progress, label: str, what: str) -> None:
+    say(f"{label}: verify {what}")
+
+
+def _suffixes(files: Iterable[str]) -> set[str]:
+    return {Path(file).suffix for file in files} - {".json"}
 
 
 def _refuse_doubled(modules: Sequence[str]) -> None:
     doubled = sorted(module for module in modules if modules.count(module) > 1)
     if doubled:
-        raise StatementError(f"two columns would be written to {doubled[0]}; give each a name of its own")
+        raise StatementError(f"two columns would be written to {doubled[0]}.py; give each a name of its own")
 
 
 def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], output: Path) -> None:
@@ -264,6 +285,7 @@ def _entry(built: Kernel, text: str) -> dict[str, object]:
 def _index(files: dict[str, dict[str, object]]) -> str:
     text = '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n'
     text += "\n# the module of a column in each basis\nCOLUMNS: dict[str, dict[str, str]] = {\n"
+    files = {file: entry for file, entry in files.items() if file.endswith(".py")}
     for name in sorted({str(entry["column"]) for entry in files.values()}):
         modules = {e["basis"]: file.removesuffix(".py") for file, e in sorted(files.items()) if e["column"] == name}
         text += f'    "{name}": {{' + ", ".join(f'"{basis}": "{file}"' for basis, file in modules.items()) + "},\n"
@@ -284,7 +306,8 @@ def _difference(output: Path, texts: dict[str, str], kept: set[str], some: bool)
 
     some: only some columns were asked for; then a file that was not emitted is nobody's business here.
     """
-    present = {path.name for path in output.glob("*.py") if not (some and _foreign(path))}
+    modules = [path for suffix in sorted(_suffixes(texts)) for path in output.glob(f"*{suffix}")]
+    present = {path.name for path in modules if not (some and _foreign(path))}
     parts: list[str] = []
     for name in sorted({*texts, *(present - kept)}):
         path = output / name

@@ -50,12 +50,16 @@ def load(text: str, name: str) -> ModuleType:
 
 
 def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple[Figure, ...]:
-    """Compare an emitted module with the independent route; the measured errors, each within its bound.
+    """Compare an emitted NumPy module with the independent route; the measured errors, each within its bound.
 
     Raises VerificationError where one is not.
     """
+    return measure(kernel, load(text, kernel.column.module), progress)
+
+
+def measure(kernel: Kernel, module: ModuleType, progress: Progress | None = None) -> tuple[Figure, ...]:
+    """The same for a module at hand, of any language that has the functions of the NumPy one (foreign.py)."""
     say = progress or (lambda _: None)
-    module = load(text, kernel.column.module)
     with mpmath.workdps(DIGITS + 15), precision(BITS):
         figures = [*kernel.measured(module, say)]
         say("the rest")

@@ -386,9 +386,11 @@ class LegendreKernel(BeamKernel):
         functions = independent.independent_polynomials(self.column.ends, self.rigid, POLYNOMIALS)
         yield from _functions_figures(module, functions)
         say("matrices")
-        orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
-        orders[:] = [fmpq(n) for n in range(len(orders))]
-        in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
+        in_fractions = None
+        if hasattr(module, "complete"):  # other languages have no fractions
+            orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
+            orders[:] = [fmpq(n) for n in range(len(orders))]
+            in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
         reference = independent.PolynomialProducts(functions)
         yield from matrix_figures(self, module, reference, POLYNOMIALS, in_fractions)
 
