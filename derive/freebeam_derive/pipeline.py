@@ -23,7 +23,7 @@ import hashlib
 import importlib.util
 import json
 from collections.abc import Iterable, Sequence
-from contextlib import ExitStack
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
 from functools import cached_property, partial
 from importlib.metadata import version
@@ -39,6 +39,7 @@ from freebeam_derive import (
     integrals,
     newmark,
     ritz,
+    rounding,
     scaling,
     statement,
     step_proofs,
@@ -210,7 +211,7 @@ def generate(
         figures[label] = _measured(kernel, found, language, partial(_told, say, label))
     # a part of the columns leaves the others of the folder as they are; all of them leave nothing else of the language
     kept = {file: entry for file, entry in before.items() if targets or Path(file).suffix not in _suffixes(texts)}
-    entries = {file: _entry(kernel, text) for kernel, found in emitted for file, text in found.items()}
+    entries = {file: _entry(kernel, text, language) for kernel, found in emitted for file, text in found.items()}
     files = dict(sorted({**kept, **entries}.items()))
     if language == "python":
         texts[INDEX] = _index(files)
@@ -272,13 +273,20 @@ def _other_tools(recorded: dict[str, str]) -> str:
     return f"{differing}; install the pinned versions with `make`"
 
 
-def _entry(built: Kernel, text: str) -> dict[str, object]:
+def _entry(built: Kernel, text: str, language: str) -> dict[str, object]:
+    proof: dict[str, object] = {}
+    if language == "python":
+        # a factor that is no polynomial, or a function that balls do not have: then nothing is said to be proven
+        with suppress(ArithmeticError, TypeError):
+            of, bound = built.proven(text)
+            proof = {"proven": {"of": of, "bound": bound, "assuming": rounding.ASSUMING}}
     return {
         "column": built.column.name,
         "basis": built.basis_name,
         "sha256": hashlib.sha256(text.encode()).hexdigest(),
         **built.cost(),
         "bounds": built.bounds(),
+        **proof,
     }
 
 

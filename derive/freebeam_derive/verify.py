@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 import numpy as np
@@ -108,9 +108,9 @@ def matrix_figures(
                 )
             if letter == "C":  # a sum of two matrices, whose own terms may cancel
                 shares = ((system.c_M, system.M), (system.c_E, system.E))
-                scale = sum(size(c, values) * _scale(part, values, reference) for c, part in shares)
+                scale = sum(size(c, values) * scale_of(part, values, reference) for c, part in shares)
             else:
-                scale = _scale(form, values, reference)
+                scale = scale_of(form, values, reference)
             if in_fractions is not None and letter != "C" and rational(form, values):
                 exact = reference.form(form, values)
                 found = function(in_fractions, True, **{name: fraction(value) for name, value in values.items()})
@@ -125,13 +125,20 @@ def matrix_figures(
         yield Figure(f"entries of {letter} up to N = {N}, of the norms of their terms", *worst, BOUND)
 
 
-def _scale(form: Form, values: dict[str, float], reference: Reference) -> Any:
+class Sizes(Protocol):
+    """How large functions are, in floats: (∫ (φ^(order))² dx)^½ and φ^(order) at an end of each."""
+
+    def norms(self, order: int) -> Any: ...
+    def at_end(self, end: int, order: int) -> Any: ...
+
+
+def scale_of(form: Form, values: dict[str, float], sizes: Sizes) -> Any:
     """What the terms of each entry can be: nothing cancels in it."""
     scale: Any = 0.0
     for (_, p, q), factor in form.along.items():
-        scale = scale + size(factor, values) * np.outer(reference.norms(p), reference.norms(q))
+        scale = scale + size(factor, values) * np.outer(sizes.norms(p), sizes.norms(q))
     for (a, p, b, q), factor in form.points.items():
-        product = np.outer(reference.at_end(int(a), p), reference.at_end(int(b), q))
+        product = np.outer(sizes.at_end(int(a), p), sizes.at_end(int(b), q))
         scale = scale + size(factor, values) * np.abs(product)
     return scale
 
