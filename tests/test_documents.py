@@ -20,6 +20,7 @@ PYTHON = [
     for page in PAGES
     for k, code in enumerate(re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.S))
     if "import leipholz" not in code  # which needs the emitted file beside it: tests/runtime/test_cli.py
+    if "import ctypes" not in code  # which needs a compiled kernel: tests/derive/test_languages.py
 ]
 COMMANDS = sorted({
     line.strip().removeprefix("$ ").removeprefix(".venv/bin/")

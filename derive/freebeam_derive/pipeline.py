@@ -12,8 +12,10 @@ stability     matrices                    pencil, meeting, tangent rule, work   
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
 proofs        all of these                every step by another route               step_proofs.py
 bases         forms, trial functions      programs: modes, Legendre's polynomials   bases/           Eqs. (9), (11)
-emission      programs                    NumPy module                              emit/
+emission      programs                    NumPy, C or JavaScript module             emit/
 verification  module, forms               measured errors within bounds             verify.py, independent.py
+languages     C or JavaScript module      the NumPy module's functions              foreign.py
+rounding      NumPy module                proven bounds                             rounding.py
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 import subprocess
+import sys
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -192,6 +193,41 @@ def test_words_of_c_are_refused_and_comments_stay_comments() -> None:
     texts = emit.files(kernel, "c", "any")
     bare = re.sub(r"/\*.*?\*/", "", texts["any.h"], flags=re.DOTALL)
     assert "evil" in texts["any.h"] and "evil" not in bare
+
+
+def test_the_guides_programs_run(tmp_path: Path, derived: Derived) -> None:
+    """What docs/guides/languages.md says, in C, through ctypes and in JavaScript, gives the NumPy kernel's numbers."""
+    if lacking := foreign.missing("c"):
+        pytest.skip(lacking)
+    guide = (Path(__file__).parents[2] / "docs/guides/languages.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r"```(c|python|html)\n(.*?)```", guide, re.DOTALL))
+    commands = re.findall(r"^\$ (cc .*)$", guide, re.MULTILINE)
+    kernel = derived("beck").kernel("modes")
+    (tmp_path / "kernels").mkdir()
+    for language in LANGUAGES:
+        for file, text in emit.files(kernel, language, "beck").items():
+            (tmp_path / "kernels" / file).write_text(text)
+    (tmp_path / "main.c").write_text(blocks["c"])
+    for command in commands:
+        subprocess.run(command.split(), cwd=tmp_path, check=True)
+    said = subprocess.run([tmp_path / "main"], check=True, capture_output=True, text=True).stdout.split()
+    numpy = numpy_of(kernel)
+    basis = numpy.basis(8)
+    E, H = numpy.stiffness_elastic(basis), numpy.stiffness_load(basis, eta=0.9)
+    assert [float(number) for number in said] == pytest.approx([E[0, 0], H[0, 1]], rel=1e-14)
+    script = blocks["python"] + "\nprint(K.tolist())\n"
+    done = subprocess.run([sys.executable, "-c", script], cwd=tmp_path, check=True, capture_output=True, text=True)
+    assert np.abs(np.array(json.loads(done.stdout)) - E - 15 * H).max() <= 1e-13 * np.abs(E).max()
+    if node := shutil.which("node"):
+        module = re.search(r'<script type="module">(.*)</script>', blocks["html"], re.DOTALL)
+        assert module is not None
+        (tmp_path / "page.mjs").write_text(module[1])
+        said = subprocess.run(
+            [node, "page.mjs"], cwd=tmp_path, check=True, capture_output=True, text=True
+        ).stdout.split()
+        assert float(said[0]) == pytest.approx(E[0, 0], rel=1e-14) and float(said[1]) == pytest.approx(
+            H[0, 1], rel=1e-14
+        )
 
 
 # --- the command --------------------------------------------------------------------------------------------
