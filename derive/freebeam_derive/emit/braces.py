@@ -146,6 +146,7 @@ def filters(language: str, own: Iterable[str]) -> dict[str, Any]:
         "element": partial(_element, say=plain),
         "modewise": partial(modewise, say=say),
         "comment": comment,
+        "remark": lambda text: f"/**< {' '.join(text.split()).replace('*/', '* /')} */",
         "listed": lambda numbers: ", ".join(map(str, numbers)),
     }
 
