@@ -166,6 +166,7 @@ def generate(
     check: bool = False,
     only: Sequence[str] | None = None,
     language: str = "python",
+    prove: bool = True,
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
@@ -173,7 +174,8 @@ def generate(
     installed package has no tree, and needs one named.
     check: write nothing, compare with what is there. progress: told what is being done. only: the bases that modules
     are made for, all where None; those of polynomials are named `…_legendre.py`.
-    language: of the modules, "python", "c" or "javascript"; this tree's own are Python's.
+    language: of the modules, "python", "c" or "javascript"; this tree's own are Python's. prove: bound the rounding of
+    NumPy modules by proof, for the manifest.
 
     Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
     VerificationError for a kernel that fails; then nothing is written.
@@ -213,7 +215,8 @@ def generate(
         figures[label] = _measured(kernel, found, language, partial(_told, say, label))
     # a part of the columns leaves the others of the folder as they are; all of them leave nothing else of the language
     kept = {file: entry for file, entry in before.items() if targets or Path(file).suffix not in _suffixes(texts)}
-    entries = {file: _entry(kernel, text, language) for kernel, found in emitted for file, text in found.items()}
+    prove = prove and language == "python"
+    entries = {file: _entry(kernel, text, prove) for kernel, found in emitted for file, text in found.items()}
     files = dict(sorted({**kept, **entries}.items()))
     if language == "python":
         texts[INDEX] = _index(files)
@@ -275,9 +278,9 @@ def _other_tools(recorded: dict[str, str]) -> str:
     return f"{differing}; install the pinned versions with `make`"
 
 
-def _entry(built: Kernel, text: str, language: str) -> dict[str, object]:
+def _entry(built: Kernel, text: str, prove: bool) -> dict[str, object]:
     proof: dict[str, object] = {}
-    if language == "python":
+    if prove:
         # a factor that is no polynomial, or a function that balls do not have: then nothing is said to be proven
         with suppress(ArithmeticError, TypeError):
             of, bound = built.proven(text)

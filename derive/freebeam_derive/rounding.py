@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
 from functools import partialmethod
@@ -57,12 +58,14 @@ class Rounded:
     def __init__(self, value: arb) -> None:
         self.value = value
 
-    def _with(self, other: Any, operation: Callable[[arb, arb], arb]) -> Any:
-        if isinstance(other, Rounded):
-            return _rounded(operation(self.value, other.value))
-        if isinstance(other, int | float):
-            return _rounded(operation(self.value, arb(other)))
-        return NotImplemented
+    def _with(self, other: Any, operation: Callable[[Any, Any], Any]) -> Any:
+        if not isinstance(other, Rounded | int | float):
+            return NotImplemented
+        value = _value(other)
+        if _held(self.value) and _held(value):  # of two floats there is one result
+            with suppress(ArithmeticError):
+                return Rounded(arb(operation(float(self.value), float(value))))
+        return _rounded(operation(self.value, value))
 
     def __add__(self, other: Any) -> Any:
         if isinstance(other, int | float) and other == 0:
@@ -78,9 +81,8 @@ class Rounded:
         return self._with(other, lambda a, b: b - a)
 
     def __mul__(self, other: Any) -> Any:
-        factor = other.value if isinstance(other, Rounded) else arb(other) if isinstance(other, int | float) else None
-        if factor is not None and (_power_of_two(factor) or _power_of_two(self.value)):
-            product = self.value * factor  # exact, but for what is below the normal numbers
+        if isinstance(other, Rounded | int | float) and (_power_of_two(_value(other)) or _power_of_two(self.value)):
+            product = self.value * _value(other)  # exact, but for what is below the normal numbers
             return Rounded(product if _held(product) else product + TINY * arb(0, 1))
         return self._with(other, lambda a, b: a * b)
 
@@ -142,7 +144,7 @@ class Rounded:
         return Rounded(getattr(self.value, name)() * _OF_LIBRARY + TINY * arb(0, 1))
 
     def sqrt(self) -> Any:
-        return _rounded(self.value.sqrt())
+        return Rounded(arb(math.sqrt(self.value))) if _held(self.value) else _rounded(self.value.sqrt())
 
 
 for _name in ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh"):  # as NumPy asks an object for them
