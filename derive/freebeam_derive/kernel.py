@@ -100,6 +100,13 @@ class Kernel(ABC):
         """For the manifest: what the verification measures, and the bound that it keeps."""
 
     @abstractmethod
+    def proven(self, text: str) -> tuple[str, float]:
+        """Of what in the emitted NumPy module rounding is bounded by proof (rounding.py), and the bound.
+
+        Raises ArithmeticError or TypeError where there is no proof.
+        """
+
+    @abstractmethod
     def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
         """Errors of the emitted module, of its functions and matrices, against the independent route.
 

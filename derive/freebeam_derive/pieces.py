@@ -19,14 +19,15 @@ import numpy as np
 from flint import acb, arb, fmpq, fmpq_poly
 from sympy import Expr, Poly, Rational
 
-from freebeam_derive.certify.balls import precision
+from freebeam_derive import rounding
+from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Space, Value
 from freebeam_derive.independent import VerificationError, fraction, number_with_digits
 from freebeam_derive.kernel import Facts, Figure, Progress
 from freebeam_derive.notation import x
 from freebeam_derive.ritz import Form
 from freebeam_derive.statement import StatementError
-from freebeam_derive.verify import BOUND, DAMPING, PLACES, samples, size
+from freebeam_derive.verify import BOUND, DAMPING, PLACES, load, samples, size
 
 MODES = 16  # verified: N, all entries and derivatives up to the third
 _BITS = 500  # of moments: their sums lose 60 digits at N = 16
@@ -294,14 +295,17 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
     """
     basis = module.basis(modes)
     defaults = {p.name: float(p.default) for p in column.parameters}
-    orders = np.empty(len(basis.order), dtype=object)
-    orders[:] = [fmpq(n) for n in range(len(orders))]
-    in_fractions = module.complete(orders)
+    in_fractions = None
+    if hasattr(module, "complete"):  # other languages have no fractions
+        orders = np.empty(len(basis.order), dtype=object)
+        orders[:] = [fmpq(n) for n in range(len(orders))]
+        in_fractions = module.complete(orders)
     pieces = Pieces(system, defaults, basis.numbers, basis.size, modes + 2)
     say("functions")
     _space(pieces)
     yield from _functions(pieces, module, basis)
-    _rigid(pieces, module, in_fractions, defaults)
+    if in_fractions is not None:
+        _rigid(pieces, module, in_fractions, defaults)
     say("matrices")
     for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
         forms = getattr(system, letter)
@@ -316,6 +320,25 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
                 if error >= worst[1]:
                     worst = (f"{place}, {where}", error)
             yield Figure(f"entries of {letter}_{power} at N = {modes}, of the norms of their terms", *worst, BOUND)
+
+
+def proven(column: Facts, system: GeneralSystem, text: str, modes: int) -> float:
+    """The bound of rounding in an entry of the emitted NumPy module's matrices at N = modes, by proof, over what its
+    terms can be, at the parameters' defaults. Raises Unproven where the data are not rational."""
+    module = rounding.instrumented(load(text, column.module))
+    values = {p.name: float(p.default) for p in column.parameters}
+    worst = 0.0
+    with precision(rounding.BITS):
+        basis = rounding.basis(module, modes)
+        for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
+            given = values | (DAMPING if letter == "C" else {})
+            pieces = Pieces(system, given, basis.numbers, basis.size, modes + 2)
+            if not all(_rational(form, pieces) for form in getattr(system, letter)):
+                raise Unproven(f"{column.name}: its data are no fractions")
+            terms = function(basis, **rounding.given(given))
+            for computed, form in zip(terms, getattr(system, letter), strict=False):
+                worst = max(worst, rounding.largest(computed, *pieces.form(form)))
+    return rounding.upward(worst)
 
 
 def _compare(

@@ -14,8 +14,10 @@ pulsation     a load that pulsates        multipliers, edges of regions         
 Newmark       Eq. (10)                    recurrence, order, stability limit        newmark.py
 proofs        all of these                every step by another route               step_proofs.py, variation_proofs.py
 bases         forms, trial functions      programs: modes, Legendre's polynomials   bases/           Eqs. (9), (11)
-emission      programs                    NumPy module                              emit/
+emission      programs                    NumPy, C or JavaScript module             emit/
 verification  module, forms               measured errors within bounds             verify.py, independent.py
+languages     C or JavaScript module      the NumPy module's functions              foreign.py
+rounding      NumPy module                proven bounds                             rounding.py
 """
 
 from __future__ import annotations
@@ -24,10 +26,10 @@ import difflib
 import hashlib
 import importlib.util
 import json
-from collections.abc import Sequence
-from contextlib import ExitStack
+from collections.abc import Iterable, Sequence
+from contextlib import ExitStack, suppress
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from importlib.metadata import version
 from pathlib import Path
 
@@ -37,12 +39,14 @@ from freebeam_derive import (
     comparison,
     eigenproblem,
     emit,
+    foreign,
     general_stability,
     general_steps,
     integrals,
     newmark,
     pulsation,
     ritz,
+    rounding,
     scaling,
     statement,
     step_proofs,
@@ -196,6 +200,8 @@ def generate(
     progress: Progress | None = None,
     check: bool = False,
     only: Sequence[str] | None = None,
+    language: str = "python",
+    prove: bool = True,
 ) -> Outcome:
     """Derive, emit and verify columns; write their modules whole, or none of them.
 
@@ -203,10 +209,19 @@ def generate(
     installed package has no tree, and needs one named.
     check: write nothing, compare with what is there. progress: told what is being done. only: the bases that modules
     are made for, all where None; those of polynomials are named `…_legendre.py`.
+    language: of the modules, "python", "c" or "javascript"; this tree's own are Python's. prove: bound the rounding of
+    NumPy modules by proof, for the manifest.
 
     Raises StatementError for a statement that makes no sense or a file in the way that was not emitted,
     VerificationError for a kernel that fails; then nothing is written.
     """
+    emit.refuse_language(language)
+    if lacking := "" if check else foreign.missing(language):
+        raise StatementError(f"{lacking}; nothing is written that was not verified")
+    if output is None and language != "python":
+        raise StatementError(
+            f"freebeam's own kernels are Python's; name a folder for those in {language} with --output"
+        )
     if output is None and not (Path(__file__).parents[2] / "pyproject.toml").is_file():
         raise StatementError("an installed freebeam is not written to: name a folder for the kernels with --output")
     output = tree() if output is None else Path(output)
@@ -218,44 +233,56 @@ def generate(
     built = []
     for column in chosen:
         say(f"{column.name}: derive")
-        built += [(f"{bases.module_of(column, basis)}.py", k) for basis, k in kernels(column, in_bases).items()]
-    modules = [file for file, _ in built]
-    _refuse_doubled(modules)
+        built += [(bases.module_of(column, basis), k) for basis, k in kernels(column, in_bases).items()]
+    _refuse_doubled([module for module, _ in built])
     _refuse_homonyms(chosen, targets, output)
-    others = sorted(set(before) - set(modules))
+    emitted = [(kernel, emit.files(kernel, language, module)) for module, kernel in built]
+    texts = {file: text for _, found in emitted for file, text in found.items()}
+    others = sorted(set(before) - set(texts))
     if targets and others and tools != _tools():
         raise StatementError(
             f"{output} holds {others[0]} of other tools: {_other_tools(tools)}, or choose another --output"
         )
 
-    made = [_made(file, kernel, check, say) for file, kernel in built]
-    # a part of the columns leaves the others of the folder as they are; all of them leave nothing else there
-    kept = before if targets else {}
-    entries = {file: _entry(kernel, text) for file, kernel, text, _ in made}
+    figures: dict[str, tuple[Figure, ...]] = {}
+    for kernel, found in () if check else emitted:
+        label = ", ".join([kernel.column.name, kernel.basis_name, *([language] if language != "python" else [])])
+        figures[label] = _measured(kernel, found, language, partial(_told, say, label))
+    # a part of the columns leaves the others of the folder as they are; all of them leave nothing else of the language
+    kept = {file: entry for file, entry in before.items() if targets or Path(file).suffix not in _suffixes(texts)}
+    prove = prove and language == "python"
+    entries = {file: _entry(kernel, text, prove) for kernel, found in emitted for file, text in found.items()}
     files = dict(sorted({**kept, **entries}.items()))
-    texts = {file: text for file, _, text, _ in made}
-    texts[INDEX] = _index(files)
+    if language == "python":
+        texts[INDEX] = _index(files)
     texts[MANIFEST] = json.dumps({"tools": _tools(), "files": files}, indent=2, ensure_ascii=False) + "\n"
     if check:
         return Outcome(output, names, (), _difference(output, texts, set(kept), bool(targets)), {})
-    figures = {f"{kernel.column.name}, {kernel.basis_name}": found for _, kernel, _, found in made}
     written = _write(output, texts, [output / name for name in before if name not in files])
     _report(output, figures)
     return Outcome(output, names, written, "", figures)
 
 
-def _made(file: str, kernel: Kernel, check: bool, say: Progress) -> tuple[str, Kernel, str, tuple[Figure, ...]]:
-    """A module of a column: file, kernel, text, and what the verification measured; nothing for a mere check."""
-    label = f"{kernel.column.name}, {kernel.basis_name}"
-    text = emit.emit(kernel)
-    figures = () if check else verify.verify(kernel, text, lambda what: say(f"{label}: verify {what}"))
-    return file, kernel, text, figures
+def _measured(kernel: Kernel, texts: dict[str, str], language: str, say: Progress) -> tuple[Figure, ...]:
+    """What the verification of a column's module measures."""
+    if language == "python":
+        return verify.verify(kernel, next(iter(texts.values())), say)
+    with foreign.loaded(texts, language, kernel) as module:
+        return verify.measure(kernel, module, say)
+
+
+def _told(say: Progress, label: str, what: str) -> None:
+    say(f"{label}: verify {what}")
+
+
+def _suffixes(files: Iterable[str]) -> set[str]:
+    return {Path(file).suffix for file in files} - {".json"}
 
 
 def _refuse_doubled(modules: Sequence[str]) -> None:
     doubled = sorted(module for module in modules if modules.count(module) > 1)
     if doubled:
-        raise StatementError(f"two columns would be written to {doubled[0]}; give each a name of its own")
+        raise StatementError(f"two columns would be written to {doubled[0]}.py; give each a name of its own")
 
 
 def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], output: Path) -> None:
@@ -286,19 +313,27 @@ def _other_tools(recorded: dict[str, str]) -> str:
     return f"{differing}; install the pinned versions with `make`"
 
 
-def _entry(built: Kernel, text: str) -> dict[str, object]:
+def _entry(built: Kernel, text: str, prove: bool) -> dict[str, object]:
+    proof: dict[str, object] = {}
+    if prove:
+        # a factor that is no polynomial, or a function that balls do not have: then nothing is said to be proven
+        with suppress(ArithmeticError, TypeError):
+            of, bound = built.proven(text)
+            proof = {"proven": {"of": of, "bound": bound, "assuming": rounding.ASSUMING}}
     return {
         "column": built.column.name,
         "basis": built.basis_name,
         "sha256": hashlib.sha256(text.encode()).hexdigest(),
         **built.cost(),
         "bounds": built.bounds(),
+        **proof,
     }
 
 
 def _index(files: dict[str, dict[str, object]]) -> str:
     text = '"""Kernels of columns, derived from their energies and emitted by `freebeam generate`; do not edit."""\n'
     text += "\n# the module of a column in each basis\nCOLUMNS: dict[str, dict[str, str]] = {\n"
+    files = {file: entry for file, entry in files.items() if file.endswith(".py")}
     for name in sorted({str(entry["column"]) for entry in files.values()}):
         modules = {e["basis"]: file.removesuffix(".py") for file, e in sorted(files.items()) if e["column"] == name}
         text += f'    "{name}": {{' + ", ".join(f'"{basis}": "{file}"' for basis, file in modules.items()) + "},\n"
@@ -319,7 +354,8 @@ def _difference(output: Path, texts: dict[str, str], kept: set[str], some: bool)
 
     some: only some columns were asked for; then a file that was not emitted is nobody's business here.
     """
-    present = {path.name for path in output.glob("*.py") if not (some and _foreign(path))}
+    modules = [path for suffix in sorted(_suffixes(texts)) for path in output.glob(f"*{suffix}")]
+    present = {path.name for path in modules if not (some and _foreign(path))}
     parts: list[str] = []
     for name in sorted({*texts, *(present - kept)}):
         path = output / name

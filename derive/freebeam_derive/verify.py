@@ -10,7 +10,7 @@ import math
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from types import ModuleType
-from typing import Any
+from typing import Any, Protocol
 
 import mpmath
 import numpy as np
@@ -50,12 +50,16 @@ def load(text: str, name: str) -> ModuleType:
 
 
 def verify(kernel: Kernel, text: str, progress: Progress | None = None) -> tuple[Figure, ...]:
-    """Compare an emitted module with the independent route; the measured errors, each within its bound.
+    """Compare an emitted NumPy module with the independent route; the measured errors, each within its bound.
 
     Raises VerificationError where one is not.
     """
+    return measure(kernel, load(text, kernel.column.module), progress)
+
+
+def measure(kernel: Kernel, module: ModuleType, progress: Progress | None = None) -> tuple[Figure, ...]:
+    """The same for a module at hand, of any language that has the functions of the NumPy one (foreign.py)."""
     say = progress or (lambda _: None)
-    module = load(text, kernel.column.module)
     with mpmath.workdps(DIGITS + 15), precision(BITS):
         figures = [*kernel.measured(module, say)]
         say("the rest")
@@ -104,9 +108,9 @@ def matrix_figures(
                 )
             if letter == "C":  # a sum of two matrices, whose own terms may cancel
                 shares = ((system.c_M, system.M), (system.c_E, system.E))
-                scale = sum(size(c, values) * _scale(part, values, reference) for c, part in shares)
+                scale = sum(size(c, values) * scale_of(part, values, reference) for c, part in shares)
             else:
-                scale = _scale(form, values, reference)
+                scale = scale_of(form, values, reference)
             if in_fractions is not None and letter != "C" and rational(form, values):
                 exact = reference.form(form, values)
                 found = function(in_fractions, True, **{name: fraction(value) for name, value in values.items()})
@@ -121,13 +125,20 @@ def matrix_figures(
         yield Figure(f"entries of {letter} up to N = {N}, of the norms of their terms", *worst, BOUND)
 
 
-def _scale(form: Form, values: dict[str, float], reference: Reference) -> Any:
+class Sizes(Protocol):
+    """How large functions are, in floats: (∫ (φ^(order))² dx)^½ and φ^(order) at an end of each."""
+
+    def norms(self, order: int) -> Any: ...
+    def at_end(self, end: int, order: int) -> Any: ...
+
+
+def scale_of(form: Form, values: dict[str, float], sizes: Sizes) -> Any:
     """What the terms of each entry can be: nothing cancels in it."""
     scale: Any = 0.0
     for (_, p, q), factor in form.along.items():
-        scale = scale + size(factor, values) * np.outer(reference.norms(p), reference.norms(q))
+        scale = scale + size(factor, values) * np.outer(sizes.norms(p), sizes.norms(q))
     for (a, p, b, q), factor in form.points.items():
-        product = np.outer(reference.at_end(int(a), p), reference.at_end(int(b), q))
+        product = np.outer(sizes.at_end(int(a), p), sizes.at_end(int(b), q))
         scale = scale + size(factor, values) * np.abs(product)
     return scale
 

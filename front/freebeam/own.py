@@ -115,7 +115,7 @@ def _generate(path: Path, basis: str, output: Path) -> None:
     from freebeam_derive.verify import VerificationError
 
     try:
-        pipeline.generate([path], output, only=[basis])
+        pipeline.generate([path], output, only=[basis], prove=False)
     except StatementError as error:
         raise InputError(str(error)) from error
     except VerificationError as error:

@@ -45,13 +45,14 @@ MATRICES = ("mass", "stiffness_elastic", "stiffness_load")
 SCRIPT = """
 import hashlib, json, sys
 from freebeam_derive import emit, pipeline, statement
-texts = [emit.emit(pipeline.derive(statement.load_column(path)).kernel("modes")) for path in sys.argv[1:]]
+kernels = [pipeline.derive(statement.load_column(path)).kernel("modes") for path in sys.argv[1:]]
+texts = [text for kernel in kernels for each in emit.LANGUAGES for text in emit.files(kernel, each, "any").values()]
 print(json.dumps([hashlib.sha256(text.encode()).hexdigest() for text in texts]))
 """
 
 
-def test_same_bytes_under_any_hash_seed(text_of: Text, statement_of: Callable[[str], Path]) -> None:
-    """A fresh process, another seed, no column before it: byte for byte what this process emits."""
+def test_same_bytes_under_any_hash_seed(derived: Derived, statement_of: Callable[[str], Path]) -> None:
+    """A fresh process, another seed, no column before it: byte for byte what this process emits, in every language."""
     names = ("foundation",)
     done = subprocess.run(
         [sys.executable, "-c", SCRIPT, *(str(statement_of(name)) for name in names)],
@@ -60,7 +61,9 @@ def test_same_bytes_under_any_hash_seed(text_of: Text, statement_of: Callable[[s
         check=True,
         text=True,
     )
-    assert json.loads(done.stdout) == [hashlib.sha256(text_of(name).encode()).hexdigest() for name in names]
+    kernels = [derived(name).kernel("modes") for name in names]
+    texts = [text for kernel in kernels for each in emit.LANGUAGES for text in emit.files(kernel, each, "any").values()]
+    assert json.loads(done.stdout) == [hashlib.sha256(text.encode()).hexdigest() for text in texts]
 
 
 def test_imports_numpy_alone(name: str, text_of: Text) -> None:

@@ -1,112 +1,37 @@
-"""What a page holds: the kernels' numbers, whatever the column's parameters, and nothing outside itself."""
+"""What a page holds: the column's emitted kernel, and nothing outside itself."""
 
 import inspect
 import json
-import math
 import re
 import shlex
 from html.parser import HTMLParser
+from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
-from numpy.polynomial import chebyshev
 
 import freebeam as fb
 from freebeam import cli
-from freebeam.explorer import page
-from freebeam.explorer.content import LOAD_MAX, MODES, content
+from freebeam.explorer import kernel_of, page
+from freebeam.explorer.content import LOAD_MAX, content
+from freebeam_derive import emit
 from freebeam_sym.checks import InputError
 
 
-class Kernel(SimpleNamespace):
-    """A kernel of beck whose own parameter acts as a test wants it."""
+def test_a_kernel_without_its_statement_is_refused(tmp_path):
+    """A page runs what is emitted from the statement."""
+    file = tmp_path / "alone.py"
+    file.write_text(Path(fb.column("beck", "modes").kernel.__file__).read_text(encoding="utf-8"))
+    with pytest.raises(InputError, match=r"alone\.py: a page runs the column's kernel in JavaScript"):
+        page(fb.column(file))
 
 
-def beck_with(change, low=0.0, high=1.5):
-    """Beck's column with eta replaced by change(eta), which no series knows."""
-    real = fb.column("beck")
-    kernel = Kernel(**vars(real.kernel))
-    kernel.COLUMN = {
-        **real.kernel.COLUMN,
-        "parameters": [{**real.kernel.COLUMN["parameters"][0], "low": low, "high": high}],
-    }
-    kernel.stiffness_load = lambda basis, rigid=False, *, eta=1.0: real.kernel.stiffness_load(
-        basis, rigid, eta=change(eta)
-    )
-    kernel.forms = lambda one=1, *, eta=1.0: real.kernel.forms(one, eta=change(eta))
-    return fb.Column(kernel)
-
-
-def evaluated(held, own):
-    """M, E, H, c_M, c_E coefficients and loads from the page's series, by NumPy."""
-    weights = np.ones(1)
-    for parameter, degree in zip(held["parameters"], held["degrees"], strict=True):
-        low, high = parameter["low"], parameter["high"]
-        u = (2 * own[parameter["name"]] - low - high) / (high - low)
-        weights = np.outer(weights, chebyshev.chebvander(np.array(u), degree)).ravel()
-    return weights @ np.array(held["series"])
-
-
-@pytest.mark.parametrize("basis", [None, "legendre"])
-@pytest.mark.parametrize("name", fb.column_names())
-def test_series_give_the_kernels_matrices(name, basis):
-    column = fb.column(name, basis)
-    held = content(column)
-    for share in (0.0, 0.37, 1.0):
-        own = {p.name: p.low + share * (p.high - p.low) for p in column.parameters}
-        found = evaluated(held, own)
-        for k, matrix in enumerate(column.matrices(MODES, **own)):
-            part = found[k * MODES**2 : (k + 1) * MODES**2].reshape(MODES, MODES)
-            assert np.abs(part - matrix).max() <= 4e-15 * np.abs(matrix).max()
-
-
-def test_leading_blocks_are_the_matrices_of_fewer_functions():
-    for basis in (None, "legendre"):
-        column = fb.column("free-free", basis)
-        for whole, block in zip(column.matrices(MODES), column.matrices(5), strict=True):
-            assert np.abs(whole[:5, :5] - block).max() <= 1e-14 * np.abs(block).max()
-
-
-def test_dependence_on_a_parameter_is_found_not_assumed():
-    """Affine: two terms; quadratic: three; transcendental: as many as it takes, exact to rounding."""
-    assert content(fb.column("beck"))["degrees"] == [1]
-    assert content(beck_with(lambda eta: eta**2))["degrees"] == [2]
-    column = beck_with(math.sin)
-    held = content(column)
-    assert held["degrees"][0] > 4
-    H = column.matrices(MODES, eta=0.813)[2]
-    found = evaluated(held, {"eta": 0.813})[2 * MODES**2 : 3 * MODES**2].reshape(MODES, MODES)
-    assert np.abs(found - H).max() <= 1e-13 * np.abs(H).max()
-
-
-def test_dependence_that_no_series_holds_is_refused():
-    with pytest.raises(InputError, match="eta: the column depends on it"):
-        content(beck_with(lambda eta: abs(eta - 0.7)))
-
-
-def test_shapes_are_the_kernels():
-    for basis in (None, "legendre"):
-        column = fb.column("free-free", basis)
-        x = np.linspace(0, 1, 57)
-        found = chebyshev.chebval(2 * x - 1, np.array(content(column)["shapes"]).T)
-        exact = column.kernel.shapes(column.basis(MODES), x)
-        assert np.abs(found - exact).max() <= 1e-12 * np.abs(exact).max()
-
-
-@pytest.mark.parametrize("name", fb.column_names())
-def test_loads_are_those_of_the_equation_of_motion(name):
-    """The axial force is the factor of y″; what follows the end is what the end's shear condition leaves over."""
-    column = fb.column(name)
-    held = content(column)
-    terms = held["axial_terms"]
-    own = {p.name: 0.6 for p in column.parameters}
-    ends, axial = np.split(evaluated(held, own)[3 * MODES**2 + 6 :][: 2 + terms], [2])
-    coefficients = column.kernel.equation(1.0, **own)[2, 0]
-    assert axial == pytest.approx([*coefficients, *[0.0] * (terms - len(coefficients))], abs=1e-13)
-    shear = next((c for c in column.kernel.end_conditions(1.0, **own)[1] if (3, 0) in c), None)
-    if shear is not None:  # y‴ + (N − c) y′ = 0 at a free end under the axial force N and the follower's share c
-        assert shear.get((1, 0), 0) / shear[3, 0] == pytest.approx(axial.sum() - ends[1], abs=1e-13)
+def test_no_word_of_a_statement_ends_the_kernels_script(monkeypatch):
+    hostile = "</script><!-- <script>alert(1)"
+    true = emit.files
+    monkeypatch.setattr(emit, "files", lambda *given: {k: f"/* {hostile} */\n{v}" for k, v in true(*given).items()})
+    text = kernel_of(fb.column("beck"))
+    assert "alert(1)" in text and "</script" not in text and "<!--" not in text
 
 
 class References(HTMLParser):
@@ -138,7 +63,7 @@ def test_html_is_well_formed():
 
 def test_words_of_a_column_cannot_break_the_page(monkeypatch):
     real = fb.column("beck")
-    kernel = Kernel(**vars(real.kernel))
+    kernel = SimpleNamespace(**vars(real.kernel))
     kernel.COLUMN = {**real.kernel.COLUMN, "title": "</script><script>alert(1)</script> & @COLUMN@ <!--"}
     text = page(fb.Column(kernel))
     assert "<script>alert" not in text

@@ -141,7 +141,7 @@ def test_the_last_resort_finds_what_the_operator_finds(opened):
     for alpha, beta in ((1e-3, 0.1), (1e-9, 0.0), (0, 0)):
         sought, scanned = page.ask(
             """([alpha, beta]) => {
-              const pencil = pencilOf(freebeam.view().column, 6, { eta: 1 });
+              const pencil = pencilOf(6, { eta: 1 });
               const damping = dampingOf(pencil, alpha, beta);
               return [firstLoss(pencil, damping).crossing, scan(pencil, damping, 1, 30)];
             }""",
@@ -150,6 +150,37 @@ def test_the_last_resort_finds_what_the_operator_finds(opened):
         assert scanned["kind"] == sought["kind"] == "flutter"
         assert scanned["load"] == pytest.approx(sought["load"], rel=1e-8)
         assert scanned["omega"] == pytest.approx(sought["omega"], rel=1e-3)
+
+
+@pytest.mark.parametrize("basis", ["modes", "legendre"])
+@pytest.mark.parametrize("name", fb.column_names())
+def test_the_pages_kernel_is_the_columns(opened, name, basis):
+    """Matrices, functions and loads that the page computes with, at other values of the parameters than its own."""
+    page, column = opened(name, basis=basis), fb.column(name, basis)
+    own = {p.name: p.low + 0.37 * (p.high - p.low) for p in column.parameters}
+    found, shapes, load, factors = page.ask(
+        """([N, own, x]) => {
+          const functions = kernel.basis(N);
+          const matrices = [kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load];
+          return [
+            matrices.map((of) => [...of(functions, false, own)]), [...kernel.shapes(functions, x)], loadOf(own),
+            [...kernel.damping_factors(0.2, 0.7, own)],
+          ];
+        }""",
+        [16, own, np.linspace(0, 1, 57).tolist()],
+    )
+    for values, matrix in zip(found, column.matrices(16, False, **own), strict=True):
+        assert np.abs(np.reshape(values, (16, 16)) - matrix).max() <= 4e-15 * np.abs(matrix).max()
+    exact = column.kernel.shapes(column.basis(16), np.linspace(0, 1, 57))
+    assert np.abs(np.reshape(shapes, (16, 57)) - exact).max() <= 1e-13 * np.abs(exact).max()
+    assert factors == list(column.damping_factors(0.2, 0.7, **own))
+    # the axial force is the factor of y″; what follows the end is what the end's shear condition leaves over
+    coefficients = column.kernel.equation(1.0, **own)[2, 0]
+    assert load["axial"] == pytest.approx([*coefficients, *[0.0] * (len(load["axial"]) - len(coefficients))], abs=1e-13)
+    shear = next((c for c in column.kernel.end_conditions(1.0, **own)[1] if (3, 0) in c), None)
+    if shear is not None:  # y‴ + (N − c) y′ = 0 at a free end under the axial force N and the follower's share c
+        left = sum(load["axial"]) - load["ends"][1]
+        assert shear.get((1, 0), 0) / shear[3, 0] == pytest.approx(left, abs=1e-13)
 
 
 def test_map_is_right_for_each_number_of_functions(opened):

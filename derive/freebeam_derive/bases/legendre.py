@@ -46,7 +46,7 @@ from sympy import (
 )
 from sympy.polys.matrices import DomainMatrix
 
-from freebeam_derive import independent
+from freebeam_derive import independent, rounding
 from freebeam_derive.comparison import comparison_beam, integral_polynomials
 from freebeam_derive.derivation import Derivation
 from freebeam_derive.kernel import MATRICES, BeamKernel, Figure, Program, Progress
@@ -381,14 +381,19 @@ class LegendreKernel(BeamKernel):
             f"polynomials up to N = {POLYNOMIALS} and their derivatives to the third, of the largest value": BOUND,
         }
 
+    def proven(self, text: str) -> tuple[str, float]:
+        return next(iter(self.bounds())), rounding.of_beam(self, text, POLYNOMIALS, _Sizes)
+
     def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
         say("polynomials")
         functions = independent.independent_polynomials(self.column.ends, self.rigid, POLYNOMIALS)
         yield from _functions_figures(module, functions)
         say("matrices")
-        orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
-        orders[:] = [fmpq(n) for n in range(len(orders))]
-        in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
+        in_fractions = None
+        if hasattr(module, "complete"):  # other languages have no fractions
+            orders = np.empty(len(module.basis(POLYNOMIALS).order), dtype=object)
+            orders[:] = [fmpq(n) for n in range(len(orders))]
+            in_fractions = module.complete(orders, np.array([(-1) ** n for n in range(len(orders))]))
         reference = independent.PolynomialProducts(functions)
         yield from matrix_figures(self, module, reference, POLYNOMIALS, in_fractions)
 
@@ -423,6 +428,26 @@ def build(derivation: Derivation) -> LegendreKernel:
 def steps(derivation: Derivation) -> tuple[Step, ...]:
     """How the polynomials were derived. Eqs. (9), (11)."""
     return polynomials(derivation.column.ends).steps
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """How large the functions are, from their series in fractions, for `rounding.of_beam`."""
+
+    module: ModuleType
+    basis: Any
+
+    def _series(self, order: int) -> Any:
+        found = self.basis.deflection
+        for _ in range(order):
+            found = found @ self.module._derivative(self.basis.order, self.basis.sigma)
+        return found
+
+    def norms(self, order: int) -> Any:
+        return np.sqrt((self._series(order) ** 2 @ (1 / (2 * self.basis.order + 1))).astype(float))
+
+    def at_end(self, end: int, order: int) -> Any:
+        return (self._series(order) @ (self.basis.sigma ** (1 - end))).astype(float)
 
 
 def _functions_figures(module: ModuleType, functions: list[list[fmpq_poly]]) -> Iterator[Figure]:

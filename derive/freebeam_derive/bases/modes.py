@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from types import ModuleType
 from typing import Any
 
@@ -16,6 +17,7 @@ import numpy as np
 from sympy import (
     Add,
     Expr,
+    Integer,
     Mul,
     Pow,
     S,
@@ -31,7 +33,8 @@ from sympy import (
     sqrt,
 )
 
-from freebeam_derive.comparison import ComparisonBeam, DampedModes, eta, sigma
+from freebeam_derive import rounding
+from freebeam_derive.comparison import ComparisonBeam, DampedModes, eta, integral_polynomials, sigma
 from freebeam_derive.derivation import Derivation
 from freebeam_derive.eigenproblem import load_matrix
 from freebeam_derive.independent import Mode, Products, independent_mode, none_skipped
@@ -174,6 +177,9 @@ class ModesKernel(BeamKernel):
             f"modes up to {EXACT_MODES} and their derivatives to the third, of the largest value": BOUND,
             f"modes up to {max(HIGH_MODES)}, of the largest value, in units of gamma times 2^-53": 4,
         }
+
+    def proven(self, text: str) -> tuple[str, float]:
+        return next(iter(self.bounds())), rounding.of_beam(self, text, MATRIX_MODES, partial(_Sizes, self))
 
     def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
         orders = self.beam.orders
@@ -380,6 +386,29 @@ def _lower(entries: list[Expr]) -> tuple[list[Expr], Statements]:
 
 
 # --- verification -------------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class _Sizes:
+    """How large the rigid functions and the modes are, from the closed forms, for `rounding.of_beam`."""
+
+    kernel: ModesKernel
+    module: ModuleType
+    basis: Any
+
+    def norms(self, order: int) -> Any:
+        rigid = [integral_polynomials(f.diff(x, order), f.diff(x, order)) for f in self.kernel.rigid]
+        return np.sqrt([*map(float, rigid), *self._of_modes(plain(integral_same(self.kernel.beam, 0, order, order)))])
+
+    def at_end(self, end: int, order: int) -> Any:
+        rigid = [float(f.diff(x, order).subs(x, end)) for f in self.kernel.rigid]
+        return np.array([*rigid, *self._of_modes(plain(at_end(self.kernel.beam, Integer(end), order, "i")))])
+
+    def _of_modes(self, quantity: Expr) -> Any:
+        """A quantity of each mode in floats, of the balls at hand."""
+        symbols = sorted(quantity.free_symbols, key=str)
+        value = lambdify(symbols, quantity, "math")(*(getattr(self.basis, str(s)) for s in symbols))
+        return np.broadcast_to(value, self.basis.gamma.shape).astype(float)
 
 
 def _roots_figure(roots: Any, modes: dict[int, Mode]) -> Figure:

@@ -226,24 +226,29 @@ def matrices(
     numbers, computed exactly and rounded once. Raises Unproven.
     """
     held = parameters(kernel, own)
-    _stated_exactly(kernel, held)
+    stated_exactly(kernel, held)
     if kernel.COLUMN.get("basis") == "legendre":
         return tuple(  # type: ignore[return-value]
             arb_mat([[arb(v) for v in row] for row in matrix.tolist()])
             for matrix in _rational_matrices(kernel, modes, tuple(sorted(held.items())))
         )
-    quarter, sigma, delta = roots(kernel, modes)
-    turn = arb.pi() / 4
-    if hasattr(kernel, "characteristic"):
-        basis = kernel.complete(quarter, sigma, delta, turn)
-    else:
-        basis = kernel.complete(quarter, sigma, turn)
+    basis = basis_of(kernel, modes)
     given = {name: exact(value) for name, value in held.items()}
     found = [f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)]
     return tuple(arb_mat([[arb(v) for v in row] for row in matrix.tolist()]) for matrix in found)  # type: ignore[return-value]
 
 
-def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
+def basis_of(kernel: ModuleType, modes: int) -> Any:
+    """The kernel's functions, with proven roots in balls or, of polynomials, in fractions. Raises Unproven."""
+    if kernel.COLUMN.get("basis") == "legendre":
+        size = kernel.basis(modes).order.size
+        return kernel.complete(array([fmpq(k) for k in range(size)]), array([fmpq((-1) ** k) for k in range(size)]))
+    quarter, sigma, delta = roots(kernel, modes)
+    corrections = [delta] if hasattr(kernel, "characteristic") else []
+    return kernel.complete(quarter, sigma, *corrections, arb.pi() / 4)
+
+
+def stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
     """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
     stated = {
         f"form {name}": [v for part in parts for v in part.values()]
@@ -259,9 +264,7 @@ def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
 @lru_cache(maxsize=16)
 def _rational_matrices(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...]) -> tuple[Any, ...]:
     """M, E, H of trial polynomials, exact."""
-    size = kernel.basis(modes).order.size
-    order = array([fmpq(k) for k in range(size)])
-    basis = kernel.complete(order, array([fmpq((-1) ** k) for k in range(size)]))
+    basis = basis_of(kernel, modes)
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own}
     return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))
 

@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from sympy import Max, Poly
 
-from freebeam_derive.emit import source
+from freebeam_derive.emit import braces, source
 from freebeam_derive.kernel import BeamKernel, Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
@@ -33,6 +33,10 @@ if TYPE_CHECKING:
     from jinja2 import Environment
 
 WIDTH = 120
+_WORDS_OF_C = frozenset(
+    "auto break case char const continue default do double else enum extern float for goto if inline int long register "
+    "restrict return short signed sizeof static struct switch typedef union unsigned void volatile while".split()
+)
 _LETTERS = ("x", "t", "P", "alpha", "beta", "F_0", "x_F", "y")
 
 
@@ -51,16 +55,53 @@ def emit(kernel: Kernel) -> str:
     return text
 
 
+LANGUAGES = ("python", *braces.PRINTERS)
+
+
+def files(kernel: Kernel, language: str, name: str) -> dict[str, str]:
+    """The module of a column in a language: texts by the names of files. Deterministic as `emit` is.
+
+    name: of the module, an identifier, which C's functions begin with.
+    language: python, c (C99, a header and a source) or javascript (an ES module). Raises StatementError for another
+    one, for a parameter whose name is a word of C, and as `emit` does.
+    """
+    text = emit(kernel)
+    if language == "python":
+        return {f"{name}.py": text}
+    refuse_language(language)
+    column = kernel.column
+    own = [parameter.name for parameter in column.parameters]
+    if language == "c" and (taken := sorted(_WORDS_OF_C & {*own})):
+        raise StatementError(f"parameter {taken[0]!r}: a word of C; choose another name for kernels in C")
+    environment = _environment()
+    environment.filters |= braces.filters(language, own)
+    template = environment.get_template(f"{kernel.basis_name}.braces.jinja")
+    context = _context(kernel) | (_beam_context(kernel) if isinstance(kernel, BeamKernel) else {}) | kernel.context()
+    context |= {"w": braces.PRINTERS[language].words, "language": language, "name": name}
+    headers = {f"{name}.h": True, f"{name}.c": False} if language == "c" else {f"{name}.mjs": False}
+    return {file: braces.laid_out(template.render(context, header=header)) for file, header in headers.items()}
+
+
+def refuse_language(language: str) -> None:
+    """Raises StatementError for a language that kernels are not written in."""
+    if language not in LANGUAGES:
+        raise StatementError(f"language {language!r}: kernels are written in {', '.join(LANGUAGES)}")
+
+
 @cache
 def _templates() -> Environment:
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: only emission pays for it
-
-    found = Environment(
-        loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
-    )
-    printers = ("code", "exact", "literal", "number", "plus", "polynomial", "quotient", "scalar", "shared", "times")
+    found = _environment()
+    printers = "at code exact literal number plus polynomial quotient scalar shared times value".split()
     found.filters |= {name: getattr(source, name) for name in printers} | {"words": _words}
     return found
+
+
+def _environment() -> Environment:
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # here: only emission pays for it
+
+    return Environment(
+        loader=FileSystemLoader(Path(__file__).parent), undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
 
 
 def _context(kernel: Kernel) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Callable
 from typing import Any
 
 from sympy import (
@@ -28,9 +29,10 @@ from sympy import (
 )
 from sympy.printing.pycode import PythonCodePrinter
 
+from freebeam_derive.forms import Value
 from freebeam_derive.statement import StatementError
 
-_EXACT = (2, 4, 8, 16, 32, 64)  # denominators that a float holds exactly
+EXACT = (2, 4, 8, 16, 32, 64)  # denominators that a float holds exactly
 _FUNCTIONS = {  # SymPy's name and the array API's
     **{name: name for name in ("exp", "log", "sin", "cos", "tan", "sinh", "cosh", "tanh", "sign", "floor")},
     **{f"a{name}": f"a{name}" for name in ("sin", "cos", "tan", "sinh", "cosh", "tanh")},
@@ -40,7 +42,7 @@ _FUNCTIONS = {  # SymPy's name and the array API's
 OWN = "own"  # namespace of functions of a column's own parameters: the module's, such as `_sqrt`
 
 
-class _Printer(PythonCodePrinter):  # type: ignore[misc]
+class Printer(PythonCodePrinter):  # type: ignore[misc]
     """SymPy to Python on arrays of modes (f), of pairs of modes (f_i a column, f_j a row) and matrices."""
 
     def __init__(self, namespace: str) -> None:
@@ -56,7 +58,7 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
         return f"{self.prefix}{_FUNCTIONS[type(e).__name__]}({self._print(e.args[0])})"
 
     def _print_Rational(self, e: Expr) -> str:
-        return repr(float(e)) if e.q in _EXACT else f"{e.p} / {e.q}"
+        return repr(float(e)) if e.q in EXACT else f"{e.p} / {e.q}"
 
     def _print_Mul(self, e: Expr) -> str:
         below = [f for f in e.args if f.is_Pow and f.exp.is_Rational and f.exp.is_negative]
@@ -64,13 +66,13 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
             # several factors below the stroke get brackets; one that is printed as a product does not
             return str(self._print(e.xreplace({below[0]: 1 / Symbol(f"({self._print(1 / below[0])})")})))
         number, rest = e.as_coeff_Mul()
-        if number.is_Rational and number.q not in (1, *_EXACT):
+        if number.is_Rational and number.q not in (1, *EXACT):
             # division rounds once, and is exact in exact numbers
             return f"{self.parenthesize(number.p * rest, 50)} / {number.q}"
         return str(super()._print_Mul(e))
 
     def parenthesize(self, item: Expr, level: int, strict: bool = False) -> str:
-        if item.is_Rational and item >= 0 and item.q in _EXACT:
+        if item.is_Rational and item >= 0 and item.q in EXACT:
             return str(self._print(item))
         return str(super().parenthesize(item, level, strict))
 
@@ -132,12 +134,12 @@ class _Printer(PythonCodePrinter):  # type: ignore[misc]
 
 
 for _name in {*PythonCodePrinter._kf, "sign"} - {"Min", "Max"}:  # none of Python's own `math`
-    setattr(_Printer, f"_print_{_name}", _Printer._print_Function)
+    setattr(Printer, f"_print_{_name}", Printer._print_Function)
 
 
 def code(expression: Expr, namespace: str = OWN) -> str:
     """An expression as source. Raises StatementError for a function that kernels do not have."""
-    return str(_Printer(namespace).doprint(expression))
+    return str(Printer(namespace).doprint(expression))
 
 
 def own_functions(text: str) -> list[str]:
@@ -169,7 +171,7 @@ def literal(value: Any) -> str:
 
 def exact(expression: Expr) -> str:
     """Code in which a fraction or a root that no float holds is made from `one`, a number of the caller's kind."""
-    kept = (1, *_EXACT)
+    kept = (1, *EXACT)
     found = expression.replace(_of_number, lambda e: e.func(_of_one(e.args[0]), *e.args[1:]))
     return code(found.replace(lambda e: e.is_Rational and e.q not in kept, lambda e: Symbol("one") * e))
 
@@ -198,27 +200,41 @@ def plus(expression: Expr) -> str:
     return f" - {text[1:]}" if text[0] == "-" else f" + {text}"
 
 
-def _bracketed(expression: Expr) -> str:
-    return code(expression) if expression.is_Atom else f"({code(expression)})"
+def _bracketed(expression: Expr, say: Callable[[Expr], str]) -> str:
+    return say(expression) if expression.is_Atom else f"({say(expression)})"
 
 
-def quotient(expression: Expr) -> str:
-    """A rational expression as one quotient of polynomials with whole coefficients."""
+def quotient(expression: Expr, say: Callable[[Expr], str] = code) -> str:
+    """A rational expression as one quotient of polynomials with whole coefficients; say: the language's printer."""
     above, below = fraction(factor(expression))
-    return code(above) if below == 1 else f"{_bracketed(above)} / {_bracketed(below)}"
+    return say(above) if below == 1 else f"{_bracketed(above, say)} / {_bracketed(below, say)}"
 
 
-def times(text: str, factor_: Expr) -> str:
-    """Source times a factor in the column's parameters, with whole coefficients."""
+def times(text: str, factor_: Expr, say: Callable[[Expr], str] = code) -> str:
+    """Source times a factor in the column's parameters, with whole coefficients; say: the language's printer."""
     above, below = fraction(together(sympify(factor_)))
     if above != 1:
-        text = f"-{text}" if above == -1 else f"{_bracketed(above) if above.is_Add else code(above)} * {text}"
-    return text if below == 1 else f"{text} / {_bracketed(below)}"
+        text = f"-{text}" if above == -1 else f"{_bracketed(above, say) if above.is_Add else say(above)} * {text}"
+    return text if below == 1 else f"{text} / {_bracketed(below, say)}"
 
 
 def scalar(expression: Expr) -> str:
     """An expression in the column's parameters as a number of the kind of `one`, exact in exact numbers."""
     return times("one", expression)
+
+
+def value(given: Value) -> str:
+    """What a point term sees: name, order, place and side."""
+    place = "None" if given.place is None else scalar(given.place)
+    return f"({given.of!r}, {given.order}, {place}, {given.side})"
+
+
+def at(given: Value) -> str:
+    """The vector of what a point term sees."""
+    if given.place is None:
+        return f"_at(basis, breaks, {given.of!r})"
+    side = f", {given.side}" if given.side else ""
+    return f"_at(basis, breaks, {given.of!r}, {given.order}, {scalar(given.place)}{side})"
 
 
 def polynomial(expression: Expr) -> str:

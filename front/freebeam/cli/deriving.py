@@ -44,13 +44,16 @@ def _told(parameter: Parameter) -> str:
 
 @command("freebeam generate path/to/column.py --output kernels")
 class Generate(Options):
-    """Derive columns from their energies, write their kernels as Python code, and verify them."""
+    """Derive columns from their energies, write their kernels as code, and verify them."""
 
     targets: list[str] | None = argument(
         "[COLUMN|FILE]...",
         "Columns to derive; freebeam's own if none is given. A column's file is a Python program, which is run.",
     )
     output: Path | None = option("DIR", "Folder of the kernels; freebeam's own if not given.")
+    language: str = option(
+        "NAME", "Language of the kernels: python, c (C99) or javascript (an ES module).", default="python"
+    )
     check: bool = flag("Write nothing; if the folder holds something else, print a diff and exit 1.")
 
     def run(self) -> None:
@@ -91,7 +94,7 @@ def _generated(asked: Generate) -> Outcome:
     refuse(files and asked.output is None, f"{foreign}; name a folder for its kernel by --output")
     try:
         with working("generate") as report:
-            return pipeline.generate(targets, asked.output, report, asked.check)
+            return pipeline.generate(targets, asked.output, report, asked.check, language=asked.language)
     except StatementError as error:
         raise InputError(str(error)) from error
     except VerificationError as error:

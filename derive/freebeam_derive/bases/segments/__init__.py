@@ -20,7 +20,6 @@ from sympy import factor as factored
 from freebeam_derive import pieces
 from freebeam_derive.bases.segments.strong_form import NoStrongForm, StrongForm, strong_form
 from freebeam_derive.display import neighbours
-from freebeam_derive.emit import source
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Value
 from freebeam_derive.kernel import Facts, Figure, Kernel, Progress
 from freebeam_derive.latex import letter
@@ -89,11 +88,9 @@ class Integral:
         return self.factor.has(x) and not self.sampled
 
     @property
-    def code(self) -> str:
-        """The factor as arguments, or of an array x."""
-        if self.sampled:
-            return source.code(self.factor, "np")
-        return ", ".join(source.scalar(c) for c in self.coefficients)
+    def runs(self) -> list[tuple[int, int]]:
+        """First and last of the segments that are neighbours."""
+        return neighbours(self.segments)
 
     @property
     def text(self) -> str:
@@ -146,7 +143,6 @@ class SegmentsKernel(Kernel):
         system, breaks = self.system, len(self.system.breaks)
         terms = [term for powers in self.integrals.values() for terms in powers for term in terms]
         own = "".join(f", {p.name}: Any = {float(p.default)!r}" for p in self.column.parameters)
-        values = [value for value, _ in system.force]
         return {
             "S": breaks - 1,
             "least": self.least,
@@ -161,9 +157,7 @@ class SegmentsKernel(Kernel):
             "sampled": any(term.sampled for term in terms),
             "breaks": system.breaks,
             "functions": [self._function(*names) for names in _MATRICES],
-            "force": [
-                (source.scalar(factor), _at(value)) for value, (_, factor) in zip(values, system.force, strict=True)
-            ],
+            "force": system.force,
             "rigid": [_motion(number, motion) for number, motion in enumerate(system.rigid)],
             "stated": {name: [_stated(form) for form in getattr(system, name)] for name in "MCK"},
             "strong": self.exact if isinstance(self.exact, StrongForm) else None,
@@ -177,9 +171,9 @@ class SegmentsKernel(Kernel):
             points = []
             for (test, trial), factor in form.points.items():
                 pair = [names.setdefault(value, f"value_{len(names) + 1}") for value in (test, trial)]
-                points.append((source.scalar(factor), *pair))
+                points.append((factor, *pair))
             powers.append({"along": terms, "points": points, "symmetric": symmetric(form)})
-        values = [(given, _at(value)) for value, given in names.items()]
+        values = [(given, value) for value, given in names.items()]
         return {"name": name, "letter": letter_, "title": title, "points": values, "powers": powers}
 
     def _facts(self) -> dict[str, Any]:
@@ -245,6 +239,9 @@ class SegmentsKernel(Kernel):
             f"functions at N = {pieces.MODES} and their derivatives to the third, of the largest value": BOUND,
         }
 
+    def proven(self, text: str) -> tuple[str, float]:
+        return next(iter(self.bounds())), pieces.proven(self.column, self.system, text, pieces.MODES)
+
     def measured(self, module: ModuleType, say: Progress) -> Iterator[Figure]:
         yield from pieces.figures(self.column, self.system, module, pieces.MODES, say)
 
@@ -268,27 +265,13 @@ def _same(one: dict[Any, Expr], other: dict[Any, Expr]) -> bool:
     return all(expand(one.get(key, 0) - other.get(key, 0)) == 0 for key in {*one, *other})
 
 
-def _at(value: Value) -> str:
-    """Source of a point value's vector."""
-    if value.place is None:
-        return f"_at(basis, breaks, {value.of!r})"
-    side = f", {value.side}" if value.side else ""
-    return f"_at(basis, breaks, {value.of!r}, {value.order}, {source.scalar(value.place)}{side})"
-
-
 def _stated(form: BilinearForm) -> tuple[list[Any], list[Any]]:
-    """A form as source: its integrals with their factors in powers of x, and its products of values."""
+    """A form's integrals with their factors in powers of x, and its products of values."""
     along = []
     for term in grouped(form):
         powers = () if term.sampled else Poly(term.factor, x).all_coeffs()[::-1]
-        along.append((term.segments, *term.test, *term.trial, [source.scalar(factored(c)) for c in powers]))
-
-    def value(given: Value) -> str:
-        place = "None" if given.place is None else source.scalar(given.place)
-        return f"({given.of!r}, {given.order}, {place}, {given.side})"
-
-    points = [(value(test), value(trial), source.scalar(f)) for (test, trial), f in form.points.items()]
-    return along, points
+        along.append((term.segments, *term.test, *term.trial, [factored(c) for c in powers]))
+    return along, [(test, trial, factor) for (test, trial), factor in form.points.items()]
 
 
 def _motion(number: int, motion: dict[tuple[str, int | None], Expr]) -> list[dict[str, Any]]:
@@ -297,8 +280,7 @@ def _motion(number: int, motion: dict[tuple[str, int | None], Expr]) -> list[dic
     found: list[dict[str, Any]] = []
     for (name, segment), function in motion.items():
         if segment is None:
-            code = source.scalar(function)
-            found.append({"number": number, "name": name, "segments": None, "constant": code})
+            found.append({"number": number, "name": name, "segments": None, "constant": function})
         else:
             parts.setdefault((name, function), []).append(segment)
     for (name, function), segments in parts.items():
@@ -308,7 +290,7 @@ def _motion(number: int, motion: dict[tuple[str, int | None], Expr]) -> list[dic
             line = None
         if line is None or line.degree() > 1:
             raise StatementError(f"rigid motion {function} of {name}: must be of degree 1 at most in x")
-        constant, slope = (source.scalar(line.coeff_monomial(power)) for power in (1, x))
+        constant, slope = (line.coeff_monomial(power) for power in (1, x))
         part = {"number": number, "name": name, "segments": tuple(sorted(segments))}
         found.append({**part, "constant": constant, "slope": slope})
     return found

@@ -4,9 +4,9 @@ const SHOWN = 4; // branches in the plots
 
 let lastPencil = { key: "", pencil: null, undamped: null };
 
-function pencilKept(column, N, own) {
+function pencilKept(N, own) {
   const key = JSON.stringify([N, own]);
-  if (lastPencil.key !== key) lastPencil = { key, pencil: pencilOf(column, N, own), undamped: null };
+  if (lastPencil.key !== key) lastPencil = { key, pencil: pencilOf(N, own), undamped: null };
   return lastPencil;
 }
 
@@ -35,7 +35,7 @@ function tangentOf(pencil, column, alpha, beta) {
 
 /** Critical load, curves and root locus of a case. */
 function analyse(column, { N, own, alpha, beta, range }) {
-  const kept = pencilKept(column, N, own);
+  const kept = pencilKept(N, own);
   const { pencil } = kept;
   if (!pencil.sound) return { sound: false };
   const { curves, crossing, locus } = undampedPart(kept, range);

@@ -8,7 +8,7 @@ function startPage() {
     parameters,
     values: startOf(parameters),
     range: column.load_range,
-    shapes: drawingShapes(column),
+    shapes: null,
     pencil: null,
     state: null,
     analysis: null,
@@ -53,7 +53,7 @@ function startComputer(column, receive) {
   try {
     const text = (id) => document.getElementById(id).textContent;
     const start = `const answer = computer(${text("column")}, (found) => postMessage(found)); onmessage = (event) => answer(event.data);`;
-    const source = [text("algebra"), text("numerics"), start].join("\n;\n");
+    const source = [text("algebra"), text("kernel"), text("numerics"), start].join("\n;\n");
     const worker = new Worker(URL.createObjectURL(new Blob([source], { type: "text/javascript" })));
     worker.onmessage = (event) => receive(event.data);
     return (question) => worker.postMessage(question);
@@ -93,7 +93,8 @@ function settle(view) {
   view.part.command.textContent = commandOf(column, question);
   const keys = { map: JSON.stringify([values.N, own]), question: JSON.stringify(question) };
   if (keys.map !== view.mapKey) {
-    view.pencil = pencilOf(column, values.N, own);
+    view.pencil = pencilOf(values.N, own);
+    if (view.pencil.sound) view.shapes = drawingShapes(view.pencil);
     view.mapKey = keys.map;
     askForMap(view);
   }
@@ -193,19 +194,18 @@ function showEigenvalues(part, { upper, least }) {
 
 function showBeam(view) {
   const { beam, pencil, state, values, shapes, range } = view;
-  const short = shapes.map((shape) => ({ value: shape.value.slice(0, values.N) }));
-  beam.motion = motionOf(pencil, state.least, short);
+  beam.motion = motionOf(pencil, state.least, shapes);
   beam.reference = pencil.root[0];
   beam.sensor = values.sensor;
-  beam.load = { P: values.P, range, axial: pencil.axial, ends: pencil.ends, along: pencil.along };
+  beam.load = { P: values.P, range, ...pencil.load };
   beam.colour = state.growing ? palette.accent : palette.stable;
   if (beam.still) drawBeam(beam);
 }
 
 function showResponse(view) {
-  const { plots, column, pencil, damping, values } = view;
+  const { plots, pencil, damping, values } = view;
   const duration = (30 * 2 * Math.PI) / pencil.root[0];
-  view.response = responseAt(column, pencil, damping, values.P, values.sensor, duration);
+  view.response = responseAt(pencil, damping, values.P, values.sensor, duration);
   plots.response.setData([view.response.t, view.response.y]);
 }
 
@@ -331,7 +331,7 @@ function animate(view) {
 
 /** What a lecturer's script, or a test, may ask of the page. */
 function outside(view) {
-  const pencil = (N, own) => pencilOf(view.column, N, own);
+  const pencil = (N, own) => pencilOf(N, own);
   return {
     values: () => ({ ...view.values }),
     set: (values) => change(view, values, true),

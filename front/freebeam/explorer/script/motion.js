@@ -2,22 +2,10 @@
 
 const PLACES = 121; // along the beam, for drawing
 
-/** Trial functions and their slopes at a place, from their series. Eq. (22). */
-function shapesAt(column, x) {
-  const u = 2 * x - 1;
-  const terms = column.shapes[0].length;
-  const T = chebyshev(terms - 1, u);
-  const U = [1, 2 * u]; // T_k′ = k U_{k−1}
-  for (let k = 2; k < terms; k++) U.push(2 * u * U[k - 1] - U[k - 2]);
-  return {
-    value: column.shapes.map((series) => series.reduce((sum, c, k) => sum + c * T[k], 0)),
-    slope: column.shapes.map((series) => series.reduce((sum, c, k) => sum + (k ? 2 * c * k * U[k - 1] : 0), 0)),
-  };
-}
-
-/** The trial functions at the places of a drawing, made once. */
-function drawingShapes(column) {
-  return Array.from({ length: PLACES }, (_, i) => shapesAt(column, i / (PLACES - 1)));
+/** The trial functions at the places of a drawing, a list for each place. Eq. (22). */
+function drawingShapes({ N, functions }) {
+  const values = kernel.shapes(functions, Array.from({ length: PLACES }, (_, k) => k / (PLACES - 1)));
+  return Array.from({ length: PLACES }, (_, k) => Float64Array.from({ length: N }, (_, i) => values[i * PLACES + k]));
 }
 
 /** Eigenvalues with Im λ ≥ 0, whether any grows, and the one that is least stable. */
@@ -54,7 +42,7 @@ function motionOf(pencil, mode, shapes) {
   const q = aligned(mode.q);
   const re = times(pencil.basis, q.re);
   const im = times(pencil.basis, q.im);
-  const along = (values) => shapes.map((shape) => dot(values, shape.value));
+  const along = (values) => shapes.map((shape) => dot(values, shape));
   const motion = { re: along(re), im: along(im) };
   const size = Math.max(...motion.re.map((x, i) => Math.hypot(x, motion.im[i])));
   const sign = motion.re[PLACES - 1] < 0 ? -1 : 1;
@@ -67,16 +55,16 @@ function motionOf(pencil, mode, shapes) {
  * Eqs. (9), (10).
  * The state is a sum of e^(λt) over the eigenvectors; it ends where it has grown a thousandfold.
  */
-function responseAt(column, pencil, damping, P, place, duration, count = 700) {
+function responseAt(pencil, damping, P, place, duration, count = 700) {
   const { N, root, basis } = pencil;
   const found = stateDecomposition(pencil, damping, P);
   const V = new LuDecomposition(found.eigenvectorMatrix);
   // eigenvectors of a coalescence to the last digit are no basis; beside it they are
-  if (V.isSingular()) return responseAt(column, pencil, damping, P * (1 + 1e-9) + 1e-9, place, duration, count);
+  if (V.isSingular()) return responseAt(pencil, damping, P * (1 + 1e-9) + 1e-9, place, duration, count);
   const first = Math.max(...basis.map((row) => Math.abs(row[0])));
   const initial = [(0.01 / first) * Math.sign(basis[0][0]) * root[0], ...Array(2 * N - 1).fill(0)];
   const c = V.solve(Matrix.columnVector(initial)).to1DArray();
-  const sensor = shapesAt(column, place).value.slice(0, N);
+  const sensor = kernel.shapes(pencil.functions, [place]);
   const weights = root.map((w, i) => dot(sensor, basis.map((row) => row[i])) / w);
   const parts = responseParts(found, c, weights);
   const growth = Math.max(...parts.map((part) => part.re));

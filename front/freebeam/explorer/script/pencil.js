@@ -1,4 +1,5 @@
-// The pencil E + P H − s M of the column at its own parameters, in the basis where M = I and E = diag(e).
+// The pencil E + P H − s M of the column at its own parameters, in the basis where M = I and E = diag(e). `kernel` is the
+// column's emitted one; what it computes is brought here into the form that the search and the pictures take.
 // Matrices are rows of numbers; ml-matrix factorises them.
 
 const { Matrix, EigenvalueDecomposition, LuDecomposition, CholeskyDecomposition, SingularValueDecomposition } = mlMatrix;
@@ -56,10 +57,29 @@ function diagonalise(M, E) {
 }
 
 /** Everything of a column at N functions and own parameters that does not depend on load and damping. */
-function pencilOf(column, N, own) {
-  const { M, E, H, ...rest } = matricesOf(column, N, own);
+function pencilOf(N, own) {
+  const functions = kernel.basis(N);
+  const matrix = (values) => square(N, (i, j) => values[i * N + j]);
+  const [M, E, H] = [kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load].map((of) => matrix(of(functions, false, own)));
   const problem = problemOf(M, E, H);
-  return problem ? { sound: true, ...problem, ...rest } : { sound: false };
+  return problem ? { sound: true, ...problem, own, functions, load: loadOf(own) } : { sound: false };
+}
+
+/**
+ * What acts on the beam per unit of P, read from the load's bilinear form H: the transversal parts −c y′ of forces at the
+ * ends (of a follower force c is the axial force there, of a dead load 0); ascending in powers of x the axial force
+ * (compression), and the transversal part of a load along the beam.
+ */
+function loadOf(own) {
+  const { along, points } = kernel.forms(own).H;
+  const at = (end) => points.find(([a, p, b, q]) => a === end && p === 0 && b === end && q === 1)?.[4] ?? 0;
+  const powers = Array.from({ length: 1 + Math.max(0, ...along.map(([k]) => k)) }, (_, k) => k);
+  const factor = (k, p, q) => along.find((term) => term[0] === k && term[1] === p && term[2] === q)?.[3] ?? 0;
+  return {
+    ends: [at(0), at(1)],
+    axial: powers.map((k) => -factor(k, 1, 1)),
+    along: powers.map((k) => factor(k, 0, 1)),
+  };
 }
 
 /** What the search sees of M, E and H, rows of numbers; null where M or E is not positive. */
@@ -114,7 +134,7 @@ function divergenceAt(relative, near) {
 
 /** c_M and c_E of C = c_M M + c_E E, Eq. (12). */
 function dampingFactors(pencil, alpha, beta) {
-  return pencil.damping.map(([c, a, b]) => c + a * alpha + b * beta);
+  return kernel.damping_factors(alpha, beta, pencil.own);
 }
 
 /** C = size · diag(shape). Without damping the limit at β = κα still has a shape; κ = Infinity is that of none. */

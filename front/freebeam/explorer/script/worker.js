@@ -35,7 +35,7 @@ function computer(column, send) {
   return (message) => {
     if (message.kind === "case") question = message;
     if (message.kind === "map") {
-      const pencil = pencilOf(column, message.N, message.own);
+      const pencil = pencilOf(message.N, message.own);
       const axes = mapAxes(column);
       const loads = new Float64Array(axes.alpha.length * axes.beta.length).fill(NaN);
       map = null;
