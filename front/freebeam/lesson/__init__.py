@@ -67,7 +67,7 @@ def lesson(column: str | os.PathLike[str] = PAPER, progress: Progress | None = N
     say("derivation")
     derived = pipeline.derive(stated)
     chapter = Chapter(derived, stated.name == PAPER and name == PAPER)
-    source = pipeline.columns().get(name, Path(name))
+    source = pipeline.known().get(name, Path(name))
     say("proofs of the derivation")
     about = prose("opening.paper" if facts.column.name == PAPER else "opening.other", ends="-".join(facts.column.ends))
     blocks = [prose("opening.lesson"), about, *derivation_chapters(chapter, facts.column, source)]
