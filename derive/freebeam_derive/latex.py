@@ -32,6 +32,7 @@ from sympy.core.function import AppliedUndef
 from sympy.printing.latex import LatexPrinter
 
 from freebeam_derive.comparison import eta, sigma
+from freebeam_derive.jets import beside
 from freebeam_derive.notation import NOTATION, QUANTITIES, P, alpha, beta, gamma, t, x
 from freebeam_derive.statement import Column, Parameter
 
@@ -58,11 +59,12 @@ _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}", r"\dddot{{{}}}")
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]
-    """LaTeX of forms and of the objects of a record. own: LaTeX of names beside the usual, a column's parameters."""
+    """LaTeX of forms and of the objects of a record. own: LaTeX of names beside the usual, a column's parameters;
+    unknowns: that of its fields and coordinates beside y."""
 
-    def __init__(self, own: dict[str, str] | None = None) -> None:
+    def __init__(self, own: dict[str, str] | None = None, unknowns: dict[str, str] | None = None) -> None:
         super().__init__({"ln_notation": True, "fold_short_frac": False, "mat_str": "pmatrix", "mat_delim": ""})
-        self.own = own or {}
+        self.own, self.unknowns = own or {}, unknowns or {}
 
     def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
         name = str(expr)
@@ -82,6 +84,8 @@ class Printer(LatexPrinter):  # type: ignore[misc]
         name = expr.func.__name__
         if name in NOTATION and NOTATION[name].symbol.is_Function:
             return NOTATION[name].latex, True
+        if (unknown := name.removeprefix("delta_")) in self.unknowns:
+            return ("\\delta " if name.startswith("delta_") else "") + self.unknowns[unknown], True
         return _FIELDS.get(name, name), name in _FIELDS
 
     def _derivative(self, letter: str, orders: dict[Any, int]) -> str:
@@ -110,11 +114,16 @@ class Printer(LatexPrinter):  # type: ignore[misc]
 
     def _placed(self, text: str, place: Any) -> str:
         """A field's letter, and its place where that is one: x and t are left out."""
-        return text if place in (x, t) else f"{text}({self._print(place)})"
+        if place in (x, t):
+            return text
+        if place.func == beside:  # the limit from the left or from the right
+            place, side = place.args
+            return f"{text}({{{self._print(place)}}}^{{{'-' if side < 0 else '+'}}})"
+        return f"{text}({self._print(place)})"
 
     def _print_Subs(self, expr: Any) -> str:
         inner, _, (place,) = expr.args
-        return f"{self._print(inner)}({self._print(place)})"
+        return self._placed(self._print(inner), place)
 
     def _print_Function(self, expr: Any, exp: Any = None) -> str:
         if isinstance(expr, AppliedUndef):
@@ -279,8 +288,9 @@ class Printer(LatexPrinter):  # type: ignore[misc]
 
 
 def printer(column: Column) -> Printer:
-    """The printer of a column, which knows its own parameters."""
-    return Printer({p.name: letter(p) for p in column.parameters})
+    """The printer of a column, which knows its own parameters and unknowns."""
+    unknowns = {str(f): f.letter for f in column.unknowns if hasattr(f, "letter")}
+    return Printer({p.name: letter(p) for p in column.parameters}, unknowns)
 
 
 def letter(parameter: Parameter) -> str:
@@ -351,7 +361,7 @@ def _kind(factor: Any) -> int:
     if factor.has(DiracDelta):
         return 5
     if _fields(factor):
-        return 4 if any(a.func.__name__ == "delta_y" for a in factor.atoms(AppliedUndef)) else 3
+        return 4 if any(a.func.__name__.startswith("delta_") for a in factor.atoms(AppliedUndef)) else 3
     return 2 if factor.is_Add else int(bool(_ENTRY.fullmatch(str(factor))))
 
 

@@ -81,3 +81,13 @@ def written(path: Path, replace: bool) -> Iterator[IO[bytes]]:
 
     with written(path, replace) as stream:
         yield stream
+
+
+def folder(path: Path) -> None:
+    """A folder to write to, made if need be. Raises InputError."""
+    from freebeam_sym.checks import InputError
+
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: is no folder to write to ({error.strerror})") from None

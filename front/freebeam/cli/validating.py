@@ -6,6 +6,7 @@ import shutil
 import sys
 from collections import Counter
 from collections.abc import Sequence
+from contextlib import ExitStack
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +15,7 @@ import typer
 
 from freebeam.cli.application import command
 from freebeam.cli.options import FileOptions, flag, option, refuse
-from freebeam.cli.output import print_json, print_table, working, written
+from freebeam.cli.output import folder, print_json, print_table, working, written
 
 if TYPE_CHECKING:
     from freebeam.ledger.book import ClaimRow, EquationRow, Ledger
@@ -35,24 +36,34 @@ class Validate(FileOptions):
 
     loads: bool = flag("Check the critical loads only, which is quick.")
     gallery: bool = flag("Check the reference values of all columns that come with freebeam.")
-    output: Path | None = option("FILE", "Write the whole ledger as Markdown.")
+    output: Path | None = option(
+        "FILE|DIR", "Write the whole ledger as Markdown; with --gallery a benchmark of certified values to a folder."
+    )
 
     def run(self) -> None:
         refuse(self.loads and self.gallery, "--loads: belongs to the paper; leave it out with --gallery")
-        refuse(
-            self.gallery and self.output, f"{self.output}: holds the ledger of the paper; leave it out with --gallery"
-        )
         if self.gallery:
             self.columns()
         else:
             self.paper()
 
     def columns(self) -> None:
-        """Check the reference values of the columns."""
+        """Check the reference values of the columns; write the benchmark."""
+        from freebeam.ledger import benchmark
         from freebeam.ledger.reference_values import validate
 
-        with working("validate") as report:
+        with ExitStack() as files, working("validate") as report:
+            streams = {}
+            if self.output is not None:
+                folder(self.output)
+                streams = {
+                    file: files.enter_context(written(self.output / file, self.force)) for file in benchmark.FILES
+                }
             rows = validate(report)
+            if streams:
+                found = benchmark.rows(report)
+                for file, text in benchmark.written_out(found).items():
+                    streams[file].write(text)
         passed = all(row.passed for row in rows)
         if self.as_json:
             print_json({"references": rows, "passed": passed})

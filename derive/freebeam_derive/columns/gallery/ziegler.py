@@ -7,7 +7,7 @@ from freebeam_derive.references import CLOSED_FORM
 from freebeam_derive.statement import Column, Coordinate, Parameter, Reference, delta
 
 mu = Symbol("mu", real=True)
-p, q = Coordinate("p", r"\varphi_1"), Coordinate("q", r"\varphi_2")  # angles of the links
+p, q = Coordinate("p", r"\varphi_{1}"), Coordinate("q", r"\varphi_{2}")  # angles of the links
 
 column = Column(
     name="ziegler",
