@@ -22,8 +22,8 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(
-        Parameter(mu, "mass of the absorber in units of the beam's", 0.1, 0.0, 1.0, r"\mu"),
-        Parameter(k, "stiffness of its spring", 5.0, 0.0, 50.0),
+        Parameter(mu, "mass of the absorber in units of the beam's", 0.1, 0.01, 1.0, r"\mu"),
+        Parameter(k, "stiffness of its spring", 5.0, 0.5, 50.0),
         Parameter(c, "coefficient of its damper", 0.1, 0.0, 1.0),
         Parameter(a, "its place", 0.7, 0.05, 0.95),
     ),

@@ -18,7 +18,7 @@ column = Column(
     dW_nc=-P * (at(y.diff(x), 1) + k * at(y.diff(x), a)) * at(delta(y), 1) + F_0 * at(delta(y), x_F),
     ends=("free", "free"),
     parameters=(
-        Parameter(k, "gain: angle of the thrust by slope at the sensor", 0.1, -0.5, 0.5),
+        Parameter(k, "gain: angle of the thrust by slope at the sensor", 0.1, 0.02, 0.5),
         Parameter(a, "place of the sensor", 0.5, 0.05, 0.95),
     ),
     source="Beal (1965), whom the paper of the column free-free cites; the law as this project states it",

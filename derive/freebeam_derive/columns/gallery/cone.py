@@ -20,7 +20,7 @@ column = Column(
     - P * at(y.diff(x), 1) * at(delta(y), 1)
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
-    parameters=(Parameter(tau, "what the diameter loses up to the tip, as a share", 0.5, 0.0, 0.9, r"\tau"),),
+    parameters=(Parameter(tau, "what the diameter loses up to the tip, as a share", 0.5, 0.0, 0.8, r"\tau"),),
     source="Stated for this project",
     references=(Reference("6.50560305109434", "flutter", TWO_ROUTES),),
 )

@@ -22,7 +22,7 @@ column = Column(
     ends=("clamped", "free"),
     parameters=(
         Parameter(s, "shear stiffness in units of EI by the length squared", 100.0, 30.0, 2000.0),
-        Parameter(r, "rotary inertia: the square of the radius of gyration", 0.01, 0.0, 0.05),
+        Parameter(r, "rotary inertia: the square of the radius of gyration", 0.01, 0.001, 0.05),
         Parameter(e, "the force turns with the cross-section (0) or with the axis (1)", 0.0, 0.0, 1.0),
     ),
     source="Kim and Choo, Dynamic stability of a free-free Timoshenko beam subjected to a pulsating follower"
