@@ -33,7 +33,10 @@ DAMPINGS = {"alpha": np.geomspace(1e-4, 1e-1, GRID), "beta": np.geomspace(1e-2, 
 def drawings(statement: Column) -> Iterator[tuple[str, str, tuple[float, float]]]:
     """Names of a column's pictures, their captions and their sizes in inches."""
     yield "sketch", "The column, bent a little, with its parameters at their defaults.", (6.4, 2.7)
-    yield "locus", "Its first two eigenvalues as the load grows, without damping of α and β.", (5.2, 4.2)
+    if statement.references[0].kind == "flutter":
+        yield "locus", "Its first two eigenvalues as the load grows, α = β = 0.", (5.2, 4.2)
+    else:  # eigenvalues that meet at 0 and part along the real axis are seen better as squares
+        yield "frequencies", "Its first two squared frequencies as the load grows, α = β = 0.", (5.2, 3.4)
     for p in statement.parameters:
         yield p.name, f"First loss of stability over ${letter(p)}$: {p.meaning}.", (5.2, 3.4)
     if set(DAMPINGS) <= set(statement.damping):
@@ -46,6 +49,8 @@ def draw(name: str, statement: Column, ax: Axes) -> None:
         schematic(statement, ax=ax)
     elif name == "locus":
         fb.figures.root_locus(column, ax=ax)
+    elif name == "frequencies":
+        fb.figures.frequency_load(column, ax=ax)
     elif name == "map":
         fb.figures.stability_map(fb.stability_map(column, convergence=False, **DAMPINGS), ax=ax)
     else:

@@ -9,7 +9,7 @@ from decimal import Decimal, InvalidOperation
 TWO_ROUTES = "computed: Hermite elements find it, Taylor steps at 45 digits refine it (tests/reference)"
 CLOSED_FORM = "computed: exact numbers (tests/reference/discrete.py)"
 RULES = ("rounded", "cut off")
-"""How a load's digits were printed. A further one is explained in docs, and checked in freebeam.gallery."""
+"""How digits of a load may have been printed."""
 FAMILIES = (
     "Tip force",
     "Masses, springs and dampers",

@@ -70,7 +70,16 @@ def test_values_are_confirmed_to_their_last_digit(monkeypatch: pytest.MonkeyPatc
 
 @pytest.mark.parametrize(
     "wrong",
-    [{"load": "24.2240402685"}, {"load": "24.2241"}, {"kind": "divergence"}, {"own": {"k": 11.0}}, {"rule": "cut off"}],
+    [
+        {"load": "24.2240402685"},
+        {"load": "24.2241"},
+        {"kind": "divergence"},
+        {"own": {"k": 11.0}},
+        {"own": {"k": -100.0}},  # which is unstable without a load
+        {"own": {"stiffness": 11.0}},
+        {"alpha": -1.0},
+        {"rule": "cut off"},
+    ],
 )
 def test_a_wrong_value_is_seen(
     wrong: dict[str, object], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]

@@ -261,10 +261,10 @@ def _loads(ax: Axes, statement: Column, parts: Parts, x: Any, y: Any, slope: Any
     """What holds the load P: at places with their direction, or along the beam."""
     from sympy import Add
 
-    from freebeam_derive.notation import P
+    from freebeam_derive.notation import NOTATION, P
     from freebeam_derive.notation import x as place
 
-    letter = "$P$"
+    letter = f"${NOTATION['P'].latex}$"
     for at in parts.followers:
         k = round(at * (len(x) - 1))
         _force(ax, np.array([x[k], y[k]]), math.atan(slope[k]), letter, 1.0, float(slope[k]))
@@ -283,7 +283,7 @@ def _loads(ax: Axes, statement: Column, parts: Parts, x: Any, y: Any, slope: Any
         for start in (0.1, 0.42, 0.74):
             i, j = (int(s * (len(x) - 1)) for s in (start, start + 0.2))
             _arrow(ax, (x[i], y[i]), (x[j], y[j]), ACCENT, 1.2)
-        ax.text(1.04, y[-1], "$u$", color=ACCENT, va="center", fontsize=13)
+        ax.text(1.04, y[-1], letter, color=ACCENT, va="center", fontsize=13)
     elif axial == 0:  # a flow outside
         for up in (0.17, 0.24):
             for start in (0.05, 0.55):
@@ -303,6 +303,8 @@ def _loads(ax: Axes, statement: Column, parts: Parts, x: Any, y: Any, slope: Any
 
 def _links(ax: Axes, statement: Column) -> None:
     """A chain of rigid links, one for each coordinate, under a force along the last."""
+    from freebeam_derive.notation import NOTATION
+
     count = len(statement.coordinates)
     angles = np.linspace(0.12, 0.3, count)
     points = np.concatenate([[[0.0, 0.0]], np.cumsum(np.stack([np.cos(angles), np.sin(angles)], 1), 0) / count])
@@ -315,7 +317,7 @@ def _links(ax: Axes, statement: Column) -> None:
         ax.text(px + 0.2, py + 0.02, f"${getattr(statement.unknowns[k], 'letter', '')}$", fontsize=11, va="bottom")
     for px, py in points[1:]:
         ax.plot([px], [py], "o", color=INK, ms=10, zorder=7)
-    _force(ax, points[-1], float(angles[-1]), "$P$", 1.0, 0.0)
+    _force(ax, points[-1], float(angles[-1]), f"${NOTATION['P'].latex}$", 1.0, 0.0)
 
 
 def _ground(ax: Axes, x: float, y: float) -> None:

@@ -57,7 +57,8 @@ class Loss:
 
 @dataclass(frozen=True)
 class Checked:
-    """A reference value with what is computed. explained: the computed load printed by the reference's rule."""
+    """A reference value with what is computed. explained: the computed load printed by the reference's rule, or why
+    there is none."""
 
     column: str
     family: str
@@ -126,7 +127,10 @@ def validate(progress: Callable[[str], None] | None = None) -> list[Checked]:
 
 def _checked(statement: Statement, column: Column, reference: Reference) -> Checked:
     case = Case({**reference.own}, reference.alpha, reference.beta, reference.kappa)
-    found = first_loss(column, case, max(reference.digits + SPARE, LEAST))
-    explained = "none" if found is None else printed(found.load, reference.load, reference.rule)
+    try:
+        found = first_loss(column, case, max(reference.digits + SPARE, LEAST))
+        explained = "none" if found is None else printed(found.load, reference.load, reference.rule)
+    except InputError as error:
+        found, explained = None, f"not computed: {error}"
     passed = found is not None and found.kind == reference.kind and explained == reference.load
     return Checked(statement.name, statement.family, reference, found, explained, passed)

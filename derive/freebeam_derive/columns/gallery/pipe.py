@@ -1,4 +1,4 @@
-"""A cantilevered pipe that conveys fluid, on an elastic foundation if need be; the load is the velocity u."""
+"""A cantilevered pipe that conveys fluid, on an elastic foundation if need be; the load is the velocity of the flow."""
 
 from sympy import Symbol, sqrt
 
