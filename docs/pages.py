@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -15,9 +15,9 @@ import freebeam as fb
 from freebeam.figures.look import figure, style
 from freebeam.figures.saving import image_of
 from freebeam.figures.schematic import schematic
-from freebeam.ledger.benchmark import formulas
 from freebeam.ledger.reference_values import statements
 from freebeam_derive import pipeline
+from freebeam_derive.definition import formulas
 from freebeam_derive.latex import letter, printer
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def _row(statement: Column, reference: Reference) -> str:
     return f"| {reference.load}{rule} | {reference.kind} | {at or 'defaults'} | {reference.by}{seen} |"
 
 
-def index(stated: dict[str, Column]) -> str:
+def index(stated: Mapping[str, Column]) -> str:
     """The page that lists them by family."""
     lines = ["# Gallery of columns", ""]
     lines += [

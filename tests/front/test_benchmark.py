@@ -13,8 +13,9 @@ from mpmath import mp, mpf, workdps
 import freebeam as fb
 from freebeam import cli
 from freebeam.ledger import benchmark, reference_values
-from freebeam.ledger.benchmark import DIGITS, FILES, cases, formulas, row_of
+from freebeam.ledger.benchmark import DIGITS, FILES, cases, row_of
 from freebeam.ledger.reference_values import printed, statements
+from freebeam_derive.definition import formulas
 
 FOLDER = Path(__file__).parents[2] / "docs" / "benchmark"
 STATED = statements()

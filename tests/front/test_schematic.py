@@ -7,8 +7,9 @@ from typing import Any
 import pytest
 
 from freebeam.figures.look import figure, style
-from freebeam.figures.schematic import parts_of, schematic
+from freebeam.figures.schematic import schematic
 from freebeam.ledger.reference_values import statements
+from freebeam_derive.drawn import parts_of
 
 STATED = statements()
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from freebeam_derive.statement import Column as Statement
     from freebeam_sym.columns import Column
 
-__all__ = ["FILES", "Row", "cases", "formulas", "row_of", "rows", "written_out"]
+__all__ = ["FILES", "Row", "cases", "row_of", "rows", "written_out"]
 
 FILES = ("benchmark.csv", "benchmark.json")
 DIGITS = 20  # of a load and a frequency
@@ -141,6 +141,8 @@ def written_out(found: list[Row]) -> dict[str, bytes]:
 
 def _systems() -> dict[str, Any]:
     """What defines each column."""
+    from freebeam_derive.definition import formulas
+
     return {
         name: {
             "title": statement.title,
@@ -151,41 +153,3 @@ def _systems() -> dict[str, Any]:
         }
         for name, statement in statements().items()
     }
-
-
-def formulas(statement: Statement) -> dict[str, list[str]]:
-    """What defines a column, in LaTeX, a formula each: its equations of motion without the transversal force, each
-    after the part of the beam that it holds on, and all conditions at ends and breaks."""
-    from sympy import Add, Expr, factor
-
-    from freebeam_derive.jets import beside, jet, jets, show, trial
-    from freebeam_derive.latex import printer
-    from freebeam_derive.variation import derive_column
-
-    motion, tex = derive_column(statement), printer(statement)
-    places = motion.beam.places
-
-    def zero(expression: Expr) -> str:
-        """expression = 0, collected by its derivatives."""
-        left = Add(*(factor(expression.coeff(j)) * show(j) for j in jets(expression)))
-        return f"{tex.doprint(-left if left.could_extract_minus_sign() else left)} = 0"
-
-    def value(name: str, order: int, place: Any) -> str:
-        return str(tex.doprint(show(jet(trial(name), order, 0, place))))
-
-    equations = [
-        rf"{tex.doprint(places[k])} < x < {tex.doprint(places[k + 1])}:\quad {zero(factor_)}"
-        for (_, k), factor_ in motion.equations.items()
-    ]
-    equations += [zero(whole.points + whole.density) for whole in motion.of_coordinates.values()]
-    held = [
-        f"{value(space.name, order, places[-end])} = 0" for space in motion.spaces for end, order in sorted(space.held)
-    ]
-    joined = [
-        f"{value(space.name, order, beside(place, -1))} = {value(space.name, order, beside(place, 1))}"
-        for space in motion.spaces
-        for number, place in enumerate(places[1:-1], 1)
-        for order in range(space.joined)
-        if (number, order) not in space.opened
-    ]
-    return {"equations": equations, "conditions": [*held, *joined, *(zero(c.factor) for c in motion.conditions)]}

@@ -6,6 +6,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from decimal import ROUND_DOWN, ROUND_HALF_EVEN, Decimal, localcontext
+from functools import cache
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from freebeam import own
@@ -46,7 +48,7 @@ class Loss:
     """The first loss of stability of a beam itself, nondimensional: load and frequency as (lower, upper) decimal text.
 
     proof: "crossing enclosed": a crossing is proven to be there, alone, and of this kind; that it is the first is the
-    word of series that agree. "converged": both are.
+    word of series that agree. "converged": the load is their word too, within its estimated error.
     """
 
     load: tuple[str, str]
@@ -68,29 +70,30 @@ class Checked:
     passed: bool
 
 
-def statements() -> dict[str, Statement]:
-    """All columns that come with freebeam, by their names, family by family. Nothing is derived."""
+@cache
+def statements() -> Mapping[str, Statement]:
+    """All columns that come with freebeam, by their names, family by family; read once a process, none derived."""
     from freebeam_derive import pipeline
     from freebeam_derive.references import FAMILIES
     from freebeam_derive.statement import load_column
 
     stated = [load_column(path) for path in pipeline.known().values()]
-    return {column.name: column for column in sorted(stated, key=lambda column: FAMILIES.index(column.family))}
+    in_order = sorted(stated, key=lambda column: FAMILIES.index(column.family))
+    return MappingProxyType({column.name: column for column in in_order})
 
 
 def first_loss(column: Column, case: Case, digits: int) -> Loss | None:
     """The first loss of stability with its enclosure, of relative width below 10^-digits where it is proven; None up
     to the load 1000 where there is none. Raises InputError where series do not agree."""
-    found = critical_load(column, **case.given)
-    near = found.beam or found
+    near = critical_load(column, **case.given).beam
+    if near is None:
+        raise InputError(f"{column.name}: its series do not agree on a first loss of stability")
     if near.load is None or near.frequency is None:
         return None
-    if not found.converged:
-        raise InputError(f"{column.name}: its series do not agree on a first loss of stability")
     try:
         proven = exact_load(column, digits=digits, **case.given)
     except InputError:  # no limits of damping, say, of a column beyond the textbook's
-        width = found.error or math.inf
+        width = near.uncertainty
         return Loss(_around(near.load, width), _around(near.frequency, width), near.kind, CONVERGED)
     if proven.load is None or proven.frequency is None or not math.isclose(float(proven.load[0]), near.load):
         raise InputError(f"{column.name}: the crossing that is enclosed is not the one that its series find")
