@@ -68,6 +68,7 @@ docs: venv
 	  $(BIN)/freebeam lesson --column $$column --format html --output $(MADE)/lessons/$$column.html --force && \
 	  $(BIN)/freebeam explore --column $$column --output $(MADE)/explorer/$$column.html --force || exit 1; \
 	done
+	$(BIN)/python docs/pages.py
 	$(BIN)/sphinx-build -q -W --keep-going docs build/docs
 	@echo "open build/docs/index.html"
 
@@ -85,5 +86,5 @@ lint: venv
 	$(BIN)/mypy
 
 clean:
-	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks build docs/made freebeam.egg-info
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis .benchmarks build docs/made docs/gallery freebeam.egg-info
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

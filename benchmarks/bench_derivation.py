@@ -14,6 +14,7 @@ import sympy as sp
 from scipy.integrate import quad_vec
 
 import freebeam as fb
+from freebeam_sym import column_names
 
 CLAIM = "one column from its energies to emitted NumPy source, after imports"
 
@@ -41,7 +42,7 @@ def fresh(*arguments: str) -> list[float]:
     return [float(v) for v in json.loads(run.stdout)]
 
 
-@pytest.mark.parametrize("column", fb.column_names())
+@pytest.mark.parametrize("column", column_names())
 def bench_ours(contender: Any, benchmark: Any, column: str) -> None:
     found: list[list[float]] = []
     contender(CLAIM, f"ours, {column}", lambda: found.append(fresh(column)), rounds=3)
@@ -51,7 +52,7 @@ def bench_ours(contender: Any, benchmark: Any, column: str) -> None:
     )
 
 
-@pytest.mark.parametrize("column", fb.column_names())
+@pytest.mark.parametrize("column", column_names())
 def bench_verification(contender: Any, benchmark: Any, column: str) -> None:
     found: list[list[float]] = []
     claim = "verification of one column's kernels at 50 digits"

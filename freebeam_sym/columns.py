@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections import OrderedDict
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cache, cached_property, lru_cache, partial
@@ -535,7 +535,7 @@ def is_system(value: Any) -> Any:
 
 
 def names() -> tuple[str, ...]:
-    """Names of the columns that come with the package."""
+    """Names of the columns whose kernels come with the package."""
     return tuple(import_module("freebeam_kernels").COLUMNS)
 
 
@@ -572,22 +572,25 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     return found if basis or stated == found.basis_name else _tree(known[name][stated])
 
 
-def file_of(name: object, basis: object = None) -> Path | None:
-    """The file that names a column; None where `name` is that of a column of the package. Raises InputError where it is
-    neither, and for a basis that there is not."""
-    known = names()
+def file_of(name: object, basis: object = None, stated: Mapping[str, Path] | None = None) -> Path | None:
+    """The file that names a column; None where `name` is that of a kernel of the package. stated: names of further
+    columns, and the files that state them. Raises InputError where it is none of these, and for a basis that there is
+    not."""
+    stated = stated or {}
+    known = (*names(), *stated)
+    there = ", ".join(known) if len(known) < 10 else f"{len(known)}, which `freebeam columns` lists"
     if not isinstance(name, str | os.PathLike):
-        raise refusal("column", name, f"must be a name, one of {', '.join(known)}, or the path of a column's file")
+        raise refusal("column", name, f"must be a name, such as {known[0]}, or the path of a column's file")
     text = os.fspath(name)
     if basis is not None and basis not in (bases := bases_of(text)):
         raise refusal("basis", basis, f"must be one of {', '.join(bases)}")
     if text in known:
-        return None
+        return stated.get(text)
     if isinstance(name, os.PathLike) or text.endswith(".py") or os.sep in text or Path(text[:200]).is_file():
         return Path(text)
     near = difflib.get_close_matches(text, known, 1)
     raise InputError(
-        f"column {text if len(text) < 60 else text[:57] + '...'!r} is not known; there are {', '.join(known)}"
+        f"column {text if len(text) < 60 else text[:57] + '...'!r} is not known; there are {there}"
         + (f" (did you mean {near[0]}?)" if near else "")
         + "; a column of your own is named by its file, such as path/to/column.py"
     )

@@ -6,7 +6,6 @@ Each is Beck's column with changes, as the text of a file; beside it is what is 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 HEAD = """
 from sympy import Piecewise, Rational, Symbol, exp, sqrt
@@ -192,8 +191,3 @@ def file_of(folder: Path, title: str, changes: dict[str, str]) -> Path:
     body = ",\n    ".join(f"{key}={value}" for key, value in fields.items())
     path.write_text(f"{HEAD}\ncolumn = Column(\n    {body},\n)\n", encoding="utf-8")
     return path
-
-
-def asked_of(name: str) -> Any:
-    """What is asked of a column: alpha and beta."""
-    return STATED[name][1]

@@ -23,6 +23,7 @@ COMMANDS = [
     "columns",
     "critical --alpha 1e-3 --beta 0.1 --digits 12 --certificate load.json",
     "verify load.json",
+    "critical --column ziegler --digits 12 --exact",
     "spectrum --load 80",
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --output map.nc",
     "map --alpha 1e-3 1e-1 3 --beta 1e-2 1 2 --modes 3 --chunks 2 --workers 1 --store store --output map.png",

@@ -61,11 +61,12 @@ _DOTS = ("{}", r"\dot{{{}}}", r"\ddot{{{}}}", r"\dddot{{{}}}")
 
 
 class Printer(LatexPrinter):  # type: ignore[misc]
-    """LaTeX of forms and of the objects of a record. own: LaTeX of names beside the usual, a column's parameters."""
+    """LaTeX of forms and of the objects of a record. own: LaTeX of names beside the usual, a column's parameters;
+    unknowns: that of its fields and coordinates beside y."""
 
-    def __init__(self, own: dict[str, str] | None = None) -> None:
+    def __init__(self, own: dict[str, str] | None = None, unknowns: dict[str, str] | None = None) -> None:
         super().__init__({"ln_notation": True, "fold_short_frac": False, "mat_str": "pmatrix", "mat_delim": ""})
-        self.own = own or {}
+        self.own, self.unknowns = own or {}, unknowns or {}
 
     def _print_Symbol(self, expr: Any, style: str = "plain") -> str:
         name = str(expr)

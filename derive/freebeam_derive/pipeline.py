@@ -126,8 +126,13 @@ class Outcome:
 
 
 def columns() -> dict[str, Path]:
-    """Names of the columns of this tree, and the files that state them."""
+    """Names of the columns whose kernels are checked in, and the files that state them."""
     return statement.columns()
+
+
+def known() -> dict[str, Path]:
+    """Those and the gallery's."""
+    return {**statement.columns(), **statement.gallery()}
 
 
 def derive(column: Column) -> Derived:
@@ -176,12 +181,13 @@ def kernels(column: Column, in_bases: Sequence[str]) -> dict[str, Kernel]:
 
 def find(target: str | Path) -> Column:
     """A column by its name, or by the path of its file. Raises StatementError."""
-    known = columns()
-    if str(target) in known:
-        return statement.load_column(known[str(target)])
+    named = known()
+    if str(target) in named:
+        return statement.load_column(named[str(target)])
     if not str(target).endswith(".py") and not Path(target).exists():
         raise StatementError(
-            f"column {str(target)!r} is not known; there are {', '.join(known)}, or give the file of your own"
+            f"column {str(target)!r} is not known; there are {', '.join(columns())}, and the gallery's, which "
+            "`freebeam columns` lists; or give the file of your own"
         )
     return statement.load_column(target)
 
@@ -287,7 +293,7 @@ def _refuse_doubled(modules: Sequence[str]) -> None:
 
 def _refuse_homonyms(chosen: Sequence[Column], targets: Sequence[str | Path], output: Path) -> None:
     """A user's column that would take the place of one of this tree's own."""
-    own = columns()
+    own = known()
     for column, target in zip(chosen, targets, strict=False):
         if column.name in own and str(target) not in own and output.resolve() == tree().resolve():
             if not Path(target).exists() or not Path(target).samefile(own[column.name]):

@@ -67,6 +67,7 @@ from freebeam_derive.jets import (
     varied,
 )
 from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, x, x_F
+from freebeam_derive.references import Reference
 
 __all__ = [
     "ALONG",
@@ -77,6 +78,7 @@ __all__ = [
     "Functional",
     "GEOMETRIC",
     "Parameter",
+    "Reference",
     "StatementError",
     "at",
     "at_place",
@@ -84,6 +86,7 @@ __all__ = [
     "columns",
     "delta",
     "display",
+    "gallery",
     "hinge",
     "integral",
     "jet",
@@ -178,7 +181,8 @@ class Column:
     coordinates. ends: kinds at x = 0 and x = 1, each free, pinned, sliding or clamped, of all fields; or of each field,
     {y: ("clamped", "free"), psi: ("clamped", "free")}; left out where there is no field. dimensional: the same in SI
     quantities, if given; then the nondimensional one is derived from it and compared (scaling.py). basis, modes: the
-    trial functions where none are asked for, and their number. releases: hinges inside the beam.
+    trial functions where none are asked for, and their number. releases: hinges inside the beam. family: of the columns
+    that it is listed with. references: critical loads to compare with.
 
     Raises StatementError where the statement makes no sense.
     """
@@ -196,6 +200,8 @@ class Column:
     basis: str = "legendre"
     modes: int = 16
     releases: tuple[Hinge, ...] = ()
+    family: str = ""
+    references: tuple[Reference, ...] = ()
 
     def __post_init__(self) -> None:
         check(self)
@@ -362,6 +368,8 @@ def _refuse_types(column: Column) -> None:
             raise StatementError(f"{name} = {value!r}: not a SymPy expression; write it with integral(...) and at(...)")
     if not isinstance(column.parameters, tuple) or not all(isinstance(p, Parameter) for p in column.parameters):
         raise StatementError("parameters: must be a tuple of Parameter, such as (Parameter(eta, ...),)")
+    if not isinstance(column.references, tuple) or not all(isinstance(r, Reference) for r in column.references):
+        raise StatementError("references: must be a tuple of Reference, such as (Reference('20.05', 'flutter', ...),)")
 
 
 def _refuse_unknown(column: Column) -> None:
@@ -658,8 +666,16 @@ def _lost_derivatives_refused() -> Iterator[None]:
 
 @lru_cache(maxsize=1)
 def columns() -> dict[str, Path]:
-    """Names and files of the columns of this tree, in the order in which they are listed."""
-    folder = Path(__file__).parent / "columns"
+    """Names and files of the columns whose kernels are checked in, in the order in which they are listed."""
+    return _files_of(Path(__file__).parent / "columns")
+
+
+def gallery() -> dict[str, Path]:
+    """Names and files of the gallery's columns, whose kernels are derived when they are first used."""
+    return _files_of(Path(__file__).parent / "columns" / "gallery")
+
+
+def _files_of(folder: Path) -> dict[str, Path]:
     return {path.stem.replace("_", "-"): path for path in sorted(folder.glob("[a-z]*.py"))}
 
 

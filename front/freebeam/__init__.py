@@ -16,7 +16,7 @@ import freebeam_sym as _runtime
 
 if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
-    from freebeam.own import column
+    from freebeam.own import column, column_names
     from freebeam.proofs import (
         Certified,
         CertifiedCrossing,
@@ -47,7 +47,6 @@ if TYPE_CHECKING:
         Spectrum,
         System,
         branches,
-        column_names,
         critical_load,
         critical_loads,
         eigenvalues,
@@ -75,7 +74,7 @@ __all__ = [
 
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
-_HOMES = {"own": ["column"], "proofs": [
+_HOMES = {"own": ["column", "column_names"], "proofs": [
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
     "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
 ]}  # fmt: skip

@@ -1,4 +1,5 @@
-"""A user's own column: from its file to a verified kernel, kept in the user's cache."""
+"""A column from its statement, the gallery's or a user's own: from its file to a verified kernel, kept in the user's
+cache."""
 
 from __future__ import annotations
 
@@ -17,7 +18,7 @@ from freebeam_sym.checks import InputError
 from freebeam_sym.columns import Column, file_of
 from freebeam_sym.kernels import is_kernel, load, read_source
 
-__all__ = ["cache_folder", "column"]
+__all__ = ["cache_folder", "column", "column_names"]
 
 MANIFEST = "MANIFEST.json"
 
@@ -28,14 +29,14 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     basis: the trial functions, "modes" of the unloaded beam or "legendre": polynomials, with which critical loads
     converge exponentially in their number; where None, what the column states: polynomials, if nothing else. A kernel's
     file has the one that it was emitted for.
-    A column file is derived, emitted and verified when it is first used, and kept for later.
+    A column of the gallery, or of a file, is derived, emitted and verified when it is first used, and kept for later.
 
     >>> column("free-free", basis="legendre").basis_name
     'legendre'
 
     Raises InputError for a name that no column has, a file that makes no sense and a basis that there is not.
     """
-    path = file_of(name, basis)
+    path = file_of(name, basis, _gallery())
     if path is None:
         return columns.column(name, basis)
     source, tree = read_source(path)
@@ -48,8 +49,30 @@ def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
     return Column(kernel, path, lambda basis: column(path, basis))
 
 
+def column_names() -> tuple[str, ...]:
+    """Names of the columns that come with the package, the gallery's among them; `freebeam columns` says what they are.
+
+    >>> {"free-free", "pflueger"} <= set(column_names())
+    True
+    """
+    return (*columns.names(), *_gallery())
+
+
+def _derivation() -> Path | None:
+    """The folder of the derivation, found without importing it."""
+    spec = importlib.util.find_spec("freebeam_derive")
+    return None if spec is None else Path(next(iter(spec.submodule_search_locations or ())))
+
+
+def _gallery() -> dict[str, Path]:
+    """As `freebeam_derive.statement.gallery`, without importing it."""
+    folder = _derivation()
+    files = () if folder is None else sorted((folder / "columns" / "gallery").glob("[a-z]*.py"))
+    return {file.stem.replace("_", "-"): file for file in files}
+
+
 def cache_folder() -> Path:
-    """Where kernels of users' own columns are kept: XDG_CACHE_HOME, or the system's usual place."""
+    """Where kernels that are derived when they are first used are kept: XDG_CACHE_HOME, or the system's usual place."""
     if os.name == "nt" and os.environ.get("LOCALAPPDATA"):
         base = Path(os.environ["LOCALAPPDATA"])
     else:
@@ -62,13 +85,14 @@ def cache_folder() -> Path:
 def _key(path: Path, source: bytes, basis: str) -> str:
     """Hash of all that the emitted kernel depends on. Needs no import of the derivation."""
     digest = hashlib.sha256()
-    spec = importlib.util.find_spec("freebeam_derive")
-    if spec is None or not spec.submodule_search_locations:
+    derivation = _derivation()
+    if derivation is None:
         raise InputError(f"{path}: freebeam_derive is not installed, which derives a column from its file")
-    derivation = Path(next(iter(spec.submodule_search_locations)))
     versions = [version(name).encode() for name in ("freebeam", "sympy", "mpmath")]
     parts = [path.name.encode(), source, basis.encode(), *versions]
-    parts += [file.read_bytes() for file in sorted(derivation.rglob("*")) if file.suffix in (".py", ".jinja")]
+    # other columns decide nothing
+    files = [file for file in sorted(derivation.rglob("*")) if derivation / "columns" not in file.parents]
+    parts += [file.read_bytes() for file in files if file.suffix in (".py", ".jinja")]
     for part in parts:
         digest.update(len(part).to_bytes(8, "big") + part)
     return digest.hexdigest()

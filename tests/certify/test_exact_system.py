@@ -114,6 +114,13 @@ def test_the_parameters_may_be_given() -> None:
     assert found.load.overlaps(same.load)
 
 
+def test_a_damping_of_zero_is_none_whatever_function_of_x_it_multiplies() -> None:
+    """Else what has no rate would be sought as if it had one, at a load where two frequencies meet."""
+    kernel = emitted(statement.load_column(statement.gallery()["exponential-taper"]))
+    assert ExactSystem(kernel).undamped(NONE, NONE)
+    assert not ExactSystem(kernel, None, Fraction(1, 100)).undamped(NONE, NONE)
+
+
 @pytest.mark.parametrize(
     ("name", "near", "dampings"),
     [

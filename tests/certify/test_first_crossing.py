@@ -20,6 +20,7 @@ from freebeam_derive.certify import balls, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.boundary_polynomials import Question, boundary
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
+from freebeam_sym import column_names
 
 F = Fraction
 CASES = {
@@ -59,7 +60,7 @@ def certified(case: str, digits: int = 30) -> Enclosure:
     return first_crossing.certify(column(case).kernel, question, candidate(column(case), question), digits)
 
 
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_roots_are_those_of_an_independent_determinant(name: str) -> None:
     """Roots as balls, Eq. (21), against the verifier's own isolation in another set of functions."""
     kernel = fb.column(name, "modes").kernel
@@ -77,7 +78,7 @@ def written(data: dict[str, Any]) -> dict[str, Any]:
     return verifier.matrices(data["ends"], data["basis"], data["modes"], forms)
 
 
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_matrices_overlap_those_of_exponentials(name: str) -> None:
     """M, E, H of Eq. (11) from the closed forms on balls, against the verifier's integrals of exponentials."""
     kernel = fb.column(name, "modes").kernel
@@ -207,7 +208,7 @@ def test_balls_blown_up_yield_no_proof(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @settings(derandomize=True, deadline=None, max_examples=15)
 @given(
-    name=st.sampled_from(fb.column_names()),
+    name=st.sampled_from(column_names()),
     basis=st.sampled_from(["modes", "legendre"]),
     modes=st.integers(1, 6),
     alpha=st.one_of(st.just(0.0), st.floats(-6, 1).map(lambda p: 10**p)),
@@ -225,7 +226,7 @@ def test_the_runtimes_load_lies_in_the_certified_interval(
     assert math.isclose(near[0], float(found.load[0]), rel_tol=1e-9)
 
 
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_polynomials_span_what_the_verifiers_span(name: str) -> None:
     """det(E + P H − s M) / det M in the kernel's basis and in the verifier's null space of conditions."""
     kernel = fb.column(name, "legendre").kernel

@@ -12,6 +12,7 @@ import pytest
 
 import freebeam as fb
 from freebeam import cli
+from freebeam_sym import column_names
 from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.pencil import Pencil
 from tests.gallery import GALLERY
@@ -95,7 +96,7 @@ def assert_as_the_runtime(page, asked):
 
 
 @pytest.mark.parametrize("basis", ["modes", "legendre"])
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_first_losses_and_touches_are_those_of_the_runtime(opened, name, basis):
     """Random questions: all N of the page, all damping and its limits, many next to the touch at η = 1/2."""
     known = {p.name: (p.low, p.high) for p in fb.column(name).parameters}
@@ -109,7 +110,7 @@ def test_first_losses_and_touches_are_those_of_the_runtime(opened, name, basis):
 
 
 @pytest.mark.parametrize("basis", ["modes", "legendre"])
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_hard_questions_are_answered_as_by_the_runtime(opened, name, basis):
     asked = [case for case in GALLERY.values() if (case.name, case.basis) == (name, basis)]
     if asked:

@@ -284,6 +284,20 @@ OWN = (
         BECK,
     ),
     Value(
+        "reut",
+        "T and V as Beck's, δW = −P y(1) δy'(1): the force stays on the line y = 0.",
+        "coalescence",
+        "20.050953618974",
+        Beam((PRESSED,), terms=(Term(TIP_SLOPE, TIP, stiffness=lambda P: P),)),
+    ),
+    Value(
+        "free-free",
+        "Free at both ends, V = ∫y''²/2 − ∫P x y'²/2, δW = −P y'(1) δy(1).",
+        "coalescence",
+        "109.68919195874",
+        Beam((Segment(axial=lambda x, P: x * P),), ("free", "free"), (follower(),), rigid=2),
+    ),
+    Value(
         "crack",
         "Beck and V += k [y'](2/5)²/2, k = 10, [·] the jump: a rotational spring inside.",
         "coalescence",

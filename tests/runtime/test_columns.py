@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
+import freebeam_sym
 from freebeam import cli
 
 NAMES = ("free-free", "beck", "euler-pinned")
@@ -32,8 +33,8 @@ def refused(call: Any, *words: str) -> str:
 
 
 def test_each_listed_name_gives_the_column_of_that_name() -> None:
-    assert set(NAMES) <= set(fb.column_names())
-    for name in fb.column_names():
+    assert set(NAMES) <= set(freebeam_sym.column_names()) <= set(fb.column_names())
+    for name in freebeam_sym.column_names():
         column = fb.column(name, "modes")
         assert column.name == name and column.title
         assert fb.column(name, "modes") is column
@@ -43,12 +44,15 @@ def test_each_listed_name_gives_the_column_of_that_name() -> None:
     ("name", "near"), [("free-fre", "free-free"), ("Beck", "beck"), ("euler_pinned", "euler-pinned")]
 )
 def test_a_near_miss_is_named(name: str, near: str) -> None:
-    refused(lambda: fb.column(name, "modes"), repr(name), f"did you mean {near}?", *fb.column_names())
+    refused(lambda: fb.column(name, "modes"), repr(name), f"did you mean {near}?", "`freebeam columns` lists")
+    refused(lambda: freebeam_sym.columns.column(name), f"did you mean {near}?", *freebeam_sym.column_names())
 
 
 @pytest.mark.parametrize("name", ["", "wing", "a\nb", "x" * 5000])
 def test_an_unknown_column_is_refused_with_those_there_are(name: str) -> None:
-    assert "did you mean" not in refused(lambda: fb.column(name, "modes"), *fb.column_names())
+    there = f"there are {len(fb.column_names())}, which `freebeam columns` lists"
+    assert "did you mean" not in refused(lambda: fb.column(name, "modes"), there)
+    assert "did you mean" not in refused(lambda: freebeam_sym.columns.column(name), *freebeam_sym.column_names())
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import flint
 from flint import acb, arb
 
-from freebeam_derive.certify.balls import Exact, exact, parameters, precision
+from freebeam_derive.certify.balls import Exact, array, exact, one, parameters, precision
 from freebeam_derive.certify.beam import NoSeries, Order, Taylor
 from freebeam_derive.certify.taylor_steps import Jet, Jets, Segment, Term
 
@@ -197,4 +197,6 @@ class ExactSystem:
 
 def _some(factor: Any) -> bool:
     """Whether a factor, or one of its powers of x, is not known to be nothing."""
-    return callable(factor) or not all(v == 0 for v in (factor if isinstance(factor, tuple) else (factor,)))
+    if callable(factor):  # a function of x is nothing where it is exactly zero over the whole beam: a damping of 0, say
+        return not one(factor(array([acb(arb(0.5, 0.5))]))) == 0
+    return not all(v == 0 for v in (factor if isinstance(factor, tuple) else (factor,)))

@@ -3,13 +3,15 @@
 from sympy import Symbol
 
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
-from freebeam_derive.statement import Column, Energies, Parameter, at, delta, integral
+from freebeam_derive.references import TWO_ROUTES
+from freebeam_derive.statement import Column, Energies, Parameter, Reference, at, delta, integral
 
 eta = Symbol("eta", real=True)
 
 column = Column(
     name="beck",
     title="Cantilever under a tip force, follower or sub-tangential",
+    family="Tip force",
     T=integral(y.diff(t) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2) / 2,
     W_c=P * integral(y.diff(x) ** 2) / 2,
@@ -32,4 +34,14 @@ column = Column(
         length=L,
     ),
     source="Beck, Die Knicklast des einseitig eingespannten, tangential gedrückten Stabes, ZAMP 3 (1952) 225-228",
+    references=(
+        Reference("20.050953618974", "flutter", TWO_ROUTES),
+        Reference(
+            "20.05",
+            "flutter",
+            "Beck (1952), summary: 20,05 α/l²",
+            seen="https://paperexplained.cn/articles/paper/detail/5e871fdd74584fca18c8b6bd3507ee08cf0e8cbb",
+        ),
+        Reference("2.46740110027", "divergence", TWO_ROUTES, own={"eta": 0.0}),
+    ),
 )

@@ -1,11 +1,13 @@
 """Euler's column: pinned at both ends under a dead axial load."""
 
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
-from freebeam_derive.statement import Column, Energies, at, delta, integral
+from freebeam_derive.references import TWO_ROUTES
+from freebeam_derive.statement import Column, Energies, Reference, at, delta, integral
 
 column = Column(
     name="euler-pinned",
     title="Pinned-pinned beam under a dead axial load",
+    family="Dead loads",
     T=integral(y.diff(t) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2) / 2,
     W_c=P * integral(y.diff(x) ** 2) / 2,
@@ -21,4 +23,5 @@ column = Column(
         length=L,
     ),
     source="Euler, Methodus inveniendi lineas curvas, Additamentum I (1744)",
+    references=(Reference("9.86960440109", "divergence", TWO_ROUTES),),
 )

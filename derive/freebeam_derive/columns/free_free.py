@@ -1,13 +1,15 @@
 """The paper's column: a free-free beam under an end follower force. Eqs. (1)-(5) and (8)."""
 
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
-from freebeam_derive.statement import Column, Energies, at, delta, integral
+from freebeam_derive.references import TWO_ROUTES
+from freebeam_derive.statement import Column, Energies, Reference, at, delta, integral
 
 axial_force = P * x / L  # Eq. (3)
 
 column = Column(
     name="free-free",
     title="Free-free beam under an end follower force and a transversal force",
+    family="Free in space, with control",
     T=integral(y.diff(t) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2) / 2,
     W_c=P * integral(x * y.diff(x) ** 2) / 2,
@@ -28,4 +30,5 @@ column = Column(
     "follower and transversal forces, Eq. (8)",
     basis="modes",  # section 3.2, with as many as eight terms
     modes=8,
+    references=(Reference("109.68919195874", "flutter", TWO_ROUTES),),
 )

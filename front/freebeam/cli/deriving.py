@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
+from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import typer
 
@@ -14,27 +15,46 @@ from freebeam.cli.output import print_json, print_table, working
 
 if TYPE_CHECKING:
     from freebeam_derive.pipeline import Outcome
-    from freebeam_sym.columns import Parameter
+    from freebeam_derive.statement import Column, Parameter
 
 
 @command("freebeam columns")
 class Columns(Options):
-    """List the columns with their ends and parameters.
+    """List the columns by family, with their ends and parameters.
 
     Each parameter has a default and, in brackets, a range of interest: the range that plots show. Any value may be set.
+    A column whose kernel does not come with freebeam is derived when it is first used, which takes a second or two.
     """
 
     def run(self) -> None:
-        import freebeam as fb
+        from freebeam.ledger.reference_values import statements
 
-        found = [fb.column(name) for name in fb.column_names()]
+        with working("columns"):
+            found = [*statements().values()]
         if self.as_json:
-            keys = ("name", "title", "ends", "damping", "parameters")
-            print_json({"columns": [{key: getattr(column, key) for key in keys} for column in found]})
+            print_json({"columns": [_record(column) for column in found]})
             return
-        rows = [[x.name, x.title, "-".join(x.ends), "; ".join(map(_told, x.parameters))] for x in found]
-        print_table(rows, ["name", "title", "ends", "parameters"])
+        for family, columns in groupby(found, key=lambda column: column.family):
+            rows = [[x.name, x.title, "-".join(_ends(x)), "; ".join(map(_told, x.parameters))] for x in columns]
+            print_table(rows, ["name", "title", "ends", "parameters"], family)
+            print()
         print("A range of interest is what plots show; any value may be set.")
+
+
+def _ends(column: Column) -> tuple[str, ...]:
+    """Of the first of several fields; none where there is no field."""
+    return column.supports(column.fields[0]) if column.fields else ()
+
+
+def _record(column: Column) -> dict[str, Any]:
+    from freebeam_derive.latex import letter
+
+    parameters = [
+        {"name": p.name, "latex": letter(p), **{key: getattr(p, key) for key in ("meaning", "default", "low", "high")}}
+        for p in column.parameters
+    ]
+    told = {key: getattr(column, key) for key in ("name", "title", "family", "damping", "source", "references")}
+    return {**told, "ends": _ends(column), "parameters": parameters}
 
 
 def _told(parameter: Parameter) -> str:
@@ -90,8 +110,8 @@ def _generated(asked: Generate) -> Outcome:
 
     targets = asked.targets or ()
     files = [target for target in targets if target not in pipeline.columns()]
-    foreign = f"{files[0]}: is not freebeam's own" if files else ""
-    refuse(files and asked.output is None, f"{foreign}; name a folder for its kernel by --output")
+    foreign = f"{files[0]}: its kernel is none of those that are checked in" if files else ""
+    refuse(files and asked.output is None, f"{foreign}; name a folder for it by --output")
     try:
         with working("generate") as report:
             return pipeline.generate(targets, asked.output, report, asked.check, language=asked.language)

@@ -94,3 +94,13 @@ def write_picture(path: Path, replace: bool, draw: Callable[[], Any], title: str
     refuse(format not in FORMATS, f"{path}: the name must end in {', '.join('.' + name for name in FORMATS)}")
     with written(path, replace) as stream, style():
         stream.write(image_of(draw(), format, title))
+
+
+def folder(path: Path) -> None:
+    """A folder to write to, made if need be. Raises InputError."""
+    from freebeam_sym.checks import InputError
+
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise InputError(f"{path}: is no folder to write to ({error.strerror})") from None

@@ -10,7 +10,7 @@ import typer
 
 from freebeam.cli.application import command
 from freebeam.cli.options import REQUIRED, BasisOptions, FileOptions, NameOptions, argument, flag, option, refuse
-from freebeam.cli.output import print_json, working, written
+from freebeam.cli.output import folder, print_json, working, written
 
 # --- figures ----------------------------------------------------------------------------------------------------
 
@@ -30,7 +30,6 @@ class Figures(FileOptions):
         from freebeam.figures import published
         from freebeam.figures.look import style
         from freebeam.figures.saving import FORMATS, csv_of, image_of
-        from freebeam_sym.checks import InputError
 
         format, output = self.format, self.output
         refuse(format not in FORMATS, f"--format {format}: must be one of {', '.join(FORMATS)}")
@@ -39,10 +38,7 @@ class Figures(FileOptions):
         done: list[dict[str, Any]] = []
         made: dict[Path, bytes] = {}
         with style(), working("figures") as report:
-            try:
-                output.mkdir(parents=True, exist_ok=True)
-            except OSError as error:
-                raise InputError(f"{output}: is no folder to write to ({error.strerror})") from None
+            folder(output)
             for count, n in enumerate(wanted, 1):
                 report(f"Fig. {n} ({count} of {len(wanted)})")
                 found = published.picture(n)

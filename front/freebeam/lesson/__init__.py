@@ -83,7 +83,7 @@ def lesson(
         facts = Facts(column_of(column, "modes"), column_of(column, "legendre"), own, data)
     say("derivation")
     chapter = Chapter(pipeline.derived(stated), errata and stated.name == PAPER and name == PAPER, short)
-    source = pipeline.columns().get(name, Path(name))
+    source = pipeline.known().get(name, Path(name))
     say("proofs of the derivation")
     derivation = general_derivation if kernels.general else derivation_chapters
     physics = general_physics if kernels.general else physics_chapters

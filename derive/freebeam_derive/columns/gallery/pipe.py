@@ -1,0 +1,32 @@
+"""A cantilevered pipe that conveys fluid, on an elastic foundation if need be; the load is the velocity of the flow."""
+
+from sympy import Symbol, sqrt
+
+from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
+from freebeam_derive.references import TWO_ROUTES
+from freebeam_derive.statement import Column, Parameter, Reference, at, delta, integral
+
+b, k = (Symbol(name, real=True) for name in ("b", "k"))
+
+column = Column(
+    name="pipe",
+    title="Cantilevered pipe that conveys fluid",
+    family="Flow",
+    T=integral(y.diff(t) ** 2) / 2,
+    V=integral(y.diff(x, 2) ** 2) / 2 + k * integral(y**2) / 2,
+    W_c=0,
+    dW_nc=-integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
+    - P**2 * integral(y.diff(x, 2) * delta(y))
+    - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))
+    + F_0 * at(delta(y), x_F),
+    ends=("clamped", "free"),
+    parameters=(
+        Parameter(b, "mass of the fluid, as a share of that of pipe and fluid", 0.1, 0.01, 0.9),
+        Parameter(k, "stiffness of the foundation", 0.0, 0.0, 200.0),
+    ),
+    source="Païdoussis, Fluid-Structure Interactions: Slender Structures and Axial Flow, vol. 1",
+    references=(
+        Reference("4.74989677311", "flutter", TWO_ROUTES),
+        Reference("8.4376423464509", "flutter", TWO_ROUTES, own={"b": 0.3, "k": 50.0}),
+    ),
+)

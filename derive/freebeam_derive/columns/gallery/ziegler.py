@@ -1,0 +1,26 @@
+"""Ziegler's double pendulum: two links on springs under a force along the second; alpha damps both joints alike."""
+
+from sympy import Symbol
+
+from freebeam_derive.notation import P, alpha, t
+from freebeam_derive.references import CLOSED_FORM
+from freebeam_derive.statement import Column, Coordinate, Parameter, Reference, delta
+
+mu = Symbol("mu", real=True)
+p, q = Coordinate("p", r"\varphi_{1}"), Coordinate("q", r"\varphi_{2}")  # angles of the links
+
+column = Column(
+    name="ziegler",
+    title="Ziegler's double pendulum under a follower force",
+    family="Links",
+    T=(mu * p.diff(t) ** 2 + (p.diff(t) + q.diff(t)) ** 2) / 2,
+    V=(p**2 + (q - p) ** 2) / 2,
+    W_c=P * (p**2 + q**2) / 2,
+    dW_nc=-alpha * (p.diff(t) * delta(p) + (q.diff(t) - p.diff(t)) * delta(q - p)) - P * q * delta(p + q),
+    parameters=(Parameter(mu, "mass at the middle joint in units of that at the end", 2.0, 0.1, 10.0, r"\mu"),),
+    source="Kirillov, Structural optimization of the Ziegler's pendulum, arXiv:1101.0246",
+    references=(
+        Reference("2.08578643762690", "flutter", CLOSED_FORM),
+        Reference("1.464285714286", "flutter", CLOSED_FORM, kappa=0.0),
+    ),
+)

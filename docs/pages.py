@@ -1,0 +1,156 @@
+"""Write a page on each column that comes with freebeam: python docs/pages.py [NAME]... writes docs/gallery."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from itertools import groupby
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+import freebeam as fb
+from freebeam.figures.look import figure, style
+from freebeam.figures.saving import image_of
+from freebeam.figures.schematic import schematic
+from freebeam.ledger.reference_values import statements
+from freebeam_derive import pipeline
+from freebeam_derive.definition import formulas
+from freebeam_derive.latex import letter, printer
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from freebeam_derive.statement import Column, Reference
+
+FOLDER = Path(__file__).parent / "gallery"
+POINTS, GRID = 61, 18  # of a curve; of each side of a map
+DAMPINGS = {"alpha": np.geomspace(1e-4, 1e-1, GRID), "beta": np.geomspace(1e-2, 10, GRID)}
+
+
+def drawings(statement: Column) -> Iterator[tuple[str, str, tuple[float, float]]]:
+    """Names of a column's pictures, their captions and their sizes in inches."""
+    yield "sketch", "The column, bent a little, with its parameters at their defaults.", (6.4, 2.7)
+    if statement.references[0].kind == "flutter":
+        yield "locus", "Its first two eigenvalues as the load grows, α = β = 0.", (5.2, 4.2)
+    else:  # eigenvalues that meet at 0 and part along the real axis are seen better as squares
+        yield "frequencies", "Its first two squared frequencies as the load grows, α = β = 0.", (5.2, 3.4)
+    for p in statement.parameters:
+        yield p.name, f"First loss of stability over ${letter(p)}$: {p.meaning}.", (5.2, 3.4)
+    if set(DAMPINGS) <= set(statement.damping):
+        yield "map", "First loss of stability over internal damping α and external damping β.", (5.4, 4.0)
+
+
+def draw(name: str, statement: Column, ax: Axes) -> None:
+    column = fb.column(statement.name, "legendre")
+    if name == "sketch":
+        schematic(statement, ax=ax)
+    elif name == "locus":
+        fb.figures.root_locus(column, ax=ax)
+    elif name == "frequencies":
+        fb.figures.frequency_load(column, ax=ax)
+    elif name == "map":
+        fb.figures.stability_map(fb.stability_map(column, convergence=False, **DAMPINGS), ax=ax)
+    else:
+        low, high = next((p.low, p.high) for p in statement.parameters if p.name == name)
+        fb.figures.critical_curve(column, name, np.linspace(low, high, POINTS), ax=ax)
+
+
+def page(statement: Column, file: Path) -> str:
+    """A column's page, in Markdown."""
+    name, found = statement.name, formulas(statement)
+    opening = (statement_doc(file) or statement.title).replace("\n", " ")
+    lines = [f"# {statement.title}", "", f"`{name}`. {opening}", "", f"Source: {statement.source}.", ""]
+    pictures = list(drawings(statement))
+    lines += _shown(name, *pictures[0][:2])
+    if statement.parameters:
+        lines += ["| parameter | | default | of interest |", "|---|---|---|---|"]
+        lines += [
+            f"| ${letter(p)}$ (`{p.name}`) | {p.meaning} | {p.default:g} | {p.low:g} to {p.high:g} |"
+            for p in statement.parameters
+        ]
+        lines += [""]
+    lines += ["## Equation of motion", "", *_displayed(found["equations"])]
+    if found["conditions"]:
+        lines += ["with the conditions at its ends and breaks", "", *_displayed(found["conditions"])]
+    lines += ["## First loss of stability", "", "| load | kind | at | given by |", "|---|---|---|---|"]
+    lines += [_row(statement, reference) for reference in statement.references]
+    lines += ["", "```console", f"$ freebeam critical --column {name} --digits 15 --exact", "```", ""]
+    for picture, caption, _ in pictures[1:]:
+        lines += _shown(name, picture, caption)
+    below = os.path.relpath(file, FOLDER)
+    return "\n".join([*lines, "## The statement", "", f"```{{literalinclude}} {below}", ":language: python", "```", ""])
+
+
+def statement_doc(file: Path) -> str:
+    """The first paragraph of a statement's docstring."""
+    import ast
+
+    return (ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or "").split("\n\n")[0]
+
+
+def _displayed(formulas: list[str]) -> list[str]:
+    return [line for formula in formulas for line in ("$$", formula, "$$", "")]
+
+
+def _shown(name: str, picture: str, caption: str) -> list[str]:
+    return [
+        f"```{{figure}} pictures/{name}-{picture}.svg",
+        f":alt: {caption.replace('$', '')}",
+        ":class: figure",
+        "",
+        caption,
+        "```",
+        "",
+    ]
+
+
+def _row(statement: Column, reference: Reference) -> str:
+    tex = printer(statement)
+    given = {tex.doprint(p.symbol): reference.own[p.name] for p in statement.parameters if p.name in reference.own}
+    given |= {r"\alpha": reference.alpha, r"\beta": reference.beta} if reference.alpha or reference.beta else {}
+    at = ", ".join(f"${symbol} = {value:g}$" for symbol, value in given.items())
+    if reference.kappa is not None:
+        at = rf"$\alpha \to 0^{{+}}$, $\beta = {reference.kappa:g}\,\alpha$"
+    seen = f", seen at <{reference.seen}>" if reference.seen.startswith("http") and " " not in reference.seen else ""
+    seen = seen or (f", seen in {reference.seen}" if reference.seen else "")
+    rule = "" if reference.rule == "rounded" else f" ({reference.rule})"
+    return f"| {reference.load}{rule} | {reference.kind} | {at or 'defaults'} | {reference.by}{seen} |"
+
+
+def index(stated: Mapping[str, Column]) -> str:
+    """The page that lists them by family."""
+    lines = ["# Gallery of columns", ""]
+    lines += [
+        f"{len(stated)} columns of the literature, each stated in one file, with critical loads that others print or",
+        "that independent routes compute. `freebeam columns` lists them, and `freebeam validate --gallery` computes",
+        "every value and says what agrees. All here is made by the program; certified values of all of them are the",
+        "[benchmark](../benchmark/index.md).",
+        "",
+    ]
+    for family, columns in groupby(stated.values(), key=lambda column: column.family):
+        lines += [f"## {family}", ""]
+        lines += [f"- [{column.title}]({column.name}.md)" for column in columns]
+        lines += [""]
+    return "\n".join([*lines, "```{toctree}", ":hidden:", "", *stated, "```", ""])
+
+
+def main(names: list[str]) -> None:
+    (FOLDER / "pictures").mkdir(parents=True, exist_ok=True)
+    stated, files = statements(), pipeline.known()
+    for name in names or stated:
+        print(name, flush=True)
+        (FOLDER / f"{name}.md").write_text(page(stated[name], files[name]), encoding="utf-8")
+        for picture, caption, size in drawings(stated[name]):
+            with style():
+                drawn = figure(size)
+                draw(picture, stated[name], drawn.subplots())
+                image = image_of(drawn, "svg", caption)
+            (FOLDER / "pictures" / f"{name}-{picture}.svg").write_bytes(image)
+    (FOLDER / "index.md").write_text(index(stated), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
