@@ -211,6 +211,9 @@ def quotient(expression: Expr) -> str:
 def times(text: str, factor_: Expr) -> str:
     """Source times a factor in the column's parameters, with whole coefficients."""
     above, below = fraction(together(sympify(factor_)))
+    if above.is_Add:  # SymPy leaves -x/3 - 1/3 as it is
+        content, rest = above.as_content_primitive()
+        above, below = content.p * rest, content.q * below
     if above != 1:
         text = f"-{text}" if above == -1 else f"{_bracketed(above) if above.is_Add else code(above)} * {text}"
     return text if below == 1 else f"{text} / {_bracketed(below)}"
