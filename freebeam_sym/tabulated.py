@@ -41,6 +41,11 @@ LONGEST = 0.25
 MOST_BREAKS = 24
 """Elements begin at the heaviest parts and the largest steps of the table, at so many of each at most; at others the
 moment's polynomial runs through, which converges more slowly."""
+HIGHEST = 1e11
+"""Squared frequency, relative to the lowest, up to which modes are kept: with the rotation that a law steers the search
+takes no more. Of a vehicle with short elements those above moved the load by 1e-6, those above 1e10 by 2e-6."""
+DROPPED = 2e-6
+"""Error of a load, relative, that is told where modes are left out."""
 FUNCTIONS = 36
 """Bending functions that the usual degree gives, about; of the uniform beam these leave 1e-9 of the load."""
 
@@ -80,12 +85,12 @@ class Part:
 
 
 class Functions(NamedTuple):
-    """Trial functions: 1, x, those with a bending moment, the sprung masses' motion beside the beam, then the gimbal's
-    angle where it has an actuator; n in all.
+    """Trial functions: 1, x and the modes of the unloaded beam, then the gimbal's angle where it has an actuator; n in
+    all. Before they are modes: 1, x, those with a bending moment, then the sprung masses' motion beside the beam.
 
     rate (n, panels, NODES): ψ′ at Gauss's nodes; shear: y′ − ψ there; psi, y (n, panels): at the panels' left ends.
     M, E, H, C (n, n): mass, elastic stiffness, the load's matrix, dashpots; material: E of beam and joints alone;
-    turn, push (n,): ψ at the sensor and y(1).
+    turn, push (n,): ψ at the sensor and y(1). dropped: whether high modes are left out.
     """
 
     degree: int
@@ -100,6 +105,7 @@ class Functions(NamedTuple):
     C: Array
     turn: Array
     push: Array
+    dropped: bool = False
 
 
 class Tabulated:
@@ -126,7 +132,9 @@ class Tabulated:
             raise InputError("a sprung mass on a beam with a shear stiffness GA needs its rotary inertia J too")
         if held == 1:
             raise InputError("one spring to the ground leaves a rotation about it; give two springs or none")
-        rigid = 0 if held else 2 if law is None else 1
+        self.free = 0 if held else 2
+        """Motions that cost no energy."""
+        rigid = self.free if law is None else min(self.free, 1)
         gains = [
             {"name": "gain", "latex": "g", "meaning": "gimbal angle a slope at the sensor", "default": 0.1,
              "low": 0.0, "high": 1.0},
@@ -161,11 +169,10 @@ class Tabulated:
         self, basis: Functions, alpha: float, beta: float, ratio: float = 0.0, rate: float = 0.0, **own: float
     ) -> tuple[Array, ...]:
         C = basis.C + alpha * basis.material
-        own = slice(None, len(C) - self.acts)  # without an actuator, which has its own damping
-        C[own, own] += beta * basis.M[own, own]
-        if ratio:
-            held = any(part.kind == "spring" for part in self.parts)
-            C[own, own] += ratio * _each_mode(basis.M[own, own], basis.E[own, own], 0 if held else 2)
+        n = len(C) - self.acts  # without an actuator, which has its own damping
+        C[:n, :n] += beta * basis.M[:n, :n]
+        elastic = np.arange(self.free, n)
+        C[elastic, elastic] += 2 * ratio * np.sqrt(basis.M[elastic, elastic])  # modes with E = 1: 1/ω² is their mass
         E, H = self._steered(basis, rate)
         return C + E, H
 
@@ -193,15 +200,16 @@ class Tabulated:
         return found.reshape(*x.shape, len(basis.M)).transpose(-1, *range(x.ndim))
 
     def left_out(self, basis: Functions, vector: NDArray[np.complex128], rate: complex) -> float:
-        """The energy of the shear force J ψ̈ that the functions have not, relative to the elastic energy of a motion of
-        rate λ in their coordinates, (n,): about the relative error of λ² for it."""
+        """The relative error of λ² for what the functions have not, about: the energy of the shear force J ψ̈, relative
+        to the elastic one of a motion of rate λ in their coordinates, (n,), and `DROPPED` for the highest modes."""
+        dropped = DROPPED * basis.dropped
         if self.table.shear is None or self.table.rotary is None:
-            return 0.0
+            return dropped
         GA, J = self.values(self.table.shear), self.values(self.table.rotary)
         slope = np.tensordot(vector, self.slopes(basis), 1)
         missing = np.abs(rate**2 * J * slope) ** 2 / GA
         energy = float((vector.conj() @ basis.E @ vector).real)
-        return float((self.h[:, None] * self.weights * missing).sum()) / energy
+        return float((self.h[:, None] * self.weights * missing).sum()) / energy + dropped
 
     def slopes(self, basis: Functions) -> Array:
         """ψ at Gauss's nodes, (n, panels, NODES)."""
@@ -356,7 +364,7 @@ def _functions(kernel: Tabulated, N: int) -> Functions:
     GA = None if table.shear is None else kernel.values(table.shear)
     J = None if table.rotary is None else kernel.values(table.rotary)
     b = len(moments)
-    n = 2 + b + len(sprung) + kernel.acts
+    n = 2 + b + len(sprung)
     rate, shear = np.zeros((n, *EI.shape)), np.zeros((n, *EI.shape))
     rate[2 : 2 + b] = moments / EI
     if GA is not None:
@@ -400,13 +408,48 @@ def _functions(kernel: Tabulated, N: int) -> Functions:
             _add(kernel, functions, part, next(own) if part.kind == "sprung" else -1)
     end, _, thrust, _ = kernel.rows(functions, 1.0)
     functions.H[:] += np.outer(end, thrust)
+    return _steered(kernel, _in_modes(functions, kernel.free))
+
+
+def _in_modes(f: Functions, rigid: int) -> Functions:
+    """The same in the rigid motions and the modes of the unloaded beam, each of elastic energy 1/2; but for the
+    highest, which short elements bring and which would only be rounded."""
+    r, e = slice(0, rigid), slice(rigid, None)
+    along = np.linalg.solve(f.M[r, r], f.M[r, e])
+    # from the side of the energy, so that the low frequencies are not rounded beside the highest
+    try:
+        L = np.linalg.cholesky(f.E[e, e])
+    except np.linalg.LinAlgError:
+        raise InputError("the springs and joints leave the beam without stiffness, but for rounding") from None
+    half = np.linalg.solve(L, np.linalg.solve(L, f.M[e, e] - f.M[e, r] @ along).T)
+    inverse, Y = np.linalg.eigh((half + half.T) / 2)
+    kept = inverse > inverse[-1] / HIGHEST
+    inverse, modes = inverse[kept][::-1], np.linalg.solve(L.T, Y[:, kept][:, ::-1])
+    T = np.block([[np.eye(rigid), -along @ modes], [np.zeros((len(modes), rigid)), modes]])
+    M, E = np.zeros((2, T.shape[1], T.shape[1]))
+    M[r, r], M[e, e], E[e, e] = f.M[r, r], np.diag(inverse), np.eye(len(inverse))
+    rate, shear, psi, y = (np.tensordot(T.T, of, 1) for of in (f.rate, f.shear, f.psi, f.y))
+    material, H, C = (T.T @ of @ T for of in (f.material, f.H, f.C))
+    material, C = (material + material.T) / 2, (C + C.T) / 2
+    none = np.zeros(T.shape[1])
+    return Functions(f.degree, rate, shear, psi, y, M, E, material, H, C, none, none, not kept.all())
+
+
+def _steered(kernel: Tabulated, f: Functions) -> Functions:
+    """With what the thrust acts on and the sensor sees, and the actuator's angle as a last coordinate."""
+    if kernel.acts:
+        M, E, material, H, C = (np.pad(of, (0, 1)) for of in (f.M, f.E, f.material, f.H, f.C))
+        rate, shear = (np.pad(of, ((0, 1), (0, 0), (0, 0))) for of in (f.rate, f.shear))
+        psi, y = (np.pad(of, ((0, 1), (0, 0))) for of in (f.psi, f.y))
+        f = Functions(f.degree, rate, shear, psi, y, M, E, material, H, C, f.turn, f.push, f.dropped)
+    push = kernel.rows(f, 1.0)[0]
     if kernel.law is None:
-        return functions._replace(push=end)
+        return f._replace(push=push, turn=np.zeros_like(push))
     if kernel.law.frequency is not None:
         w, zeta = kernel.law.frequency, kernel.law.ratio
-        functions.M[-1, -1], functions.C[-1, -1], functions.E[-1, -1] = 1 / w**2, 2 * zeta / w, 1.0
-        functions.H[:, -1] += end
-    return functions._replace(turn=kernel.rows(functions, kernel.law.sensor)[2], push=end)
+        f.M[-1, -1], f.C[-1, -1], f.E[-1, -1] = 1 / w**2, 2 * zeta / w, 1.0
+        f.H[:, -1] += push
+    return f._replace(turn=kernel.rows(f, kernel.law.sensor)[2], push=push)
 
 
 def _add(kernel: Tabulated, f: Functions, part: Part, own: int) -> None:
@@ -424,21 +467,3 @@ def _add(kernel: Tabulated, f: Functions, part: Part, own: int) -> None:
     held = y if part.kind == "spring" else moved - y
     f.E[:] += part.stiffness * np.outer(held, held)
     f.C[:] += part.damping * np.outer(held, held)
-
-
-def _each_mode(M: Array, E: Array, rigid: int) -> Array:
-    """2 M (M⁻¹E)^½: the damping of which a share ζ gives each mode of the unloaded beam the damping ratio ζ.
-
-    rigid: how many first functions cost no energy; the motions across them are M-orthogonal to these.
-    """
-    r = slice(0, rigid)
-    e = slice(rigid, None)
-    own = M[e, e] - M[e, r] @ np.linalg.solve(M[r, r], M[r, e]) if rigid else M
-    # from the side of the energy, so that the low frequencies are not rounded beside the highest
-    L = np.linalg.cholesky(E[e, e])
-    half = np.linalg.solve(L, np.linalg.solve(L, own).T)
-    inverse, Y = np.linalg.eigh((half + half.T) / 2)
-    modes = L @ Y
-    C = np.zeros_like(M)
-    C[e, e] = 2 * (modes * np.sqrt(np.maximum(inverse, 0.0))) @ modes.T
-    return C

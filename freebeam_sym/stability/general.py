@@ -214,8 +214,9 @@ class General:
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
         base, mu = self._roots
-        roots = np.abs(base + 1 / mu[mu != 0])
-        roots = roots[roots > 1e-6 * roots.max(initial=0.0)]
+        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
+        roots = np.abs(base + 1 / mu)
+        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
         unit = float(roots.min()) if len(roots) else 1.0
         for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)

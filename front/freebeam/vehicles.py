@@ -396,12 +396,22 @@ class Vehicle:
             A / time, B / time, np.concatenate([*rows.values()]), np.concatenate([*direct.values()])[:, None]
         )
 
-    def frequency_response(self, omega: ArrayLike, thrust: float | None = None, **more: Any) -> Complex:
+    def frequency_response(
+        self,
+        omega: ArrayLike,
+        thrust: float | None = None,
+        *,
+        input: str = "gimbal",
+        outputs: Sequence[str] = ("angle", "rate", "ddy"),
+        sensors: ArrayLike | None = None,
+    ) -> Complex:
         """Outputs of `state_space` for an input e^(iωt) of unit size, ω in rad/s (m,): complex, (outputs, m)."""
-        s = self.state_space(thrust, **more)
-        w = reals("omega", omega).ravel()
-        resolvent = np.linalg.solve(1j * w[:, None, None] * np.eye(len(s.A)) - s.A, s.B)
-        return np.asarray((s.C @ resolvent)[:, :, 0].T + s.D)
+        system = self.system(thrust, True)
+        w = reals("omega", omega).ravel()[:, None, None] * self.units["time"]
+        G = system.K + 1j * w * system.C - w**2 * system.M
+        q = np.linalg.solve(G, system.Q(self._pushed(input))[:, None] * self._force_of(input, thrust))[:, :, 0].T
+        seen = self._seen(system, outputs, sensors)
+        return np.concatenate([(1j * w.ravel()) ** OUTPUTS[name][2] * (R @ q) for name, R in seen.items()])
 
     def respond(
         self,
@@ -444,21 +454,28 @@ class Vehicle:
         """What gives each output in SI units from (q, dq), (sensors, 2n), and from the input, (sensors,)."""
         from freebeam_sym.spectra import state_matrix
 
+        n, rows, direct = len(system.M), {}, {}
+        accelerations = state_matrix(system.M, system.C, system.K)[n:]
+        for name, R in self._seen(system, outputs, sensors).items():
+            order = OUTPUTS[name][2]
+            rows[name] = R @ (np.eye(n, 2 * n, order * n) if order < 2 else accelerations)
+            direct[name] = R @ push if order == 2 else np.zeros(len(R))
+        return rows, direct
+
+    def _seen(self, system: System, outputs: Sequence[str], sensors: ArrayLike | None) -> dict[str, Array]:
+        """What gives each output in SI units from the coordinates, or from their rates, (sensors, n)."""
         if isinstance(outputs, str) or not outputs or any(name not in OUTPUTS for name in outputs):
             raise refusal("outputs", outputs, f"must be a sequence of names from {', '.join(OUTPUTS)}")
         if sensors is None and "imu" not in self.settings:
             raise InputError("imu is missing: give the place of the IMU in m, or the sensors to look at")
         places = reals("sensors", self.settings["imu"] if sensors is None else sensors).ravel()
         _on(self, "sensors", places)
-        at, n = [self.place(x) for x in places.tolist()], len(system.M)
-        accelerations = state_matrix(system.M, system.C, system.K)[n:]
-        rows, direct = {}, {}
+        at, found = [self.place(x) for x in places.tolist()], {}
         for name in outputs:
             quantity, field, order = OUTPUTS[name]
-            R = system.shapes(at, 0, field).T * (self.units[quantity] if quantity else self.units["time"] ** -order)
-            rows[name] = R @ (np.eye(n, 2 * n, order * n) if order < 2 else accelerations)
-            direct[name] = R @ push if order == 2 else np.zeros(len(R))
-        return rows, direct
+            size = self.units[quantity] if quantity else self.units["time"] ** -order
+            found[name] = system.shapes(at, 0, field).T * size
+        return found
 
     def _pushed(self, input: str) -> float:
         """Where an input acts, as a share of the length."""
@@ -497,8 +514,8 @@ def vehicle(
     the end at the largest x. parts: the path of a CSV file with the header kind,x,m,J,k,c, or such columns by name.
     interpolation: "linear" between stations, the default, or "steps". thrust: N, what `factor` refers to. gimbal: gain,
     rate (s), sensor (m), and actuator (rad/s) and actuator_ratio where it does not follow at once. damping: ratio, or
-    C_alpha (s) and C_beta (kg/(m s)). imu, control: m. load_max: N. A unit may stand with a number, "1.2 MN", where pint
-    is installed.
+    C_alpha (s) and C_beta (kg/(m s)). imu, control: m. load_max: N. A unit may stand with a number, "1.2 MN", where
+    pint is installed.
 
     >>> import freebeam as fb
     >>> uniform = fb.vehicle({"x": [0, 20], "EI": [2e6, 2e6], "m": [50, 50]})
