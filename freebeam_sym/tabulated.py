@@ -39,8 +39,8 @@ STEEPEST = 2.0
 LONGEST = 0.25
 """Of an element."""
 MOST_BREAKS = 24
-"""Elements begin at the heaviest parts and the largest steps of the table, at so many of each at most; at others the
-moment's polynomial runs through, which converges more slowly."""
+"""Elements begin at the heaviest parts, so many at most, and at half as many of the table's largest steps; at others
+the moment's polynomial runs through, which converges more slowly."""
 HIGHEST = 1e11
 """Squared frequency, relative to the lowest, up to which modes are kept: with the rotation that a law steers the search
 takes no more. Of a vehicle with short elements those above moved the load by 1e-6, those above 1e10 by 2e-6."""
@@ -299,7 +299,7 @@ def _edges(table: Table, parts: tuple[Part, ...], seen: list[float]) -> tuple[Ar
         if of is not None:
             left, right = of[:-1, 1], of[1:, 0]
             steps = np.maximum(steps, np.abs(right - left) / np.maximum(np.maximum(left, right), 1e-300))
-    largest = np.argsort(-steps, kind="stable")[:MOST_BREAKS]
+    largest = np.argsort(-steps, kind="stable")[: MOST_BREAKS // 2]
     jumps = table.x[1:-1][largest[steps[largest] > 0.05]]
     coarse = _distinct([0.0, 1.0, *seen, *heaviest, *jumps], 1e-6)
     breaks = _distinct([x for a, b in pairwise(coarse) for x in np.linspace(a, b, int(np.ceil((b - a) / LONGEST)) + 1)])

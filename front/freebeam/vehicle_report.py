@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebeam.figures.look import ACCENT, COLOURS, INK, MUTED, figure, shades, style
+from freebeam.figures.marks import legend
 from freebeam.figures.saving import FORMATS as PLAIN
 from freebeam.figures.saving import image_of
 from freebeam_sym.stability.convergence import CONVERGED, digits_that_hold
@@ -83,7 +84,7 @@ def report(vehicle: Vehicle, format: str, say: Callable[[str], object] = lambda 
 
 def _pictures(vehicle: Vehicle) -> Iterator[Shown]:
     yield Shown("Stiffness and mass", "As the tables say, with point masses and other parts below.", _tables(vehicle))
-    words = "Where a curve is drawn in red, the motion grows."
+    words = "Of the lowest motions; where the dots are orange, the motion grows."
     yield Shown("Frequencies over the thrust", words, _over_thrust(vehicle))
     words = "Of the vehicle without thrust; the largest deflection is 1."
     yield Shown("Lowest modes", words, _modes(vehicle))
@@ -139,11 +140,19 @@ def _tables(vehicle: Vehicle) -> Figure:
             axes[-1].scatter([part.x for part in of_kind], [row] * len(of_kind), sizes, COLOURS[row], zorder=3)
         axes[-1].set_yticks(range(len(kinds)), kinds)
         axes[-1].set_ylim(len(kinds) - 0.5, -0.5)
+    named: dict[float, list[str]] = {}
     for name, place in (("IMU", "imu"), ("sensor", "gimbal.sensor"), ("control", "control")):
         if place in vehicle.settings:
-            at = vehicle.settings[place]
-            axes[0].axvline(at, color=MUTED, lw=0.8, ls=(0, (4, 2)))
-            axes[0].text(at, 1.0, f" {name}", transform=axes[0].get_xaxis_transform(), fontsize=8, va="bottom")
+            named.setdefault(vehicle.settings[place], []).append(name)
+    for at, names in named.items():
+        axes[0].axvline(at, color=MUTED, lw=0.8, ls=(0, (4, 2)))
+        where: dict[str, Any] = {
+            "transform": axes[0].get_xaxis_transform(),
+            "fontsize": 8,
+            "va": "bottom",
+            "ha": "center",
+        }
+        axes[0].text(at, 1.0, ", ".join(names), **where)
     axes[-1].set_xlabel("x, m; the thrust acts at the right end, to the left")
     return drawn
 
@@ -163,7 +172,7 @@ def _over_thrust(vehicle: Vehicle) -> Figure:
     rates = eigenvalues(q.column, loads, q.alpha, q.beta, q.modes, **q.parameters)
     drawn, (ax,) = _axes()
     hertz = rates.imag * vehicle.units["frequency"] / (2 * math.pi)
-    top = 1.3 * float(np.sort(hertz[0][hertz[0] > 0])[:3].max())
+    top = 1.3 * max(float(np.sort(hertz[0][hertz[0] > 0])[:4].max()), (vehicle.frequency or 0.0) / (2 * math.pi))
     grows = rates.real > 1e-9 * np.maximum(np.abs(rates), 1e-4 * np.abs(rates).max(axis=1, keepdims=True))
     P = np.broadcast_to(thrusts[:, None], rates.shape)
     for which, colour, label in ((~grows, COLOURS[0], None), (grows, ACCENT, "the motion grows")):
@@ -174,7 +183,7 @@ def _over_thrust(vehicle: Vehicle) -> Figure:
     ax.set_ylim(0, top)
     ax.set_xlabel("thrust, N")
     ax.set_ylabel("frequency, Hz")
-    ax.legend(loc="upper right")
+    legend(ax, loc="upper right")
     return drawn
 
 
