@@ -118,8 +118,9 @@ def _flat(path: Path, found: Mapping[str, Any]) -> dict[str, Any]:
     for key, value in found.items():
         if key == "stations":
             out[key] = read_table(path.parent / value) if isinstance(value, str) else _given(value, f"{path}, stations")
-        elif key == "parts" and isinstance(value, str):
-            tables.append(read_table(path.parent / value))
+        elif key == "parts":
+            table = read_table(path.parent / value) if isinstance(value, str) else _given(value, f"{path}, parts")
+            tables.append(table)
         elif key in NEEDED:
             tables.append(_listed(path, key, value))
         elif key in sections:

@@ -16,7 +16,7 @@ from freebeam.figures.look import ACCENT, COLOURS, INK, MUTED, figure, shades, s
 from freebeam.figures.marks import legend
 from freebeam.figures.saving import FORMATS as PLAIN
 from freebeam.figures.saving import image_of
-from freebeam_sym.stability.convergence import CONVERGED, digits_that_hold
+from freebeam_sym.stability.convergence import digits_that_hold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,14 +42,14 @@ def facts(vehicle: Vehicle) -> list[list[str]]:
         ["frequencies", ", ".join(_held(f, e) for f, e in several) + " rad/s, without thrust"],
     ]
     if loss.load is None or loss.frequency is None:
-        told = "" if loss.error is not None else "; two series of trial functions do not agree on it"
+        told = "" if loss.agreed else "; two series of trial functions do not agree on it"
         return [*rows, ["stability", f"not lost up to a thrust of {loss.load_max:.6g} N{told}"]]
     error = 0.1 if loss.error is None else loss.error
     rows += [["stability is lost at", f"a thrust of {_held(loss.load, error)} N, by {loss.kind}"]]
     if loss.frequency:
         hertz = _held(loss.frequency / (2 * math.pi), max(error, 1e-6))
         rows += [["frequency there", f"{_held(loss.frequency, max(error, 1e-6))} rad/s, {hertz} Hz"]]
-    converged = "" if error <= CONVERGED and loss.error is not None else "; not converged"
+    converged = "" if loss.converged else "; not converged"
     told = (
         "not known: two series of trial functions do not agree" if loss.error is None else f"{error:.1e} of the thrust"
     )

@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 from freebeam.vehicle_files import SETTINGS, Stations, described, parts_of, quantity, stations_of, tables_of
 from freebeam_sym.checks import InputError, count, reals, refusal
 from freebeam_sym.columns import column as column_of
+from freebeam_sym.stability.convergence import CONVERGED
 from freebeam_sym.tabulated import Law, Part, Table, tabulated
 
 if TYPE_CHECKING:
@@ -63,8 +64,8 @@ OUTPUTS = {
 
 class VehicleLoss(NamedTuple):
     """First loss of stability as the thrust grows. load: N, and frequency: rad/s, None where `kind` is "none"; error:
-    of the load, relative, estimated from two degrees of the trial functions, None where they do not agree on the kind;
-    load_max: N, up to where was looked; degree: of the trial functions."""
+    of the load, relative, estimated from two degrees of the trial functions, None where there is no load or they do not
+    agree on its kind; agreed: whether they do. load_max: N, up to where was looked; degree: of the trial functions."""
 
     load: float | None
     kind: Kind
@@ -72,6 +73,12 @@ class VehicleLoss(NamedTuple):
     error: float | None
     load_max: float
     degree: int
+    agreed: bool
+
+    @property
+    def converged(self) -> bool:
+        """Whether the degrees agree, on the load to 1e-3."""
+        return self.agreed and (self.error is None or self.error <= CONVERGED)
 
 
 class VehicleModes(NamedTuple):
@@ -216,7 +223,7 @@ class Vehicle:
 
         before: CriticalLoad | None = None
         best = math.inf
-        found = VehicleLoss(None, "none", None, None, top, 0)
+        found = VehicleLoss(None, "none", None, None, top, 0, False)
         for degree in self._degrees():
             try:
                 now = answer(self.question(degree, top))
@@ -231,7 +238,7 @@ class Vehicle:
                     off = SAFETY * abs(before.load / now.load - 1)
                     off += now.rounding + ASSEMBLY + self._left_out(now)
                 if off < best:
-                    best, found = off, self._in_si(now, None if now.load is None else off, top, degree)
+                    best, found = off, self._in_si(now, off, top, degree)
                 if off <= AGREE:
                     break
             elif math.isinf(best):
@@ -250,9 +257,9 @@ class Vehicle:
 
     def _in_si(self, found: CriticalLoad, error: float | None, top: float, degree: int) -> VehicleLoss:
         if found.load is None or found.frequency is None:
-            return VehicleLoss(None, "none", None, None, top, degree)
+            return VehicleLoss(None, "none", None, None, top, degree, error is not None)
         load, frequency = found.load * self.units["load"], found.frequency * self.units["frequency"]
-        return VehicleLoss(load, found.kind, frequency, error, top, degree)
+        return VehicleLoss(load, found.kind, frequency, error, top, degree, error is not None)
 
     def _degrees(self) -> Iterator[int]:
         """Degrees of the trial functions to compare: two at least."""

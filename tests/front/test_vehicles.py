@@ -76,6 +76,14 @@ def test_a_station_given_twice_is_a_step(tmp_path: Path) -> None:
     assert one.load == two.load and one.mass == two.mass == 4 * 30 + 6 * 50
 
 
+def test_a_search_that_ends_before_the_loss_says_so(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = table(tmp_path, f"x,EI,m\n0,{EI},{M}\n{L},{EI},{M}\n")
+    record = json.loads(asked(capsys, path, "--load-max", 1e5, "--json")[1])
+    assert (record["load"], record["kind"], record["frequency"], record["load_max"]) == (None, "none", None, 1e5)
+    out = asked(capsys, path, "--load-max", 1e5)[1]
+    assert "not lost up to a thrust of 100000 N\n" in out
+
+
 def test_dampings_are_those_of_eq_12() -> None:
     """Of a uniform vehicle C_alpha and C_beta are the paper's; a ratio is that of each mode without thrust."""
     units = fb.column("free-free").scales(EI, M, L)
@@ -238,6 +246,7 @@ def test_bad_parts_are_one_line(text: str, says: str, tmp_path: Path, capsys: py
         ("[damping]\nratio = 0.1\nC_alpha = 1", "give a ratio, or C_alpha and C_beta"),
         ('interpolation = "cubic"', 'must be "linear" or "steps"'),
         ("[[mass]]\nx = 25\nm = 3", "mass 1, x = 25: a mass must lie on the vehicle"),
+        ("parts = [1]", "parts: must be the name of a table"),
         ("thrust 5", "is no TOML"),
     ],
 )

@@ -180,6 +180,11 @@ def test_stiff_in_shear_is_euler_and_a_stiff_joint_none() -> None:
         for ratio in (1e4, 1e5)
     ]
     assert off[0] / off[1] == pytest.approx(10, rel=0.02) and abs(off[1]) < 1e-2
+    soft = replace(TABLE, shear=500 * TABLE.bending)  # rotary inertia that vanishes leaves none
+    alone = fb.critical_load(tabulated(soft), 9).load
+    for inertia in (1e-5, 1e-6):
+        with_it = fb.critical_load(tabulated(replace(soft, rotary=inertia * TABLE.mass)), 9).load
+        assert with_it == pytest.approx(alone, rel=20 * inertia)
     off = [
         fb.critical_load(tabulated(TABLE, (Part("joint", 0.4, stiffness=k),)), 6).load / bare - 1 for k in (1e4, 1e5)
     ]

@@ -85,6 +85,7 @@ def record_of(described: Described) -> dict[str, Any]:
         "vehicle": described.name, "units": "SI", "length": described.length, "mass": described.mass,
         "centre": described.centre, "settings": dict(described.settings),
         "load": loss.load, "kind": loss.kind, "frequency": loss.frequency, "error": loss.error,
+        "converged": loss.converged,
         "load_max": loss.load_max, "factor": described.factor,
         "frequencies": unloaded.frequency, "frequencies_error": unloaded.error,
     }  # fmt: skip
