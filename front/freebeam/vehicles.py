@@ -38,7 +38,7 @@ __all__ = ["Vehicle", "VehicleLoss", "VehicleMap", "VehicleModes", "vehicle"]
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
 
-AGREE = 1e-4
+AGREE = 1e-9
 """Relative difference of two degrees of the trial functions that is taken at once; else the degree grows."""
 ACTUATOR = 0.7
 """Damping ratio of an actuator where none is given."""
@@ -48,7 +48,7 @@ SAFETY = 3.0
 """What the difference of two degrees is multiplied by to be told as an error: of a table of 200 stations with 5 % of
 noise the load was off by twice the difference."""
 MOST = 90
-"""Trial functions up to which the degree grows: with a hundred a search takes some seconds."""
+"""Trial functions up to which the degree grows beyond the first two: with a hundred a search takes some seconds."""
 SEARCHED = (1e3, 1e4, 1e5)
 """Largest loads of the search, one after the other, in units of EI/L², where none is named."""
 ROUNDING = 1e-9
@@ -218,11 +218,11 @@ class Vehicle:
         return found
 
     def _loss(self, top: float) -> VehicleLoss:
-        """Up to a thrust in N: the answer of the higher of two degrees, the lowest two that agree."""
+        """Up to a thrust in N: the answer of the highest degree, and how it agrees with those before."""
         from freebeam_sym.stability.critical import answer
 
         before: CriticalLoad | None = None
-        best = math.inf
+        last = math.inf
         found = VehicleLoss(None, "none", None, None, top, 0, False)
         for degree in self._degrees():
             try:
@@ -233,21 +233,25 @@ class Vehicle:
                 gain, place = (self.settings[f"gimbal.{name}"] for name in ("gain", "sensor"))
                 raise InputError(f"gimbal law with gain {gain:g} and its sensor at {place:g} m: {error}") from None
             if before is not None and before.kind == now.kind:
-                off = 0.0
+                apart = 0.0
                 if now.load is not None and before.load is not None:
-                    off = SAFETY * abs(before.load / now.load - 1)
-                    off += now.rounding + ASSEMBLY + self._left_out(now)
-                if off < best:
-                    best, found = off, self._in_si(now, off, top, degree)
-                if off <= AGREE:
+                    apart = abs(before.load / now.load - 1)
+                # two degrees may be close by chance: no more than a tenfold step is believed
+                off = SAFETY * max(apart, 0.0 if math.isinf(last) else last / 10)
+                off += now.rounding + ASSEMBLY + self._left_out(now)
+                found = self._in_si(now, off, top, degree)
+                if max(apart, last / 10) <= AGREE:
                     break
-            elif math.isinf(best):
-                found = self._in_si(now, None, top, degree)
+                last = apart
+            else:
+                last, found = math.inf, self._in_si(now, None, top, degree)
             before = now
         return found
 
     def _left_out(self, found: CriticalLoad) -> float:
-        """What the trial functions miss of rotary inertia in shear, relative."""
+        """What the trial functions leave out, relative."""
+        if found.load is None:
+            return 0.0
         q = found.question
         kernel: Any = q.column.kernel
         T, r = q.column.frame(q.modes, **q.parameters), q.column.rigid_count
@@ -262,7 +266,7 @@ class Vehicle:
         return VehicleLoss(load, found.kind, frequency, error, top, degree, error is not None)
 
     def _degrees(self) -> Iterator[int]:
-        """Degrees of the trial functions to compare: two at least."""
+        """Degrees of the trial functions to compare: two, and more as far as they are few functions."""
         column = self.column()
         first = column.number(None)
         for degree in range(first, first + 8):
