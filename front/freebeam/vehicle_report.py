@@ -183,7 +183,8 @@ def _over_thrust(vehicle: Vehicle) -> Figure:
     ax.set_ylim(0, top)
     ax.set_xlabel("thrust, N")
     ax.set_ylabel("frequency, Hz")
-    legend(ax, loc="upper right")
+    if ax.get_legend_handles_labels()[0]:
+        legend(ax, loc="upper right")
     return drawn
 
 
@@ -255,7 +256,7 @@ def _bode(vehicle: Vehicle) -> Figure:
     own = found.frequency[found.frequency > 0]
     lowest, highest = vehicle.frequencies[0], own[: min(4, len(own))].max()
     omega = np.geomspace(0.05 * lowest, 1.5 * highest, 500)
-    near = [w * (1 + s) for w in own for s in np.linspace(-0.02, 0.02, 41) if w < omega[-1]]
+    near = [w * (1 + s) for w in own for s in np.linspace(-0.02, 0.02, 40) if w < omega[-1]]
     omega = np.unique(np.concatenate([omega, near]))
     response = vehicle.frequency_response(omega, outputs=("angle", "ddy"))
     drawn, axes = _axes(2, 4.4, sharex=True)
