@@ -45,8 +45,9 @@ def test_a_notebook_runs(name: str, ran: dict[str, dict[str, Any]]) -> None:
     ran[name] = names
 
 
-def test_there_are_six() -> None:
-    assert set(NOTEBOOKS) == {"derive", "modes_and_precision", "flutter", "damping_paradox", "best_place", "sensor"}
+def test_there_are_seven() -> None:
+    here = {"derive", "modes_and_precision", "flutter", "damping_paradox", "best_place", "sensor", "vehicle"}
+    assert set(NOTEBOOKS) == here
 
 
 def of(ran: dict[str, dict[str, Any]], name: str) -> dict[str, Any]:
@@ -136,3 +137,15 @@ def test_sensor(ran: dict[str, dict[str, Any]]) -> None:
     np.testing.assert_allclose(measured, total, rtol=0, atol=1e-6 * np.abs(total).max())
     nodes = [places[0] for places in names["places"].values()]
     assert nodes[0] == pytest.approx(0.2242 * L, abs=1e-3 * L)  # of the unloaded beam
+
+
+def test_vehicle(ran: dict[str, dict[str, Any]]) -> None:
+    names = of(ran, "vehicle")
+    assert names["free"].factor > 50  # "could grow a hundredfold"
+    assert names["vehicle"].load > names["vehicle"].settings["thrust"] > names["borne"][0]
+    assert names["difference"] < 1e-4
+    assert np.abs(names["felt"]["rate"][-200:]).max() < 0.1 * np.abs(names["felt"]["rate"]).max()
+    # "those of the propellant in its tanks": with the tanks frozen they are gone
+    parts = [part for part in names["vehicle"].parts if part.kind == "sprung"]
+    own = [np.sqrt(part.stiffness / part.mass) / (2 * np.pi) for part in parts]
+    assert (names["hertz"][:2] / np.sort(own) > 1).all() and (names["hertz"][:2] / np.sort(own) < 1.3).all()

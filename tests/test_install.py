@@ -30,6 +30,7 @@ COMMANDS = [
     "map --column beck --axis eta 0.4 0.6 2 --modes 3",
     "pulse --column beck --load 5 --beta 0.1 --frequency 2 20 5 --amplitude 0 0.5 3 --modes 3",
     "respond --load 50 --duration 1 --step 0.01",
+    "vehicle vehicle.csv --report vehicle.html",
     "figures 2 --output figures",
     "lesson --column euler-pinned --format html --output lesson.html",
     "explore --output explorer.html",
@@ -98,7 +99,9 @@ def installed(built: Path, home: Path) -> Path:
 @pytest.fixture(scope="module")
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where commands are run, away from the tree."""
-    return tmp_path_factory.mktemp("desk")
+    desk = tmp_path_factory.mktemp("desk")
+    (desk / "vehicle.csv").write_text("x,EI,m\n0,2e6,50\n20,2e6,50\n", encoding="utf-8")
+    return desk
 
 
 def test_the_wheel_holds_all_files_of_the_tree(built: Path, tmp_path: Path) -> None:

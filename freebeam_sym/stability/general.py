@@ -41,6 +41,9 @@ STRICT = 1e-10
 high modes by little (120 Hermite elements with a tip damper pass), rounding damps the low modes by 1e-15."""
 SINGULAR = 1e-14
 """Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding."""
+NOTHING = 1e-13
+"""Diagonal stiffness over mass, relative to the largest, up to which it is rounding: of a rotation that a control law
+restores by way of another coordinate."""
 ROUNDING = 1e-15
 """Of the matrices' entries, relative to the matrices' norms."""
 
@@ -59,7 +62,10 @@ class General:
             if X.ndim != 3 or X.shape[1:] != (n, n) or not n or not np.isfinite(X).all():
                 raise InputError(f"{name}: must be finite square matrices by powers of the load, all of one size")
         size = np.abs(np.diagonal(given[2], axis1=1, axis2=2)).sum(axis=0)
-        size = np.where(size > 0, size, np.abs(np.diagonal(given[0][0])))
+        mass = np.abs(np.diagonal(given[0][0]))
+        rates = np.divide(size, mass, out=np.full(n, np.inf), where=mass > 0)  # squared, so to say
+        low = rates < NOTHING * rates[np.isfinite(rates)].max(initial=0.0)
+        size = np.where(low | (size == 0), mass * np.min(rates, where=~low & (rates > 0), initial=1.0), size)
         self._scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
         self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in given)
         self.size, self.vanishing = n, vanishing
@@ -162,7 +168,10 @@ class General:
         """λ, the motions and by how much each grows, positive where it does."""
         if self._light:
             s, V, growth = self._branches(P)
-            off = (np.abs(s.imag) > SPLIT * np.abs(s)) | (s.real <= 0)
+            with np.errstate(divide="ignore", invalid="ignore"):
+                inverse = 1 / s
+            rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
+            off = (np.abs(inverse.imag) > np.maximum(SPLIT * np.abs(inverse), rounding)) | (s.real <= 0)
             # a pair that rounding alone keeps apart has no growth to first order
             growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
             return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
@@ -205,8 +214,9 @@ class General:
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
         base, mu = self._roots
-        roots = np.abs(base + 1 / mu[mu != 0])
-        roots = roots[roots > 1e-6 * roots.max(initial=0.0)]
+        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
+        roots = np.abs(base + 1 / mu)
+        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
         unit = float(roots.min()) if len(roots) else 1.0
         for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
         truncation_error,
         verify_certificate,
     )
+    from freebeam.vehicles import Vehicle, vehicle
     from freebeam_sym import (
         Boundary,
         BoundaryEvent,
@@ -68,13 +69,14 @@ __all__ = [
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
     "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
+    "vehicle", "Vehicle",
     "InputError",
     "__version__",
 ]  # fmt: skip
 
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
-_HOMES = {"own": ["column", "column_names"], "proofs": [
+_HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"], "proofs": [
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
     "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
 ]}  # fmt: skip

@@ -213,6 +213,9 @@ def quotient(expression: Expr, say: Callable[[Expr], str] = code) -> str:
 def times(text: str, factor_: Expr, say: Callable[[Expr], str] = code) -> str:
     """Source times a factor in the column's parameters, with whole coefficients; say: the language's printer."""
     above, below = fraction(together(sympify(factor_)))
+    if above.is_Add:  # SymPy leaves -x/3 - 1/3 as it is
+        content, rest = above.as_content_primitive()
+        above, below = content.p * rest, content.q * below
     if above != 1:
         text = f"-{text}" if above == -1 else f"{_bracketed(above, say) if above.is_Add else say(above)} * {text}"
     return text if below == 1 else f"{text} / {_bracketed(below, say)}"

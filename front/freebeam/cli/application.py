@@ -22,7 +22,7 @@ Command = TypeVar("Command", bound=Runs)
 
 # As a newcomer would need them; commands that are not named follow.
 ORDER = (
-    "columns", "show", "critical", "spectrum", "map", "pulse", "respond",
+    "columns", "show", "critical", "spectrum", "map", "pulse", "respond", "vehicle",
     "figures", "lesson", "explore",
     "verify", "validate", "generate",
 )  # fmt: skip
@@ -107,5 +107,8 @@ def _parameter(field: Field[Any], hint: Any) -> Parameter:
     return Parameter(field.name, Parameter.KEYWORD_ONLY, default=default, annotation=described)
 
 
-for module in ("asking", "deriving", "mapping", "publishing", "pulsing", "responding", "showing", "validating"):
+MODULES = (
+    "asking", "deriving", "flying", "mapping", "publishing", "pulsing", "responding", "showing", "validating",
+)  # fmt: skip
+for module in MODULES:
     import_module(f"freebeam.cli.{module}")  # they register their commands

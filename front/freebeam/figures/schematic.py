@@ -10,7 +10,9 @@ import numpy as np
 
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing
 from freebeam.figures.marks import arrow, colour
-from freebeam.figures.sketch import BODY, HALF, _arrow, force as _force, support as _support
+from freebeam.figures.sketch import BODY, HALF, _arrow
+from freebeam.figures.sketch import force as _force
+from freebeam.figures.sketch import support as _support
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
