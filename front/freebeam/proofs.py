@@ -41,8 +41,10 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI
-    units.
+    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI units. missing: the
+    step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first` stands on
+    (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the nondimensional
+    load up to which all others are each alone in a strip; stretches of changes of sign; cells of load and frequency.
     """
 
     load: tuple[str, str] | None
@@ -53,6 +55,8 @@ class Certified:
     question: Question
     inputs: Mapping[str, str]
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
+    missing: str = ""
+    evidence: Mapping[str, float] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True)
@@ -406,8 +410,13 @@ def exact_load(
     """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
-    `certified_load`. Proven are the crossing, alone in its interval, and its kind; that it is the first one, over all
-    modes, is not (proof says so).
+    `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
+    modes, that it is the first and that the column is stable below, for a uniform beam. Where these two are not proven,
+    `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
+
+    >>> import freebeam as fb
+    >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())
+    True
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
@@ -420,12 +429,14 @@ def exact_load(
             f"load_max = {float(asked.exact['load_max']):.10g}: no series loses stability up to there, which leaves "
             "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
         )
-    return _enclosed(asked, near, found.kind, digits)
+    return _enclosed(asked, near, found.kind, digits, whole=True)
 
 
-def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
-    """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
+def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
+    """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
+    there is no proof."""
     from freebeam_derive.certify import beam_itself as beams
+    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
     from freebeam_derive.certify.decimals import outward
@@ -441,6 +452,11 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
+        evidence: beam_stability.Evidence | None = None
+        missing = ""
+        if whole:
+            dampings = exact["alpha"], exact["beta"], exact.get("kappa")
+            crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
@@ -448,7 +464,17 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
     if crossing.kind == "flutter":
         frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
-    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.question, asked.inputs)
+    return Certified(
+        load,
+        frequency,
+        crossing.kind,
+        vars(crossing.proof),
+        digits,
+        asked.question,
+        asked.inputs,
+        missing=missing,
+        evidence=None if evidence is None else evidence.numbers,
+    )
 
 
 def truncation_error(

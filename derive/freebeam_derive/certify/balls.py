@@ -226,7 +226,7 @@ def matrices(
     numbers, computed exactly and rounded once. Raises Unproven.
     """
     held = parameters(kernel, own)
-    _stated_exactly(kernel, held)
+    stated_exactly(kernel, held)
     if kernel.COLUMN.get("basis") == "legendre":
         return tuple(  # type: ignore[return-value]
             arb_mat([[arb(v) for v in row] for row in matrix.tolist()])
@@ -243,7 +243,7 @@ def matrices(
     return tuple(arb_mat([[arb(v) for v in row] for row in matrix.tolist()]) for matrix in found)  # type: ignore[return-value]
 
 
-def _stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
+def stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
     """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
     stated = {
         f"form {name}": [v for part in parts for v in part.values()]

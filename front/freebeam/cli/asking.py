@@ -182,6 +182,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
         shown = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
         missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
+        if missing and proven.missing:
+            missing[-1] += f": {proven.missing}"
         return [*rows, ["proven is", ", ".join(shown)], *([["not proven", ", ".join(missing)]] if missing else [])]
 
 
@@ -203,6 +205,8 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     """What a proof adds to the record, and what it changes there."""
     added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+    if exact:
+        added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
     if proven.load and proven.frequency and not exact:
         load = float(proven.load[0])
         if not math.isclose(load, record["load"] or math.inf, rel_tol=1e-6):
