@@ -156,7 +156,7 @@ class _Below:
         values = np.linalg.eigvals(np.diag(self._mu) + self._T + P * self._B)
         return np.sort_complex(values)[: self.m + 1]
 
-    def _taylor(self, low: arb, high: arb, s: arb, sigma: int = 0) -> tuple[list[arb], arb]:
+    def _taylor(self, low: arb, high: arb, s: arb) -> tuple[list[arb], arb]:
         """Coefficients of F in powers of the load about the middle, the last over all of it; and half the width.
 
         At s = 0 those of F / s^R, R the number of rigid motions.
