@@ -81,6 +81,6 @@ def test_the_numbers_of_the_theorem_are_those_of_its_proofs() -> None:
         )
         assert found.load[0].startswith(load)
         with precision(128):
-            strips = Strips(column.kernel, {key: Fraction(value) for key, value in own.items()})
+            strips = Strips(column.kernel, {key: Fraction(value) for key, value in own.items()}, 40)
             bound = float(found.load[1]) * float(strips.B.norm(strips.line(int(lowest))))
         assert float(norm) - 1e-3 < bound <= float(norm)

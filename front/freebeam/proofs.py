@@ -41,10 +41,11 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI units. missing: the
-    step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first` stands on
-    (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the nondimensional
-    load up to which all others are each alone in a strip; stretches of changes of sign; cells of load and frequency.
+    taken for. certificate: the data that prove it, for a file; None in SI units and where not all is proven. missing:
+    the step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first`
+    stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the
+    nondimensional load up to which all others are each alone in a strip; stretches of changes of sign; cells of load
+    and frequency.
     """
 
     load: tuple[str, str] | None
@@ -439,6 +440,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
     from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
+    from freebeam_derive.certify.certificate import write_of_beam
     from freebeam_derive.certify.decimals import outward
 
     exact, name = asked.exact, asked.column.name
@@ -453,10 +455,12 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
         evidence: beam_stability.Evidence | None = None
-        missing = ""
+        missing, certificate = "", None
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
             crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
+        if evidence is not None and not asked.squares:
+            certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
@@ -472,6 +476,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         digits,
         asked.question,
         asked.inputs,
+        certificate,
         missing=missing,
         evidence=None if evidence is None else evidence.numbers,
     )
@@ -658,9 +663,10 @@ def verify_certificate(path: str) -> Statement:
     What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
     theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
     """
+    from freebeam_derive.certify import verifier_of_beam
     from freebeam_derive.certify.verifier import Refused, verify_file
 
     try:
-        return verify_file(path)
+        return verify_file(path, {verifier_of_beam.FORMAT: verifier_of_beam.verify})
     except Refused as error:
         raise InputError(str(error)) from error

@@ -27,7 +27,7 @@ from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
-COUNTS = (60, 120, 240)  # modes in balls; of the columns that were tried 120 are more than enough
+COUNTS = (40, 60, 120, 240)  # modes in balls; of the columns that were tried 120 are more than enough
 DEEPEST = 40  # bisections before a proof is given up
 MOST_CELLS = 400  # that one series serves, before it is cut into four
 MOST_CUTS = 7
@@ -53,12 +53,14 @@ class Stretch:
 class Evidence:
     """What a proof of `first` and `stable_below` stands on.
 
-    lowest: m. reach: a load up to which all lines from m on are free of eigenvalues. stretches: of the sign changes;
-    cells: how many boxes of load and frequency hold no zero; frequency: up to which they go (0 where there are none).
+    lowest: m. modes: how many are in balls. reach: a load up to which all lines from m on are free of eigenvalues.
+    stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
+    they go (0 where there are none).
     """
 
     lowest: int
     reach: Fraction
+    modes: int
     stretches: tuple[Stretch, ...]
     cells: int = 0
     frequency: float = 0.0
@@ -103,19 +105,19 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
     proof = _Below(beam, strips, m, load)
     if undamped:
         at = None if crossing.kind == "divergence" else frequency * frequency
-        return Evidence(m, rational(reach, 60), tuple(proof.real_and_simple(at)))
+        return Evidence(m, rational(reach, 60), strips.modes.count, tuple(proof.real_and_simple(at)))
     if kappa is not None:
         below = proof.real_and_simple(None) if crossing.kind == "divergence" else proof.real_and_simple_throughout()
         stretches = tuple(below)
         problem: Onset = VanishingDamping(beam, kappa)
         top = strips.line(m).upper()
         cells = proof.no_other_zero(problem, top, [load, frequency * frequency], crossing.kind)
-        return Evidence(m, rational(reach, 60), stretches, cells, float(top) ** 0.5)
+        return Evidence(m, rational(reach, 60), strips.modes.count, stretches, cells, float(top) ** 0.5)
     start = proof.real_and_simple_at(Fraction(0))
     proof.no_divergence(crossing.kind)
     top = proof.highest_frequency(c_E, c_M)
     cells = proof.no_other_zero(Damped(beam, alpha, beta), top, [load, frequency], crossing.kind)
-    return Evidence(m, rational(reach, 60), (start,), cells, float(top))
+    return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
 
 
 def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:

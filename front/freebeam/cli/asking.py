@@ -66,6 +66,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         self.check()
         found = self.compute()
         if self.certificate and found.proven is not None:
+            missing = found.proven.missing
+            refuse(missing, f"{self.certificate}: is not written, for not all of it is proven: {missing}")
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
         record = self.record_of(found)
@@ -89,7 +91,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-        for name, given in (("--certificate", file), ("--all", self.every), ("--truncation", self.truncation)):
+        for name, given in (("--all", self.every), ("--truncation", self.truncation)):
             refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
         there = file and file.exists() and not self.force
         refuse(there, f"{file} exists; choose another file, or --force to replace it")
