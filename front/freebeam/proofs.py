@@ -82,8 +82,9 @@ class ExactSpectrum:
     """Eigenvalues λ of the beam itself at a load, sorted by |Im|, then Re; nondimensional.
 
     lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
-    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. That no eigenvalue lies
-    between these is not proven. inputs: what each input was taken for.
+    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. complete_to: every
+    eigenvalue with |λ| up to it is among these, proven, as decimal text; None where that is not proven, and missing
+    says why. inputs: what each input was taken for.
     """
 
     lower: tuple[tuple[str, str], ...]
@@ -91,6 +92,8 @@ class ExactSpectrum:
     unproven: tuple[complex, ...]
     digits: int
     inputs: Mapping[str, str]
+    complete_to: str | None = None
+    missing: str = ""
 
 
 @dataclass(frozen=True)
@@ -553,13 +556,16 @@ def exact_spectrum(
     """The beam's own eigenvalues λ at a load, near the lowest of a Ritz series, each enclosed. Eqs. (6), (15).
 
     modes: of how many functions' worth, 2 eigenvalues each; the starts are those of a series of many more. Numbers are
-    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits.
+    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits. Of uniform beams without
+    internal damping it is proven up to which |λ| the list is complete.
 
     Raises InputError for bad values and for a column whose equation the power series does not serve.
     """
     from freebeam_derive.certify import beam_itself as beams
+    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
+    from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
@@ -592,17 +598,26 @@ def exact_spectrum(
             low, high = zip(_decimals(re, digits), _decimals(part, digits), strict=True)
             found.append((start, low, high))
     found.sort(key=lambda item: (round(abs(item[0].imag), 9), item[0].real))
+    pairs = [value for ball in balls for value in ([ball, ball.conjugate()] if ball.imag > 0 else [ball])]
+    top, missing = beam_stability.complete_to(beam, *values, pairs)
     return ExactSpectrum(
-        tuple(low for _, low, _ in found), tuple(high for _, _, high in found), tuple(unproven), digits, asked.inputs
+        tuple(low for _, low, _ in found),
+        tuple(high for _, _, high in found),
+        tuple(unproven),
+        digits,
+        asked.inputs,
+        None if top is None else outward(*ends(top), 8)[0],
+        missing,
     )
 
 
 def _lowest(asked: _Asked) -> list[complex]:
-    """Ritz values to start from: of many more functions than asked for, those of lowest |s|, two to a function."""
+    """Ritz values to start from: of many more functions than asked for, polynomials where there are, those of lowest
+    |s|, two to a function."""
     from freebeam_sym.spectra import spectrum
 
     question = asked.question
-    more = question.over(question.column, min(2 * question.modes + 8, 120))
+    more = question.over(question.column.polynomials or question.column, min(2 * question.modes + 8, 120))
     system = more.system(float(asked.exact["load"]))
     values = [complex(v) for v in spectrum(system).eigenvalues]
     if question.column.general:

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from flint import acb, arb
 
+import freebeam as fb
 import freebeam_kernels.beck as beck
 import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
@@ -17,7 +18,7 @@ from freebeam_derive.certify import beam_itself, beam_stability
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import ExactCrossing
-from freebeam_derive.certify.beam_stability import complete
+from freebeam_derive.certify.beam_stability import complete, complete_to
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import Strips
 
@@ -198,6 +199,36 @@ def test_columns_that_are_not_served_are_named() -> None:
 def test_the_touch_at_one_half_is_left_open() -> None:
     """ω² falls to zero at π² and rises again: F(P, 0) has no sign there."""
     assert "between the loads 9.8" in refused(undamped(beck, 16.0525, 7.055, eta=HALF))
+
+
+# ------------------------------------------------------------ complete spectra
+
+
+def test_a_spectrum_is_complete_up_to_the_first_that_is_missing() -> None:
+    """Without load eigenvalues are known: λ² + βλ + γ⁴ = 0."""
+    beam = Beam(beck)
+    with precision(128):
+        gamma = Strips(beck, {}, 40).modes.gamma[:6]
+        known = []
+        for g in gamma:
+            root = (g**4 - arb(1) / 16).sqrt()
+            known += [acb(-0.25, root), acb(-0.25, -root)]
+    top, missing = complete_to(beam, NONE, NONE, HALF, known)
+    assert missing == "" and top is not None and abs(known[-1]) < top < gamma[-1] ** 2 * 2
+    for lost in range(12):
+        fewer, _ = complete_to(beam, NONE, NONE, HALF, known[:lost] + known[lost + 1 :])
+        assert fewer is None or fewer < abs(known[lost])
+    assert complete_to(beam, NONE, Fraction(1, 100), HALF, known) == (
+        None, "with internal damping eigenvalues are not counted"
+    )  # fmt: skip
+    assert complete_to(beam, Fraction(20), NONE, HALF, known[:2])[1] == "fewer than the 4 lowest are known"
+
+
+def test_a_spectrum_near_a_coalescence_lacks_none() -> None:
+    """Few modes see a complex pair where the beam has two frequencies 0.008 apart; polynomials do not."""
+    found = fb.exact_spectrum(fb.column("beck", "modes"), "20.05095", digits=10, modes=4)
+    assert {low[1][:8] for low in found.lower} >= {"11.01142", "11.01969"} and found.unproven == ()
+    assert found.complete_to is not None and float(found.complete_to) > 112.4 and len(found.lower) == 8
 
 
 # ------------------------------------------------------------ one series for a box

@@ -17,7 +17,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from flint import arb
+from flint import acb, arb
 
 from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
@@ -118,6 +118,31 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
     top = proof.highest_frequency(c_E, c_M)
     cells = proof.no_other_zero(Damped(beam, alpha, beta), top, [load, frequency], crossing.kind)
     return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
+
+
+def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:
+    """A bound up to which in |λ| no eigenvalue of the beam itself at a load is missing among the known; else why not.
+
+    known: enclosures of eigenvalues λ, each of a simple one, no two of the same; both of a conjugate pair.
+    """
+    if not isinstance(beam, Beam):
+        return None, "the modes of a uniform beam serve columns of the textbook's kind alone"
+    with precision(BITS):
+        c_E, c_M = beam.damping(alpha, beta)
+        if not (c_E.is_zero() and c_M >= 0):
+            return None, "with internal damping eigenvalues are not counted"
+        try:
+            strips, least, _ = _strips(beam, abs(exact(load)), growing=False)
+        except Unproven as error:
+            return None, str(error)
+        # each of the m eigenvalues s left of line m has two λ, λ² + c_M λ + s = 0
+        squares = [-(value * value + c_M * value) for value in known]
+        places = [s.real for s in squares if not s.contains(0)]  # which a rigid motion has
+        for m in range(strips.modes.count * 3 // 4, least - 1, -1):
+            R = strips.line(m)
+            if sum(bool(s < R) for s in places) == 2 * m:
+                return ((c_M * c_M + 4 * R).sqrt() - c_M).lower() / 2, ""
+    return None, f"fewer than the {2 * least} lowest are known"
 
 
 def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:

@@ -341,10 +341,13 @@ class Spectrum(CaseOptions):
         with working("proof"):
             found = fb.exact_spectrum(self.chosen, *values, modes=self.question.modes, digits=digits, **own)
         boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
-        record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven)
+        complete = {"complete_to": found.complete_to, "missing": found.missing or None}
+        record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven, **complete)
         boxes_of = zip(found.lower, found.upper, strict=True)
         rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
         rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
+        whole = f"up to {found.complete_to}" if found.complete_to else f"not proven: {found.missing}"
+        rows += [["all with |λ|", whole]]
         return record, ["Re", "Im"], rows
 
 
