@@ -119,7 +119,7 @@ def refused(asked: Asked) -> str:
 def test_a_strip_moved_over_an_eigenvalue_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = FIRST["Beck"]()
     right = Strips.line
-    monkeypatch.setattr(beam_stability, "COUNTS", (60,))
+    monkeypatch.setattr(beam_stability, "COUNTS", (40,))
     for k in (2, 20):
         monkeypatch.setattr(Strips, "line", lambda self, n, k=k: self.modes.gamma[k] ** 4 if n == k else right(self, n))
         assert refused(asked).startswith("strips")
