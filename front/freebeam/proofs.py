@@ -424,6 +424,24 @@ def exact_load(
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
+    given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
+    return enclosed_load(column, alpha, beta, digits=digits, modes=modes, whole=True, **given)
+
+
+def enclosed_load(
+    column: Column,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    modes: int = 24,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
+    whole: bool = False,
+    **parameters: object,
+) -> Certified:
+    """The same without the proof that it is the first (whole: with it), for those who ask for many."""
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     found = _itself(asked, modes)
@@ -433,7 +451,7 @@ def exact_load(
             f"load_max = {float(asked.exact['load_max']):.10g}: no series loses stability up to there, which leaves "
             "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
         )
-    return _enclosed(asked, near, found.kind, digits, whole=True)
+    return _enclosed(asked, near, found.kind, digits, whole)
 
 
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:

@@ -157,7 +157,6 @@ def test_a_cell_with_another_crossing_is_not_excluded(monkeypatch: pytest.Monkey
         proof = beam_stability._Below(beam, Strips(beam.kernel, beam.own), 3, arb(112))
         there, away = [+crossing.load, +crossing.frequency], [arb(60), arb(15)]
         first, second = (arb(15, 2), arb(7, 1)), (arb(110, 2), arb("20.5", 0.5))
-        proof._checked = 0
         proof._tile(problem, *first, there, "flutter", 0)
         proof._tile(problem, arb(110, 2), arb(23, 1), there, "flutter", 0)
         assert proof._checked > 0

@@ -27,10 +27,11 @@ from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
-COUNTS = (40, 60, 120, 240)  # modes in balls; with internal damping from the second on, which leaves a smaller m
+COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
 MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
 MOST_CUTS = 7
+MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
 TERMS = 6  # of Taylor's series in the load, over a stretch
 FLOATS = 40  # modes of the series that separators are taken from
 
@@ -170,6 +171,7 @@ class _Below:
         self.beam, self.strips, self.m, self.load = beam, strips, m, load
         self.trivial = strips.rigid
         self.R = strips.line(m)
+        self._checked = self._series = 0  # cells, and series that stand for F on them
         n = min(FLOATS, strips.modes.count)
         self._mu = np.array([float(g) ** 4 for g in strips.modes.gamma[:n]])
         self._T, self._B = (
@@ -383,7 +385,7 @@ class _Below:
         power = 2 if isinstance(problem, Damped) else 4  # x is of the size of γ² or γ⁴
         steps = max(1, math.ceil(float(top) ** (1 / power)))
         edges = [arb(0), *(top * (arb(k) / steps) ** power for k in range(1, steps)), top]
-        self._checked = 0
+        self._checked = self._series = 0
         for low, high in pairwise(edges):
             for P in _halves(whole):
                 self._tile(problem, P, low.union(high), crossing, kind, 0)
@@ -392,7 +394,7 @@ class _Below:
     def _tile(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str, depth: int) -> None:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
         if not self._with_one_series(problem, P, x, crossing, kind):
-            if depth == MOST_CUTS:
+            if depth == MOST_CUTS or self._series > MOST_SERIES:
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
                     f"cells: that there is no other crossing is not known near the load {float(P):.6g} and "
@@ -404,7 +406,7 @@ class _Below:
 
     def _with_one_series(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> bool:
         around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
-        local = copy(problem)
+        local, self._series = copy(problem), self._series + 1
         try:
             local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
         except Unproven:

@@ -206,9 +206,12 @@ class Strips:
 
     def __init__(self, kernel: ModuleType, own: Mapping[str, Fraction], count: int = 60) -> None:
         name, held = kernel.COLUMN["name"], parameters(kernel, own)
-        stated_exactly(kernel, held)
-        rational = kernel.forms(Fraction(1), **held)
-        mass, elastic, load = ([_kept(part) for part in rational[letter]] for letter in ("M", "E", "H"))
+        try:
+            stated_exactly(kernel, held)
+            rational = kernel.forms(Fraction(1), **held)
+            mass, elastic, load = ([_kept(part) for part in rational[letter]] for letter in ("M", "E", "H"))
+        except (AttributeError, TypeError, ValueError) as error:
+            raise NoStrips(f"{name}: a factor of its forms is no fraction: {error}") from None
         if mass != [{(0, 0, 0): 1}, {}] or elastic[0].pop((0, 2, 2), 0) != 1:
             raise NoStrips(f"{name}: its mass or its bending stiffness is not that of the uniform comparison beam")
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))

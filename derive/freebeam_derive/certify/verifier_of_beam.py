@@ -31,7 +31,7 @@ from freebeam_derive.certify.verifier_shooting import DEGREE, Box, Shooting, rec
 FORMAT = "freebeam certificate 3"
 FIELDS = v.CLAIM - {"load_max"} | {"ends", "kappa", "damping", "lowest"}
 BITS = 128
-MOST_CELLS, MOST_CUTS, MOST_STRETCHES = 400, 7, 10_000
+MOST_CELLS, MOST_CUTS, MOST_STRETCHES, MOST_BOXES = 400, 7, 10_000, 5000
 
 
 # --- the claim -------------------------------------------------------------------------------------------------------
@@ -145,6 +145,7 @@ class _Check:
         self.alpha, self.beta = (damping.of_E, damping.of_M) if damping else (Fraction(0), Fraction(0))
         self.limit = damping is not None and damping.vanishing
         self.flutter = stated.kind == "flutter"
+        self.boxes = 0
 
     # ------------------------------------------------------------ strips
 
@@ -335,6 +336,8 @@ class _Check:
     def _tile(self, P: arb, x: arb, crossing: list[arb], cuts: int) -> None:
         around = [side + (side - side.mid()) / 1024 for side in (P, x)]
         waiting, count = [(P, x)], 0
+        self.boxes += 1
+        require(self.boxes <= MOST_BOXES, "it would take too long to exclude other crossings")
         try:
             box = Box(self.F, *self.place(*around), triangle(DEGREE))
         except ArithmeticError:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from freebeam.proofs import exact_load
+from freebeam.proofs import enclosed_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
@@ -71,7 +71,7 @@ class Facts:
     def exact(self) -> Certified | str:
         """The beam itself, undamped, or why it is not enclosed."""
         try:
-            return exact_load(self.column, digits=12)
+            return enclosed_load(self.column, digits=12)
         except InputError as error:
             return str(error)
 
