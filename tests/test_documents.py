@@ -66,3 +66,31 @@ def test_every_public_name_is_in_the_reference() -> None:
     page = (ROOT / "docs" / "reference" / "runtime.md").read_text(encoding="utf-8")
     named = set(re.findall(r"freebeam\.(\w+)", page))
     assert {name for name in fb.__all__ if not name.startswith("__")} <= named
+
+
+def test_the_numbers_of_the_theorem_are_those_of_its_proofs() -> None:
+    """docs/theorem.md: each row's load, kind, m, norm and stretches."""
+    from fractions import Fraction
+
+    from freebeam_derive.certify.balls import precision
+    from freebeam_derive.certify.strips import Strips
+
+    page = (ROOT / "docs" / "theorem.md").read_text(encoding="utf-8")
+    rows = [[cell.strip() for cell in line.split("|")[1:-1]] for line in page.splitlines() if line.startswith("| ")]
+    assert len(rows) > 6
+    for said, load, kind, lowest, norm, stretches in rows[1:]:
+        name, *given = said.split()
+        own = dict(item.split("=") for item in given)
+        column = fb.column(name)
+        found = fb.exact_load(column, digits=20, **own)
+        assert all(found.proof.values()) and found.evidence is not None and found.load is not None
+        assert (found.kind, found.evidence["lowest"], found.evidence["stretches"]) == (
+            kind,
+            int(lowest),
+            int(stretches),
+        )
+        assert found.load[0].startswith(load)
+        with precision(128):
+            strips = Strips(column.kernel, {key: Fraction(value) for key, value in own.items()}, 40)
+            bound = float(found.load[1]) * float(strips.B.norm(strips.line(int(lowest))))
+        assert float(norm) - 1e-3 < bound <= float(norm)

@@ -41,7 +41,11 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None of the beam itself and in SI units.
+    taken for. certificate: the data that prove it, for a file; None in SI units and where not all is proven. missing:
+    the step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first`
+    stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the
+    nondimensional load up to which all others are each alone in a strip; stretches of changes of sign; cells of load
+    and frequency.
     """
 
     load: tuple[str, str] | None
@@ -52,6 +56,8 @@ class Certified:
     question: Question
     inputs: Mapping[str, str]
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
+    missing: str = ""
+    evidence: Mapping[str, float] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True)
@@ -76,8 +82,9 @@ class ExactSpectrum:
     """Eigenvalues λ of the beam itself at a load, sorted by |Im|, then Re; nondimensional.
 
     lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
-    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. That no eigenvalue lies
-    between these is not proven. inputs: what each input was taken for.
+    other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. complete_to: every
+    eigenvalue with |λ| up to it is among these, proven, as decimal text; None where that is not proven, and missing
+    says why. inputs: what each input was taken for.
     """
 
     lower: tuple[tuple[str, str], ...]
@@ -85,6 +92,8 @@ class ExactSpectrum:
     unproven: tuple[complex, ...]
     digits: int
     inputs: Mapping[str, str]
+    complete_to: str | None = None
+    missing: str = ""
 
 
 @dataclass(frozen=True)
@@ -405,11 +414,34 @@ def exact_load(
     """A critical load of the beam itself, without a Ritz series, in an interval that is proven to hold it. Eq. (6).
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
-    `certified_load`. Proven are the crossing, alone in its interval, and its kind; that it is the first one, over all
-    modes, is not (proof says so).
+    `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
+    modes, that it is the first and that the column is stable below, for a uniform beam. Where these two are not proven,
+    `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
+
+    >>> import freebeam as fb
+    >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())
+    True
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
+    given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
+    return enclosed_load(column, alpha, beta, digits=digits, modes=modes, whole=True, **given)
+
+
+def enclosed_load(
+    column: Column,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 15,
+    kappa: object = None,
+    modes: int = 24,
+    load_max: object = None,
+    beam: tuple[object, object, object] | None = None,
+    whole: bool = False,
+    **parameters: object,
+) -> Certified:
+    """The same without the proof that it is the first (whole: with it), for those who ask for many."""
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
     found = _itself(asked, modes)
@@ -419,14 +451,17 @@ def exact_load(
             f"load_max = {float(asked.exact['load_max']):.10g}: no series loses stability up to there, which leaves "
             "nothing to start from; nothing is proven of the beam itself; give a larger load_max"
         )
-    return _enclosed(asked, near, found.kind, digits)
+    return _enclosed(asked, near, found.kind, digits, whole)
 
 
-def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) -> Certified:
-    """The crossing of the beam itself near a candidate. Raises InputError where there is no proof."""
+def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
+    """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
+    there is no proof."""
     from freebeam_derive.certify import beam_itself as beams
+    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
+    from freebeam_derive.certify.certificate import write_of_beam
     from freebeam_derive.certify.decimals import outward
 
     exact, name = asked.exact, asked.column.name
@@ -440,6 +475,13 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
+        evidence: beam_stability.Evidence | None = None
+        missing, certificate = "", None
+        if whole:
+            dampings = exact["alpha"], exact["beta"], exact.get("kappa")
+            crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
+        if evidence is not None and not asked.squares:
+            certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
@@ -447,7 +489,18 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int) 
     load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
     if crossing.kind == "flutter":
         frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
-    return Certified(load, frequency, crossing.kind, vars(crossing.proof), digits, asked.question, asked.inputs)
+    return Certified(
+        load,
+        frequency,
+        crossing.kind,
+        vars(crossing.proof),
+        digits,
+        asked.question,
+        asked.inputs,
+        certificate,
+        missing=missing,
+        evidence=None if evidence is None else evidence.numbers,
+    )
 
 
 def truncation_error(
@@ -521,13 +574,16 @@ def exact_spectrum(
     """The beam's own eigenvalues λ at a load, near the lowest of a Ritz series, each enclosed. Eqs. (6), (15).
 
     modes: of how many functions' worth, 2 eigenvalues each; the starts are those of a series of many more. Numbers are
-    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits.
+    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits. Of uniform beams without
+    internal damping it is proven up to which |λ| the list is complete.
 
     Raises InputError for bad values and for a column whose equation the power series does not serve.
     """
     from freebeam_derive.certify import beam_itself as beams
+    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
+    from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
@@ -560,17 +616,26 @@ def exact_spectrum(
             low, high = zip(_decimals(re, digits), _decimals(part, digits), strict=True)
             found.append((start, low, high))
     found.sort(key=lambda item: (round(abs(item[0].imag), 9), item[0].real))
+    pairs = [value for ball in balls for value in ([ball, ball.conjugate()] if ball.imag > 0 else [ball])]
+    top, missing = beam_stability.complete_to(beam, *values, pairs)
     return ExactSpectrum(
-        tuple(low for _, low, _ in found), tuple(high for _, _, high in found), tuple(unproven), digits, asked.inputs
+        tuple(low for _, low, _ in found),
+        tuple(high for _, _, high in found),
+        tuple(unproven),
+        digits,
+        asked.inputs,
+        None if top is None else outward(*ends(top), 8)[0],
+        missing,
     )
 
 
 def _lowest(asked: _Asked) -> list[complex]:
-    """Ritz values to start from: of many more functions than asked for, those of lowest |s|, two to a function."""
+    """Ritz values to start from: of many more functions than asked for, polynomials where there are, those of lowest
+    |s|, two to a function."""
     from freebeam_sym.spectra import spectrum
 
     question = asked.question
-    more = question.over(question.column, min(2 * question.modes + 8, 120))
+    more = question.over(question.column.polynomials or question.column, min(2 * question.modes + 8, 120))
     system = more.system(float(asked.exact["load"]))
     values = [complex(v) for v in spectrum(system).eigenvalues]
     if question.column.general:
@@ -631,9 +696,10 @@ def verify_certificate(path: str) -> Statement:
     What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
     theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
     """
+    from freebeam_derive.certify import verifier_of_beam
     from freebeam_derive.certify.verifier import Refused, verify_file
 
     try:
-        return verify_file(path)
+        return verify_file(path, {verifier_of_beam.FORMAT: verifier_of_beam.verify})
     except Refused as error:
         raise InputError(str(error)) from error

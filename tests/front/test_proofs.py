@@ -241,11 +241,17 @@ def test_the_contract_of_critical_with_digits(capsys: pytest.CaptureFixture[str]
 
 
 def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFixture[str]) -> None:
-    """π² is the divergence load of the pinned beam; that no other load is below is not proven over all modes."""
+    """π² is the divergence load of the pinned beam, and the first; at η = 1/2 nothing is proven below the flutter, for
+    ω² touches zero there at π²."""
     status, found, _ = run(capsys, "critical", "--digits", "15", "--exact", "--column", "euler-pinned", "--json")
-    assert status == 0 and found["proof"] == {"crossing": True, "first": False, "stable_below": False, "kind": True}
+    assert status == 0 and found["proof"] == {"crossing": True, "first": True, "stable_below": True, "kind": True}
+    assert found["missing"] is None and found["evidence"]["reach"] > found["load"]
     squared = Decimal("9.869604401089358618834490999876")
     assert Decimal(found["load_lower"]) < squared < Decimal(found["load_upper"])
+    asked = ["critical", "--digits", "15", "--exact", "--column", "beck", "--set", "eta=0.5"]
+    status, found, _ = run(capsys, *asked, "--json")
+    assert status == 0 and found["proof"] == {"crossing": True, "first": False, "stable_below": False, "kind": True}
+    assert found["evidence"] is None and found["missing"] in " ".join(run(capsys, *asked)[1].split())
 
 
 def test_all_crossings_up_to_a_load(capsys: pytest.CaptureFixture[str]) -> None:

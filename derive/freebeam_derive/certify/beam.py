@@ -185,7 +185,12 @@ class Beam:
         p, s: balls, real (arb) or complex (acb). orders: the pairs (i, j) that are wanted, with every pair below each.
         Raises Unproven where the balls are so wide that the series could not be bounded.
         """
-        parts, jets = self._parts(), _Jets(tuple(orders), isinstance(p, acb) or isinstance(s, acb))
+        jets = Jets(tuple(orders), isinstance(p, acb) or isinstance(s, acb))
+        return dict(zip(jets.orders, self.expanded(p, s, jets).entries(), strict=True))
+
+    def expanded(self, p: Any, s: Any, jets: Jets) -> Any:
+        """The same as a row, for jets of any kind."""
+        parts = self._parts()
         needed = tuple(sorted({derivative for row in parts.right for derivative in row}))
         values = self._ends(p, s, jets, needed)
         on = []  # conditions at x = 1 on both solutions
@@ -196,8 +201,7 @@ class Beam:
                     value = jets.times(values[derivative][k], _shifted(c, p, s))
                     total = value if total is None else total + value
                 on.append(jets.zero() if total is None else total)
-        F = on[0] * jets.operator(on[3]) - on[1] * jets.operator(on[2])
-        return dict(zip(jets.orders, F.entries(), strict=True))
+        return jets.product(on[0], on[3]) - jets.product(on[1], on[2])
 
     def trivial(self) -> int:
         """R of the factor s^R that the rigid motions put into F, which has no part in stability.
@@ -208,7 +212,7 @@ class Beam:
         t = self.taylor(arb(1) / 3, arb(0), tuple((0, j) for j in range(self.rigid + 1)))
         return next((j for j in range(self.rigid) if not t[0, j].contains(0)), self.rigid)
 
-    def _start(self, p: Any, s: Any, jets: _Jets) -> Any:
+    def _start(self, p: Any, s: Any, jets: Jets) -> Any:
         """Derivatives 0 to 3 at x = 0 of two solutions of the conditions there, (4, 2 orders).
 
         Two of the four derivatives are free, the other two follow by Cramer's rule, with a determinant that depends
@@ -236,12 +240,12 @@ class Beam:
             return jets.matrix(4, 2 * len(jets.orders), [e for both in rows for row in both for e in row.entries()])
         raise NoSeries(f"{self.name}: the conditions at x = 0 do not determine two derivatives there")
 
-    def _ends(self, p: Any, s: Any, jets: _Jets, needed: tuple[int, ...]) -> dict[int, list[Any]]:
+    def _ends(self, p: Any, s: Any, jets: Jets, needed: tuple[int, ...]) -> dict[int, list[Any]]:
         """Some derivatives at x = 1 of both solutions, as balls: derivative -> one (1, orders) for each solution."""
         parts = self._parts()
         norms = {}
         for key, c in parts.equation.items():
-            norms[key] = sum((_upper(part) for part in _shifted(c, p, s)), arb(0)).upper()
+            norms[key] = sum((_upper(part) for part in jets.scaled(_shifted(c, p, s))), arb(0)).upper()
         bits = flint.ctx.prec
         sizes = _sizes(norms, bits)
         batch = parts.batches
@@ -347,7 +351,7 @@ def _batches(equation: Mapping[tuple[int, int], Coefficient]) -> _Batches:
     return (_shared if whole else _Batches)((e, h, m))
 
 
-class _Jets:
+class Jets:
     """Polynomials in u and v truncated to some orders, as rows of balls; to multiply is to apply a matrix."""
 
     def __init__(self, orders: tuple[Order, ...], is_complex: bool) -> None:
@@ -357,6 +361,14 @@ class _Jets:
 
     def zero(self) -> Any:
         return self.matrix(1, len(self.orders))
+
+    def scaled(self, linear: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+        """Constant, factor of u, factor of v, in the units that u and v are counted in."""
+        return linear
+
+    def product(self, first: Any, second: Any) -> Any:
+        """Of two rows."""
+        return first * self.operator(second)
 
     def blur(self, error: arb) -> Any:
         """The ball of so great an error."""

@@ -3,8 +3,8 @@
 Newton's method from a start that the caller has (a Ritz value) finds a small box; that Krawczyk's image of the box lies
 in its interior proves that it holds one zero and only one. The digits then come by the same step, with J kept as long
 as that pays. The rest is decided on the box: that the crossing is simple, and that with growing load it leads from a
-stable pair to an unstable one (`onset`). That no other mode of the infinitely many is unstable at a lower load is not
-proven here, and `first` and `stable_below` say so.
+stable pair to an unstable one (`onset`). That no other mode of the infinitely many is unstable at a lower load is
+proven in `beam_stability`, if at all, and `first` and `stable_below` say so.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ class NoOnset(Unproven):
 class Proof:
     """What was proven. crossing: it exists, alone in the enclosure. kind: so does its kind, and that it is an onset.
 
-    first, stable_below: always False here, for nothing is shown of the infinitely many other modes.
+    first, stable_below: so are these, of all modes there are; `beam_stability` alone sets them.
     """
 
     crossing: bool = True

@@ -12,13 +12,16 @@ from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
-from flint import fmpq
+from flint import arb, fmpq
 
-from freebeam_derive.certify.balls import Exact, Root, Unproven, parameters
+from freebeam_derive.certify.balls import Exact, Root, Unproven, ends, parameters, precision
+from freebeam_derive.certify.beam_itself import ExactCrossing
+from freebeam_derive.certify.beam_stability import Evidence
+from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure
 
-FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
+FORMAT, GENERAL, ITSELF = (f"freebeam certificate {n}" for n in (1, 2, 3))
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
@@ -36,7 +39,7 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "modes": question.modes,
         "alpha": _rational(question.alpha),
         "beta": _rational(question.beta),
-        **(_of_any if general else _of_beam)(kernel, found, own),
+        **(_of_any(kernel, found.question, own) if general else _of_beam(kernel, question, own)),
         "kind": found.kind,
         "load": None if found.load is None else [written(v) for v in found.load],
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],
@@ -54,14 +57,59 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
     }
 
 
+def write_of_beam(
+    kernel: ModuleType, question: Question, crossing: ExactCrossing, evidence: Evidence
+) -> dict[str, Any]:
+    """The certificate that a crossing of the beam itself is the first, as a JSON object. Raises Unproven."""
+    own = parameters(kernel, question.own)
+    flutter, load_high = crossing.kind == "flutter", ends(crossing.load)[1]
+    last = len(evidence.stretches) - 1 if question.undamped or (question.kappa is not None and not flutter) else None
+    with precision(crossing.bits):
+        square = crossing.frequency * crossing.frequency
+    around = [_around(value, crossing.digits - 2) for value in (crossing.load, square)]
+    stated = {k: v for k, v in _of_beam(kernel, question, own).items() if k != "basis"}
+    return {
+        "format": ITSELF,
+        "column": kernel.COLUMN["name"],
+        "parameters": {name: written(value) for name, value in own.items()},
+        "modes": evidence.modes,
+        "lowest": evidence.lowest,
+        "alpha": _rational(question.alpha),
+        "beta": _rational(question.beta),
+        **stated,
+        "kind": crossing.kind,
+        "load": [written(v) for v in around[0]],
+        "frequency_squared": [written(v) for v in around[1]] if flutter else None,
+        "proof": vars(crossing.proof),
+        "stretches": [
+            {
+                "start": written(s.start),
+                "end": written(max(s.end, load_high) if k == last else s.end),
+                "points": [written(point) for point in s.separators],
+                "moving": None if s.moving is None else s.moving[0],
+                "slope": written(Fraction(0) if s.moving is None else s.moving[1]),
+            }
+            for k, s in enumerate(evidence.stretches)
+        ],
+    }
+
+
+def _around(value: arb, digits: int) -> tuple[Fraction, Fraction]:
+    """An interval of a relative width of 10^−digits, in the middle of which a value is enclosed."""
+    low, high = ends(value)
+    middle, width = (low + high) / 2, abs(high) * Fraction(1, 2 * 10 ** max(digits, 15))
+    grid = 10 ** (max(digits, 15) + 8)
+    return Fraction(int((middle - width) * grid), grid), Fraction(int((middle + width) * grid) + 1, grid)
+
+
 def _rational(value: Exact) -> str:
     assert not isinstance(value, Root)
     return written(value)
 
 
-def _of_beam(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Ends, basis, M, E, H and damping of a textbook's column."""
-    question, kappa = found.question, found.question.kappa
+    kappa = question.kappa
     dampings = (question.alpha, question.beta) if kappa is None else (Fraction(1), kappa)
     c_M, c_E = kernel.damping_factors(*dampings, **own)
     return {
@@ -81,7 +129,7 @@ def _of_beam(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> 
     }
 
 
-def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
     bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
@@ -103,7 +151,7 @@ def _of_any(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> d
             for name, (joined, held, opened) in kernel.FIELDS.items()
         },
         "coordinates": list(kernel.COORDINATES),
-        "kappa": None if found.question.kappa is None else _rational(found.question.kappa),
+        "kappa": None if question.kappa is None else _rational(question.kappa),
         "forms": {
             "M": [_form(form) for form in bare["M"]],
             "C_1": [_form(form) for form in bare["C"]],
@@ -144,4 +192,4 @@ def _text(value: Any) -> str:
     return written(Fraction(int(value)) if isinstance(value, int) else Fraction(int(value.p), int(value.q)))
 
 
-__all__ = ["FORMAT", "GENERAL", "write"]
+__all__ = ["FORMAT", "GENERAL", "ITSELF", "write", "write_of_beam"]

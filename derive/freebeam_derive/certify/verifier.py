@@ -308,7 +308,7 @@ def _of_beam(data: dict[str, Any]) -> Read:
         require(not limit or damping.of_E > 0, "no internal damping is there to vanish")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: form(data["forms"][name]) for name in "MEH"}
-    ours = claims["column"] in COLUMNS
+    ours = is_ours(claims["column"])
     stated = OfBeam(**claims, ours=ours, ends=(left, right), basis=basis, kappa=kappa, damping=damping)
     if ours:
         _check_column(stated, forms)
@@ -368,6 +368,11 @@ def _stretch(data: dict[str, Any]) -> Stretch:
     start, end, origin = (_number(data[k]) for k in ("start", "end", "origin"))
     lines = ((_number(point), _number(slope)) for point, slope in data["separators"])
     return Stretch(start, end, origin, ((Fraction(0), Fraction(0)), *lines))
+
+
+def is_ours(column: str) -> bool:
+    """Whether a column is one of this program's."""
+    return column in COLUMNS
 
 
 def _check_column(stated: OfBeam, forms: dict[str, Form]) -> None:
@@ -456,9 +461,9 @@ def within(low: arb, high: arb, ends: list[str]) -> list[arb]:
     return [] if change > 0 else [box]
 
 
-def modes(ends: list[str], count: int) -> Basis:
+def modes(ends: list[str], count: int, roots: list[arb] | None = None) -> Basis:
     """Derivatives of the first modes at a place; integrals of x^power times derivatives of two of them."""
-    found, factors = gammas(ends, count), []
+    found, factors = roots or gammas(ends, count), []
     for g in found:
         # the determinant vanishes: its cofactors along the last row solve all four equations, and nothing else does
         rows = conditions(g, ends)[:3]
@@ -1016,11 +1021,17 @@ def positive(polynomial: arb_poly, low: arb, high: arb) -> bool:
 # --- the certificate ----------------------------------------------------------------------------------------
 
 
-def verify(certificate: dict[str, Any]) -> Statement:
+Others = dict[str, Callable[[dict[str, Any]], Statement]]
+"""Formats besides those of a series, and what checks them."""
+
+
+def verify(certificate: dict[str, Any], others: Others | None = None) -> Statement:
     """Check a certificate; what it proves. Raises Refused where it does not."""
     try:
         kind = certificate.get("format") if type(certificate) is dict else None
-        require(kind in (FORMAT, GENERAL), "this is no certificate of a known format")
+        require(kind in (FORMAT, GENERAL, *(others or ())), "this is no certificate of a known format")
+        if others and kind in others:
+            return others[kind](certificate)
         stated, N, system, stretches = (_of_forms if kind == GENERAL else _of_beam)(certificate)
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
         # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
@@ -1040,13 +1051,13 @@ def verify(certificate: dict[str, Any]) -> Statement:
         raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
 
 
-def verify_file(path: Path | str) -> Statement:
+def verify_file(path: Path | str, others: Others | None = None) -> Statement:
     """Check a certificate file. Raises Refused with the reason in one line."""
     try:
         with open(path, "rb") as file:
             content = file.read(LARGEST_FILE + 1)
         require(len(content) <= LARGEST_FILE, f"is larger than any certificate, {LARGEST_FILE} bytes")
-        return verify(json.loads(content, **STRICT))
+        return verify(json.loads(content, **STRICT), others)
     except OSError as error:
         raise Refused(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:

@@ -69,6 +69,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         self.check()
         found = self.compute()
         if self.certificate and found.proven is not None:
+            missing = found.proven.missing
+            refuse(missing, f"{self.certificate}: is not written, for not all of it is proven: {missing}")
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
         if self.plot:
@@ -95,7 +97,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-        for name, given in (("--certificate", file), ("--all", self.every), ("--truncation", self.truncation)):
+        for name, given in (("--all", self.every), ("--truncation", self.truncation)):
             refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
         there = file and file.exists() and not self.force
         refuse(there, f"{file} exists; choose another file, or --force to replace it")
@@ -206,6 +208,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
         shown = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
         missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
+        if missing and proven.missing:
+            missing[-1] += f": {proven.missing}"
         return [*rows, ["proven is", ", ".join(shown)], *([["not proven", ", ".join(missing)]] if missing else [])]
 
 
@@ -227,6 +231,8 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     """What a proof adds to the record, and what it changes there."""
     added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+    if exact:
+        added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
     if proven.load and proven.frequency and not exact:
         load = float(proven.load[0])
         if not math.isclose(load, record["load"] or math.inf, rel_tol=1e-6):
@@ -386,10 +392,13 @@ class Spectrum(FileOptions, CaseOptions):
         with working("proof"):
             found = fb.exact_spectrum(self.chosen, *values, modes=self.question.modes, digits=digits, **own)
         boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
-        record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven)
+        complete = {"complete_to": found.complete_to, "missing": found.missing or None}
+        record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven, **complete)
         boxes_of = zip(found.lower, found.upper, strict=True)
         rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]
         rows += [[f"near {v.real:.6g}: not proven", f"near {v.imag:.6g}"] for v in found.unproven]
+        whole = f"up to {found.complete_to}" if found.complete_to else f"not proven: {found.missing}"
+        rows += [["all with |λ|", whole]]
         return record, ["Re", "Im"], rows
 
 

@@ -12,7 +12,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from freebeam.ledger.scanned import MODES
-from freebeam.proofs import Certified, certified_load, exact_load
+from freebeam.proofs import Certified, certified_load, enclosed_load
 from freebeam_sym.columns import Column, column
 from freebeam_sym.stability.critical import critical_load
 
@@ -40,7 +40,7 @@ def ritz(alpha: str = "0", beta: str = "0", kappa: str | None = None, name: str 
 @lru_cache(maxsize=64)
 def exact(alpha: str = "0", beta: str = "0", kappa: str | None = None, name: str = "free-free") -> Certified:
     """The certified crossing of the beam itself."""
-    return exact_load(beam(name), alpha, beta, digits=DIGITS, kappa=kappa)
+    return enclosed_load(beam(name), alpha, beta, digits=DIGITS, kappa=kappa)
 
 
 def interval(bounds: tuple[str, str] | None) -> Interval:

@@ -1,0 +1,480 @@
+"""That a crossing of the beam itself is the first, and that the column is stable below it. Eqs. (6), (14), (15).
+
+`strips` leaves finitely many eigenvalues to look at: the m lowest. Without damping they are shown to be real, positive
+and simple on [0, P*) by changes of sign of F(P, s); at the crossing the point between the two that meet moves with
+the load. With damping F(P, iω) is shown to have no other zero on a rectangle of loads and frequencies, outside of
+which the strips leave none. docs/theorem.md has the statements and their proofs.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from flint import acb, arb
+
+from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
+from freebeam_derive.certify.beam import Beam
+from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.krawczyk import image, one_to_one
+from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.strips import NoStrips, Strips
+
+BITS = 128
+COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
+DEEPEST = 40  # bisections before a proof is given up
+MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
+MOST_CUTS = 7
+MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
+TERMS = 6  # of Taylor's series in the load, over a stretch
+FLOATS = 40  # modes of the series that separators are taken from
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """Loads over which the m lowest eigenvalues are apart: F changes sign from each separator to the next.
+
+    start, end: loads. separators: s = point + slope (P − origin), ascending, the first 0, the last the line R_m.
+    moving: the index of the one through the crossing, None on other stretches.
+    """
+
+    start: Fraction
+    end: Fraction
+    separators: tuple[Fraction, ...]
+    moving: tuple[int, Fraction] | None = None
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a proof of `first` and `stable_below` stands on.
+
+    lowest: m. modes: how many are in balls. reach: a load up to which all lines from m on are free of eigenvalues.
+    stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
+    they go (0 where there are none).
+    """
+
+    lowest: int
+    reach: Fraction
+    modes: int
+    stretches: tuple[Stretch, ...]
+    cells: int = 0
+    frequency: float = 0.0
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """In short."""
+        return {
+            "lowest": self.lowest,
+            "reach": float(self.reach),
+            "stretches": len(self.stretches),
+            "cells": self.cells,
+            "frequency": self.frequency,
+        }
+
+
+class OpenStep(Unproven):
+    """A step of the proof that failed; the message names it."""
+
+
+def complete(
+    beam: Any, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
+) -> tuple[ExactCrossing, Evidence | None, str]:
+    """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
+    if not isinstance(beam, Beam):
+        return crossing, None, "strips: the modes of a uniform beam serve columns of the textbook's kind alone"
+    with precision(BITS):
+        try:
+            evidence = _prove(beam, crossing, alpha, beta, kappa)
+        except Unproven as error:
+            return crossing, None, str(error)
+    return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
+
+
+def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None) -> Evidence:
+    load, frequency = +crossing.load, +crossing.frequency
+    c_E, c_M = beam.damping(alpha, beta) if kappa is None else beam.damping(Fraction(1), kappa)
+    if not (c_E >= 0 and c_M >= 0):
+        raise OpenStep("damping: a factor of C = c_E E + c_M M is not known to be positive")
+    undamped = kappa is None and beam.undamped(alpha, beta)
+    strips, m, reach = _strips(beam, load, growing=bool(c_E > 0) and not undamped)
+    proof = _Below(beam, strips, m, load)
+    if undamped:
+        at = None if crossing.kind == "divergence" else frequency * frequency
+        return Evidence(m, rational(reach, 60), strips.modes.count, tuple(proof.real_and_simple(at)))
+    if kappa is not None:
+        below = proof.real_and_simple(None) if crossing.kind == "divergence" else proof.real_and_simple_throughout()
+        stretches = tuple(below)
+        problem: Onset = VanishingDamping(beam, kappa)
+        top = strips.line(m).upper()
+        cells = proof.no_other_zero(problem, top, [load, frequency * frequency], crossing.kind)
+        return Evidence(m, rational(reach, 60), strips.modes.count, stretches, cells, float(top) ** 0.5)
+    start = proof.real_and_simple_at(Fraction(0))
+    proof.no_divergence(crossing.kind)
+    top = proof.highest_frequency(c_E, c_M)
+    cells = proof.no_other_zero(Damped(beam, alpha, beta), top, [load, frequency], crossing.kind)
+    return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
+
+
+def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:
+    """A bound up to which in |λ| no eigenvalue of the beam itself at a load is missing among the known; else why not.
+
+    known: enclosures of eigenvalues λ, each of a simple one, no two of the same; both of a conjugate pair.
+    """
+    if not isinstance(beam, Beam):
+        return None, "the modes of a uniform beam serve columns of the textbook's kind alone"
+    with precision(BITS):
+        c_E, c_M = beam.damping(alpha, beta)
+        if not (c_E.is_zero() and c_M >= 0):
+            return None, "with internal damping eigenvalues are not counted"
+        try:
+            strips, least, _ = _strips(beam, abs(exact(load)), growing=False)
+        except Unproven as error:
+            return None, str(error)
+        # each of the m eigenvalues s left of line m has two λ, λ² + c_M λ + s = 0
+        squares = [-(value * value + c_M * value) for value in known]
+        places = [s.real for s in squares if not s.contains(0)]  # which a rigid motion has
+        for m in range(strips.modes.count * 3 // 4, least - 1, -1):
+            R = strips.line(m)
+            if sum(bool(s < R) for s in places) == 2 * m:
+                return ((c_M * c_M + 4 * R).sqrt() - c_M).lower() / 2, ""
+    return None, f"fewer than the {2 * least} lowest are known"
+
+
+def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
+    """The strips, m, and the load up to which they hold. growing: there is internal damping; then Cauchy's estimate
+    needs P sup |s_j'| < R_{j−1} for all j > m: see `docs/theorem.md`."""
+    failure: Unproven | None = None
+    for count in COUNTS[1:] if growing else COUNTS:
+        try:
+            strips = Strips(beam.kernel, beam.own, count)
+            for m, reach in sorted(strips.reaches(load.upper()).items()):
+                if not growing or strips.line(m + 1) / strips.line(m) - 1 < arb.pi() / 2 * (reach - load) / load:
+                    return strips, m, reach
+            failure = NoStrips("high modes are not known to stay on their side of the boundary")
+        except Unproven as error:
+            failure = error
+            if isinstance(error, NoStrips) and "could not" not in str(error):
+                break
+    raise OpenStep(f"strips: {failure}") from None
+
+
+class _Below:
+    """The proofs for one column and one load: R_m is the first line that is free."""
+
+    def __init__(self, beam: Beam, strips: Strips, m: int, load: arb) -> None:
+        self.beam, self.strips, self.m, self.load = beam, strips, m, load
+        self.trivial = strips.rigid
+        self.R = strips.line(m)
+        self._checked = self._series = 0  # cells, and series that stand for F on them
+        n = min(FLOATS, strips.modes.count)
+        self._mu = np.array([float(g) ** 4 for g in strips.modes.gamma[:n]])
+        self._T, self._B = (
+            np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (strips.T, strips.B)
+        )
+
+    # ---------------------------------------------------------------- signs of F(P, s) for real s
+
+    def _estimates(self, P: float) -> Any:
+        """The lowest eigenvalues of a series, in floats: where to look."""
+        values = np.linalg.eigvals(np.diag(self._mu) + self._T + P * self._B)
+        return np.sort_complex(values)[: self.m + 1]
+
+    def _taylor(self, low: arb, high: arb, s: arb) -> tuple[list[arb], arb]:
+        """Coefficients of F in powers of the load about the middle, the last over all of it; and half the width.
+
+        At s = 0 those of F / s^R, R the number of rigid motions.
+        """
+        middle, whole = ((low + high) / 2).mid(), low.union(high)
+        R = self.trivial if s.is_zero() else 0
+        orders = tuple((i, j) for i in range(TERMS + 1) for j in range(R + 1))
+        at, over = (self.beam.taylor(P, s, orders) for P in (middle, whole))
+        return [*(at[i, R] for i in range(TERMS)), over[TERMS, R]], whole - middle
+
+    def sign(self, low: arb, high: arb, s: arb) -> int:
+        """Of F(P, s) for all P of an interval; 0 where it is not known."""
+        coefficients, h = self._taylor(low, high, s)
+        total = arb(0)
+        for c in reversed(coefficients):
+            total = total * h + c
+        return 1 if total > 0 else -1 if total < 0 else 0
+
+    def _separators(self, *loads: float) -> tuple[Fraction, ...] | None:
+        """Points between the estimates at all of some loads; the first 0, the last just below R_m."""
+        values = np.array([self._estimates(P) for P in loads])
+        scale = np.abs(values).max(axis=0)
+        if np.any(np.abs(values.imag) > 1e-9 * scale):
+            return None
+        low, high = values.real.min(axis=0), values.real.max(axis=0)
+        between = [(a + b) / 2 for a, b in zip(high[: self.m - 1], low[1 : self.m], strict=True)]
+        points = (Fraction(0), *(Fraction(v) for v in between), rational(self.R * (1 - arb(2) ** -30), 60))
+        return points if all(a < b for a, b in pairwise(points)) else None
+
+    def _alternate(
+        self, low: arb, high: arb, separators: Sequence[Fraction], moving: int | None = None
+    ) -> list[int] | None:
+        """The signs of F at the separators, where they alternate (that of a moving one is left open as 0)."""
+        signs = [0 if k == moving else self.sign(low, high, exact(s)) for k, s in enumerate(separators)]
+        known = next(k for k in range(len(signs)) if k != moving)
+        wanted = [signs[known] * (-1) ** (k - known) for k in range(len(signs))]
+        holds = all(s != 0 and s == w for k, (s, w) in enumerate(zip(signs, wanted, strict=True)) if k != moving)
+        return wanted if holds else None
+
+    def _covered(self, start: Fraction, end: Fraction) -> Iterator[Stretch]:
+        """Stretches from start to end."""
+        waiting = [(start, end, 0)]
+        while waiting:
+            a, b, depth = waiting.pop()
+            separators = self._separators(float(a), float((a + b) / 2), float(b))
+            if separators is not None and self._alternate(exact(a), exact(b), separators):
+                yield Stretch(a, b, separators)
+                continue
+            if depth == DEEPEST or b - a < (end - start) / 2**14:
+                raise OpenStep(
+                    f"low frequencies: the {self.m} lowest are not known to be real, positive and simple between the "
+                    f"loads {float(a):.10g} and {float(b):.10g}"
+                )
+            middle = (a + b) / 2
+            waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+
+    def real_and_simple_at(self, P: Fraction) -> Stretch:
+        """All eigenvalues are real, positive and simple at a load."""
+        separators = self._separators(float(P))
+        if separators is None or not self._alternate(exact(P), exact(P), separators):
+            raise OpenStep(f"low frequencies: not known to be real, positive and simple at the load {float(P):.6g}")
+        return Stretch(P, P, separators)
+
+    def real_and_simple_throughout(self) -> Iterator[Stretch]:
+        """The same for all loads up to and with the one of the crossing."""
+        return self._covered(Fraction(0), rational(self.load.upper(), 60) + Fraction(1, 2**40))
+
+    def real_and_simple(self, square: arb | None) -> Iterator[Stretch]:
+        """The same below the crossing; square: ω² there, None for a divergence."""
+        end = rational(self.load, 80)
+        share = Fraction(1, 4)
+        for _ in range(12):
+            start = rational(float(end * (1 - share)), 30)
+            last = self._towards(start, end, square)
+            if last is not None:
+                yield from self._covered(Fraction(0), start)
+                yield last
+                return
+            share /= 2
+        raise OpenStep("low frequencies: those just below the crossing are not known to be real, positive and simple")
+
+    def _towards(self, start: Fraction, end: Fraction, square: arb | None) -> Stretch | None:
+        """A stretch up to the crossing, where the sign of F along one separator follows from its derivative."""
+        just_below = float(end) * (1 - 1e-7)
+        separators = self._separators(float(start), float((start + end) / 2), just_below)
+        estimates = self._estimates(float(start)).real
+        if square is None:
+            moving, slope = 0, Fraction(0)
+        else:
+            at = float(square)
+            # the two that meet are on either side of the point
+            moving = int(np.searchsorted(estimates[: self.m], at))
+            if not 0 < moving < self.m:
+                return None
+            mean = (estimates[moving - 1] + estimates[moving]) / 2
+            slope = rational((mean - at) / float(start - end), 30)
+            fixed = self._fixed(start, end, just_below, moving)
+            if fixed is None:
+                return None
+            separators = fixed
+        if separators is None:
+            return None
+        low, high = exact(start), self.load
+        wanted = self._alternate(low, high.upper(), separators, moving)
+        if wanted is None:
+            return None
+        point = arb(0) if square is None else square
+        if square is not None:
+            # the line ascends between its neighbours
+            line = [point, point + exact(slope) * (low - self.load)]
+            if not all(exact(separators[moving - 1]) < v < exact(separators[moving + 1]) for v in line):
+                return None
+        rising = self._rising(low, high, point, exact(slope))
+        # F is zero at the crossing, so below it F has the sign that is opposite to that of its derivative
+        if rising == 0 or -rising != wanted[moving]:
+            return None
+        return Stretch(start, end, separators, (moving, slope))
+
+    def _fixed(self, start: Fraction, end: Fraction, below: float, moving: int) -> tuple[Fraction, ...] | None:
+        """Separators but for the moving one, in whose place stands the crossing's."""
+        values = np.array([self._estimates(P).real for P in (float(start), float((start + end) / 2), below)])
+        low, high = values.min(axis=0), values.max(axis=0)
+        points = [Fraction(0)]
+        for k in range(1, self.m):
+            middle = (values[-1][k - 1] + values[-1][k]) / 2 if k == moving else (high[k - 1] + low[k]) / 2
+            points.append(Fraction(middle))
+        points.append(rational(self.R * (1 - arb(2) ** -30), 60))
+        return tuple(points) if all(a < b for a, b in pairwise(points)) else None
+
+    def _rising(self, low: arb, high: arb, point: arb, slope: arb) -> int:
+        """The sign of dF/dP along s = point + slope (P − P*), for all P up to the crossing; 0 where it is not known."""
+        R = self.trivial if point.is_zero() else 0
+        orders = tuple((i, j) for i in range(3) for j in range(R + 3) if i + max(0, j - R) <= 2)
+        signs = set()
+        waiting = [(low, high.upper(), 0)]
+        while waiting:
+            a, b, depth = waiting.pop()
+            middle, whole = ((a + b) / 2).mid(), a.union(b)
+            at = self.beam.taylor(middle, point + slope * (middle - high), orders)
+            over = self.beam.taylor(whole, point + slope * (whole - high), orders)
+            if point.is_zero():
+                value, bend = at[1, R], 2 * over[2, R]
+            else:
+                value = at[1, 0] + slope * at[0, 1]
+                bend = 2 * (over[2, 0] + slope * over[1, 1] + slope * slope * over[0, 2])
+            value += bend * (whole - middle)
+            if value.contains(0):
+                if depth == 8:
+                    return 0
+                waiting += [(a, middle, depth + 1), (middle, b, depth + 1)]
+                continue
+            signs.add(1 if value > 0 else -1)
+            if len(signs) == 2:
+                return 0
+        return signs.pop()
+
+    # ---------------------------------------------------------------- with damping
+
+    def no_divergence(self, kind: str) -> None:
+        """λ = 0 is no eigenvalue, but for rigid motions, below the crossing, nor at it unless that is a divergence."""
+        end = rational(self.load, 80)
+        waiting = [(Fraction(0), end, 0)]
+        while waiting:
+            a, b, depth = waiting.pop()
+            high = self.load.upper() if b == end else exact(b)
+            if self.sign(exact(a), high, arb(0)):
+                continue
+            if kind == "divergence" and b == end and self._rising(exact(a), self.load, arb(0), arb(0)):
+                continue
+            if depth == DEEPEST or b - a < end / 2**14:
+                raise OpenStep(f"divergence: F(P, 0) is not known to differ from zero at the load {float(a):.10g}")
+            middle = (a + b) / 2
+            waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+
+    def highest_frequency(self, c_E: arb, c_M: arb) -> arb:
+        """Ω such that no eigenvalue iω with ω ≥ Ω is one of the m lowest, or none is there at all."""
+        if not c_E > 0:
+            return self.R.sqrt().upper()  # Re s = ω²
+        found = []
+        # Re s = ω² (1 − αβ) / (1 + α² ω²) ≥ R_m from there on
+        rest = 1 - c_E * c_M - c_E * c_E * self.R
+        if rest > 0:
+            found.append((self.R / rest).sqrt().upper())
+        # for αω ≥ 1 is Re s ≤ |Im s|, so |μ_j − s| ≥ μ_j / √2; then √2 (‖T‖ + |p| ‖B‖) < 1 with |p| ≤ P/√(1 + α²ω²)
+        spare = 1 / arb(2).sqrt() - self.strips.T.norm(arb(0))
+        if spare > 0:
+            ratio = self.load * self.strips.B.norm(arb(0)) / spare
+            found.append((ratio.max(arb(1)) / c_E).upper())
+        if not found:
+            raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")
+        return min(found, key=float)
+
+    def no_other_zero(self, problem: Onset, top: arb, crossing: list[arb], kind: str) -> int:
+        """That the crossing is the only zero for 0 ≤ P ≤ P* (and beyond, to the end of its ball) and 0 ≤ x ≤ top,
+        x the problem's second unknown. How many cells it took."""
+        whole = arb(0).union(self.load.upper())
+        power = 2 if isinstance(problem, Damped) else 4  # x is of the size of γ² or γ⁴
+        steps = max(1, math.ceil(float(top) ** (1 / power)))
+        edges = [arb(0), *(top * (arb(k) / steps) ** power for k in range(1, steps)), top]
+        self._checked = self._series = 0
+        for low, high in pairwise(edges):
+            for P in _halves(whole):
+                self._tile(problem, P, low.union(high), crossing, kind, 0)
+        return self._checked
+
+    def _tile(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str, depth: int) -> None:
+        """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
+        if not self._with_one_series(problem, P, x, crossing, kind):
+            if depth == MOST_CUTS or self._series > MOST_SERIES:
+                name = "ω" if isinstance(problem, Damped) else "ω²"
+                raise OpenStep(
+                    f"cells: that there is no other crossing is not known near the load {float(P):.6g} and "
+                    f"{name} = {float(x):.6g}"
+                )
+            for part in _halves(P):
+                for other in _halves(x):
+                    self._tile(problem, part, other, crossing, kind, depth + 1)
+
+    def _with_one_series(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> bool:
+        around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
+        local, self._series = copy(problem), self._series + 1
+        try:
+            local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
+        except Unproven:
+            return False
+        waiting, count = [(P, x)], 0
+        while waiting:
+            P, x = waiting.pop()
+            count += 1
+            axis = self._excluded(local, P, x, crossing, kind)
+            if axis is None:
+                continue
+            if count > MOST_CELLS:
+                return False
+            for half in _halves(P if axis == 0 else x):
+                waiting.append((half, x) if axis == 0 else (P, half))
+        self._checked += count
+        return True
+
+    def _excluded(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> int | None:
+        """None where a cell holds no zero but the crossing, else along which axis to cut it."""
+        at_bottom = not x.lower() > 0
+        if at_bottom and self.trivial:
+            return self._excluded_at_bottom(problem, P, x)
+        box = [P, x]
+        middle = [side.mid() for side in box]
+        values, J, _ = problem.slopes(box)
+        if any(not v.contains(0) for v in values):
+            return None
+        centre = problem.value(middle)
+        parts = [[J[i, j] * (box[j] - middle[j]) for j in range(2)] for i in range(2)]
+        if any(not (centre[i] + parts[i][0] + parts[i][1]).contains(0) for i in range(2)):
+            return None
+        if at_bottom and isinstance(problem, Damped) and not J[1, 1].contains(0):
+            return None  # the imaginary part is zero at ω = 0 alone, where `no_divergence` has been
+        near = kind == "flutter" and all(side.overlaps(c) for side, c in zip(box, crossing, strict=True))
+        try:
+            if near:
+                hull = [side.union(c) for side, c in zip(box, crossing, strict=True)]
+                centre_J = problem.slopes([side.mid() for side in hull])[1]
+                if one_to_one(centre_J, problem.slopes(hull)[1], [side.rad() for side in hull]):
+                    return None
+            else:
+                led_to = image(middle, centre, J, box)
+                if any(not side.overlaps(part) for side, part in zip(box, led_to, strict=True)):
+                    return None
+        except Unproven:
+            pass
+        sizes = [sum(_ratio(parts[i][j], centre[i]) for i in range(2)) for j in range(2)]
+        return 0 if sizes[0] >= sizes[1] else 1
+
+    def _excluded_at_bottom(self, problem: Onset, P: arb, x: arb) -> int | None:
+        """Of a column that moves rigidly: F / s^R from s = 0 on, R!⁻¹ ∂^R F/∂s^R over all of it."""
+        p, s = problem.place([P, x])
+        whole, middle = s.union(s * 0), p.mid()
+        orders = tuple((i, j) for i in range(TERMS + 1) for j in range(self.trivial + 1))
+        at, over = (self.beam.taylor(place, whole, orders) for place in (middle, p))
+        value = over[TERMS, self.trivial]
+        for i in reversed(range(TERMS)):
+            value = value * (p - middle) + at[i, self.trivial]
+        if not value.contains(0):
+            return None
+        return 0 if P.rad() > self.load / 64 else 1
+
+
+def _ratio(part: arb, whole: arb) -> float:
+    return float(abs(part).upper()) / (float(abs(whole).upper()) + 1e-300)
+
+
+def _halves(side: arb) -> tuple[arb, arb]:
+    low, middle, high = side.lower(), side.mid(), side.upper()
+    return low.union(middle), middle.union(high)

@@ -1,0 +1,224 @@
+"""Lines Re s = R_k that no eigenvalue of the beam itself passes, for the verifier; and its rigid motions.
+
+Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shares no code with the prover. The lemmas
+are those of docs/theorem.md.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from flint import arb, arb_mat, fmpq, fmpq_poly
+
+from freebeam_derive.certify import verifier as v
+from freebeam_derive.certify.verifier import ball, require
+
+# --- lines that no eigenvalue passes ---------------------------------------------------------------------------------
+
+
+class Lines:
+    """Norms of a form between modes on the lines R_k, R_0 = 0. n: modes in balls."""
+
+    def __init__(self, ends: list[str], n: int, *forms: v.Form) -> None:
+        self.ends, self.n = ends, n
+        self.gamma = v.gammas(ends, n)
+        value, integral = v.modes(ends, n, self.gamma)
+        scale = [1 / integral(0, (i, 0), (i, 0)).sqrt() for i in range(n)]
+        self.at = {(e, d): [scale[i] * value(i, d, e) for i in range(n)] for e in (0, 1) for d in (0, 1)}
+        self._asymptotes()
+        g = self.gamma[-1]
+        e = (-g).exp()
+        square = 2 / (1 - 4 * e / (1 - e) ** 2)
+        self.slope = 2 * (square - 1).sqrt()  # |φ'| ≤ slope γ at the ends
+        self.stretch = (1 + 2 * self.slope * ends.count("free") / g).sqrt()  # ‖φ'‖ ≤ stretch γ
+        ends_of = [self.at[1, 0][i] * self.at[1, 1][i] - self.at[0, 0][i] * self.at[0, 1][i] for i in range(n)]
+        self.norms = [(g * g + x).sqrt().upper() for g, x in zip(self.gamma, ends_of, strict=True)]  # of φ'
+        self.steepest = max(
+            [self.slope.upper(), *((abs(self.at[e, 1][i]) / self.gamma[i]).upper() for e in (0, 1) for i in range(n))],
+            key=float,
+        )
+        self.longest = max(
+            [self.stretch.upper(), *((s / g).upper() for s, g in zip(self.norms, self.gamma, strict=True))], key=float
+        )
+        self.forms = [self._form(form, scale, value, integral) for form in forms]
+
+    def _asymptotes(self) -> None:
+        """γ_k ≈ start + π k: Lemma 1 with c and c' from the determinant, that every coefficient of ε^n is at most.
+
+        Times e^γ it is a determinant of sines, cosines, ±1 and ε; terms without ε are A sin(γ − asymptote).
+        """
+        ends, pi = self.ends, arb.pi()
+        kinds = (min(ends), max(ends))
+        quarter = {("free", "free"): 2, ("clamped", "clamped"): 2, ("clamped", "free"): 2, ("pinned", "pinned"): 0,
+                   ("sliding", "sliding"): 0, ("free", "pinned"): 1, ("clamped", "pinned"): 1, ("free", "sliding"): 3,
+                   ("clamped", "sliding"): 3, ("pinned", "sliding"): 2}[kinds]  # fmt: skip
+        # 4 × 4, columns of entries of size 1 and ε: at most 24 products, 16 of them with ε, n ≤ 2
+        excess, steep, A = arb(24), arb(72), self._amplitude(quarter)
+        e = (1 - self.gamma[-1]).exp()
+        require(bool(steep * e < A / arb(2).sqrt()), "more modes are needed for the bounds of those beyond")
+        shift = ((self.gamma[-1] - quarter * pi / 4) / pi - self.n).mid()
+        whole = round(float(shift))
+        self.start = quarter * pi / 4 + whole * pi
+        self.beyond = (excess * e * pi / (arb(8).sqrt() * A)).upper()
+        self.away = max(
+            [self.beyond, *(abs(g - self.start - pi * k).upper() for k, g in enumerate(self.gamma, 1))], key=float
+        )
+        require(bool(self.away < pi / 2), "the modes are too far from their asymptotes")
+
+    def _amplitude(self, quarter: int) -> arb:
+        """|A|: the size of the determinant without ε a quarter of a period from the asymptote."""
+        g = quarter * arb.pi() / 4 + arb.pi() / 2
+        s, c, zero = g.sin(), g.cos(), arb(0)
+        rows = [[*v.turned(0, 1, d), (-1) ** d, zero] for d in v.ORDERS[self.ends[0]]]
+        rows += [[*v.turned(s, c, d), zero, 1] for d in v.ORDERS[self.ends[1]]]
+        A, on = abs(v.determinant(rows)), g - arb.pi() / 2
+        rows[2:] = [[*v.turned(on.sin(), on.cos(), d), zero, 1] for d in v.ORDERS[self.ends[1]]]
+        require(
+            bool(A > arb("0.9")) and abs(v.determinant(rows)) < arb("1e-20"),
+            "the asymptotes are not where they should be",
+        )
+        return arb(A)
+
+    def _form(self, form: v.Form, scale: list[arb], value: Any, integral: Any) -> Any:
+        """Squares of entries; and for each index that is summed over: ‖g‖ by orders, end terms."""
+        along, points = form
+        n = self.n
+        squares = []
+        for i in range(n):
+            row = []
+            for j in range(n):
+                total = sum((ball(f) * integral(k, *sorted([(i, p), (j, q)])) for k, p, q, f in along), arb(0))
+                total *= scale[i] * scale[j]
+                total += sum((ball(f) * self.at[a, p][i] * self.at[b, q][j] for a, p, b, q, f in points), arb(0))
+                row.append((total * total).upper())
+            squares.append(row)
+        sides = []
+        for summed in (0, 1):
+            inner: list[Fraction] = [Fraction(0)] * 3
+            end: dict[tuple[int, int, int, int], Fraction] = {}
+            for k, p, q, f in along:
+                stays, goes = (p, q) if summed else (q, p)
+                inner[stays + goes] += abs(f)
+                if goes:
+                    inner[stays] += k * abs(f)
+                    for e in (0, 1):
+                        if e or k == 0:
+                            end[e, stays, e, 0] = end.get((e, stays, e, 0), Fraction(0)) + f * (2 * e - 1)
+            for a, p, b, q, f in points:
+                key = (a, p, b, q) if summed else (b, q, a, p)
+                end[key] = end.get(key, Fraction(0)) + f
+            sides.append(([ball(x) for x in inner], [(key, abs(ball(f))) for key, f in end.items() if f]))
+        return arb_mat(squares), sides
+
+    def line(self, k: int) -> arb:
+        return arb(0) if k == 0 else (self.start + arb.pi() * (arb(k) + arb("0.5"))) ** 4
+
+    def norm(self, which: int, k: int) -> arb:
+        """On one line."""
+        squares, sides = self.forms[which]
+        R, n, pi = self.line(k), self.n, arb.pi()
+        D = [abs(g**4 - R) for g in self.gamma]
+        share = 1 - R / self.gamma[-1] ** 4
+        require(bool(share > 0) and all(d > 0 for d in D), "a line is not between two modes")
+        w = arb_mat([[1 / d for d in D]])
+        total = (w * squares * w.transpose())[0, 0]
+        g = self.start + pi * n - self.beyond
+
+        def beyond(power: int) -> arb:  # Σ_{j>n} γ_j^−power
+            return arb(1 / ((power - 1) * pi * g ** (power - 1)))
+
+        far = [(4 * beyond(4) / share).sqrt(), self.slope * (beyond(2) / share).sqrt()]
+        for inner, end in sides:
+            for i in range(n):
+                size = inner[0] + inner[1] * self.norms[i] + inner[2] * self.gamma[i] ** 2
+                tail = size / (share.sqrt() * self.gamma[-1] ** 2)
+                tail += sum((f * abs(self.at[a, p][i]) * far[q] for (a, p, _, q), f in end), arb(0))
+                total += tail * tail / D[i]
+            both = (
+                inner[0] * beyond(8).sqrt() + inner[1] * self.stretch * beyond(6).sqrt() + inner[2] * beyond(4).sqrt()
+            )
+            both = both / share + sum((f * far[p] * far[q] for (_, p, _, q), f in end), arb(0))
+            total += both * both
+        return arb(total.sqrt().upper())
+
+    def norm_from(self, which: int, k: int) -> arb:
+        """On all lines from one on: Lemma 5."""
+        _, sides = self.forms[which]
+        pi, G = arb.pi(), self.start + arb.pi() * (arb(k) + arb("0.5"))
+        t, T = pi / 2 - self.away, pi / 2 + self.away
+        require(bool(G > 3 * T), "a line is too low for the bound of all from there on")
+        L, Q = 1 / t + (G / t).log() / pi, 1 / t**2 + 1 / (pi * t)
+        W = 1 / (2 * G * t) + (1 + 2 * G / t).log() / (2 * pi * G)
+        d = 4 * t * (G - T) ** 3
+        single = [L / G**3 + W / (2 * G**2), L / (4 * G) + W]
+        double = [
+            L / (G**3 * d) + Q / (13 * G**6),
+            L / (4 * G * d) + Q / (13 * G**4),
+            G * L / (4 * d) + Q / (13 * G**2),
+        ]
+        ends = [arb(2), self.steepest]
+        total = arb(0)
+        for inner, end in sides:
+            part = sum(
+                (f * size * x.sqrt() for f, size, x in zip(inner, (1, self.longest, 1), double, strict=True)), arb(0)
+            )
+            part += sum((f * ends[p] * ends[q] * (single[p] * single[q]).sqrt() for (_, p, _, q), f in end), arb(0))
+            total += part * part
+        return arb(total.sqrt().upper())
+
+    def check_free(self, m: int, rho: arb) -> None:
+        """No eigenvalue on any line from m on, for |p| ≤ rho. Forms: what is there without load, the load."""
+        last = max(m, 3 * self.n // 4)
+        require(last < self.n, "more modes are needed than the certificate has")
+        for k in range(m, last):
+            require(
+                bool(self.norm(0, k) + rho * self.norm(1, k) < 1), f"line {k} is not known to be free of eigenvalues"
+            )
+        from_last = self.norm_from(0, last) + rho * self.norm_from(1, last)
+        require(bool(from_last < 1), f"lines from {last} on are not known to be free of eigenvalues")
+
+
+# --- rigid motions ---------------------------------------------------------------------------------------------------
+
+
+def rigid_motions(ends: list[str]) -> list[fmpq_poly]:
+    """Straight lines that the ends allow, orthogonal."""
+    held = [(e, d) for e in (0, 1) for d in v.ORDERS[ends[e]] if d < 2]
+    half = [fmpq_poly([1]), fmpq_poly([-1, 2]), fmpq_poly([0, 1]), fmpq_poly([1, -1])]
+    return [f for f in half if all((f.derivative() if d else f)(e) == 0 for e, d in held)][:2]
+
+
+def check_rigid(ends: list[str], E: v.Form, H: v.Form) -> int:
+    """Bending is not acted on by rigid motions, and these have s = 0 alone. How many there are."""
+    rigid = rigid_motions(ends)
+    for form in (E, H):
+        X = [[fmpq_poly([0])(0)] * len(rigid) for _ in rigid]
+        for column, r in enumerate(rigid):
+            inside = fmpq_poly([0])
+            at_ends: dict[tuple[int, int], fmpq] = {}
+            for k, i, j, f in form[0]:
+                if j > 1:
+                    continue
+                part = v.exact(f) * fmpq_poly([0] * k + [1]) * (r.derivative() if j else r)
+                if i == 0:
+                    inside += part
+                else:
+                    require(i == 1, "a form acts on curvatures")
+                    inside -= part.derivative()
+                    for e in (0, 1):
+                        at_ends[e, 0] = at_ends.get((e, 0), fmpq(0)) + (2 * e - 1) * part(e)
+            for a, i, b, j, f in form[1]:
+                at_ends[a, i] = at_ends.get((a, i), fmpq(0)) + v.exact(f) * (r.derivative() if j else r)(b)
+            loose = [x for (e, d), x in at_ends.items() if d not in v.ORDERS[ends[e]]]
+            require(not any(loose), "rigid motions act on the bending")
+            rest = inside
+            for row, test in enumerate(rigid):
+                X[row][column] = (inside * test).integral()(1) / (test * test).integral()(1)
+                rest -= X[row][column] * test
+            require(rest == fmpq_poly([0]), "rigid motions act on the bending")
+        require(form is H or not any(x != 0 for row in X for x in row), "rigid motions feel springs")
+        n = len(rigid)
+        require(sum((X[i][i] for i in range(n)), v.exact(Fraction(0))) == 0, "rigid motions feel the load")
+        require(n < 2 or X[0][0] * X[1][1] == X[0][1] * X[1][0], "rigid motions feel the load")
+    return len(rigid)

@@ -1,0 +1,261 @@
+"""Certificates of the beam itself: accepted as written, refused where they claim what is not so; and the verifier's own
+function, entries and bounds beside those of the prover."""
+
+from __future__ import annotations
+
+import json
+from copy import deepcopy
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from typing import Any
+from unittest.mock import patch
+
+import flint
+import numpy as np
+import pytest
+from flint import acb, arb
+
+import freebeam as fb
+import freebeam_kernels.beck as beck
+import freebeam_kernels.free_free as free_free
+from freebeam_derive.certify import beam_stability, verifier, verifier_of_beam
+from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.beam import Beam
+from freebeam_derive.certify.beam_itself import flutter_damped
+from freebeam_derive.certify.strips import Strips
+from freebeam_derive.certify.verifier_lines import Lines
+from freebeam_derive.certify.verifier_shooting import Box, Polynomials, Shooting, triangle
+from tests.front.test_proofs import run
+
+Data = dict[str, Any]
+CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "Beck": ("beck", {}),
+    "dead load": ("beck", {"eta": "0"}),
+    "dead load, limit": ("beck", {"eta": "0", "kappa": 2}),
+    "dead load, damped": ("beck", {"eta": "0", "beta": "0.5"}),
+}
+
+
+@cache
+def written(case: str) -> str:
+    name, given = CASES[case]
+    with patch.object(beam_stability, "COUNTS", (40, 40)):  # more modes would only take the verifier's time here
+        return json.dumps(fb.exact_load(fb.column(name), digits=20, **given).certificate)
+
+
+def certificate(case: str) -> Data:
+    data: Data = json.loads(written(case))
+    return data
+
+
+@cache
+def kept(ends: tuple[str, ...], n: int, *forms: verifier.Form) -> Lines:
+    return Lines(list(ends), n, *forms)
+
+
+@pytest.fixture(autouse=True)
+def lines_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verifier_of_beam, "Lines", lambda ends, n, *forms: kept(tuple(ends), n, *forms))
+
+
+def verify(data: Data) -> Any:
+    return verifier.verify(data, {verifier_of_beam.FORMAT: verifier_of_beam.verify})
+
+
+def refused(data: Data, match: str) -> None:
+    with pytest.raises(verifier.Refused, match=match):
+        verify(data)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_certificate_is_accepted_as_it_was_written(case: str) -> None:
+    data, (name, given) = certificate(case), CASES[case]
+    stated = verify(data)
+    found = fb.exact_load(fb.column(name), digits=15, **given)
+    assert found.load is not None and stated.kind == found.kind
+    assert stated.load[0] < Fraction(found.load[1]) and Fraction(found.load[0]) < stated.load[1]
+    assert "the beam itself" in str(stated) and "it is the first over all modes" in str(stated)
+    assert stated.record()["of"].startswith("the beam itself")
+
+
+def forged(case: str, **changes: Any) -> Data:
+    return certificate(case) | changes
+
+
+def shifted(pair: list[str], factor: str) -> list[str]:
+    return [str(Fraction(v) * Fraction(factor)) for v in pair]
+
+
+def test_a_claim_that_is_moved_is_refused() -> None:
+    data = certificate("Beck")
+    refused(forged("Beck", load=shifted(data["load"], "1.0001")), "no crossing in the interval")
+    refused(
+        forged("Beck", frequency_squared=shifted(data["frequency_squared"], "1.0001")), "no crossing in the interval"
+    )
+    refused(forged("Beck", load=shifted(data["load"], "2")), "not known to be free")
+    refused(forged("Beck", kind="divergence", frequency_squared=None), "no crossing in the interval")
+    refused(forged("Beck", alpha="0.1"), "damping does not fit")
+    refused(forged("Beck", proof=data["proof"] | {"first": False}), "what is said to be proven")
+    refused(forged("dead load", kind="flutter", frequency_squared=["100", "101"]), "no crossing in the interval")
+
+
+def test_lines_that_are_not_free_are_refused() -> None:
+    """A strip moved over an eigenvalue: one line less, and one mode more left of the first."""
+    data = certificate("Beck")
+    for lowest in (1, 3):
+        changed = forged("Beck", lowest=lowest)
+        for stretch in changed["stretches"]:
+            if lowest == 1:
+                del stretch["points"][1]
+            else:
+                stretch["points"].append(str(2 * Fraction(stretch["points"][-1])))
+        refused(changed, "not known to be free|not known to change sign|moves")
+    refused(forged("Beck", modes=6), "more modes are needed|not known to be free|too low")
+    assert data["modes"] >= 40
+
+
+def test_stretches_and_points_that_are_altered_are_refused() -> None:
+    def altered(change: Any) -> Data:
+        data = certificate("Beck")
+        change(data["stretches"])
+        return data
+
+    refused(altered(lambda s: s.pop(0)), "leave a gap")
+    refused(altered(lambda s: s.pop(1)), "leave a gap")
+    refused(altered(lambda s: s.pop()), "moves that should not, or does not")
+    refused(altered(lambda s: s[0]["points"].__setitem__(1, "1400")), "not known to change sign")
+    refused(altered(lambda s: s[0]["points"].__setitem__(1, "5")), "not known to change sign")
+    refused(altered(lambda s: s[0]["points"].__setitem__(2, "1600")), "beyond the line that is free")
+    refused(altered(lambda s: s[0]["points"].__setitem__(0, "1")), "too few points")
+    refused(altered(lambda s: s[-1].update(slope="100")), "not known on the line|does not stay")
+    refused(altered(lambda s: s[-1].update(moving=None)), "moves that should not, or does not")
+    refused(altered(lambda s: s[-1].update(moving=0)), "another point moves|not known to change sign")
+    refused(altered(lambda s: s[0].update(moving=1)), "moves that should not")
+    refused(altered(lambda s: s[0].update(start="1")), "leave a gap")
+
+
+def test_forms_that_are_not_the_columns_are_refused() -> None:
+    data = certificate("Beck")
+    half = deepcopy(data["forms"])
+    half["H"]["along"][0][3] = "-1/2"
+    refused(forged("Beck", forms=half), "the form H is not those of the column")
+    refused(forged("Beck", forms=half, column="another"), "no crossing in the interval")
+    free = forged("Beck", ends=["free", "free"], column="another")
+    refused(free, "rigid motions")
+    heavy = deepcopy(data["forms"])
+    heavy["M"]["along"].append([0, 1, 1, "1"])
+    refused(forged("Beck", forms=heavy, column="another"), "the mass is not")
+    stated = verify(forged("Beck", column="another"))
+    assert not stated.ours and "that they are its is not checked" in str(stated)
+
+
+def test_the_second_load_of_a_column_is_not_certified_as_the_first() -> None:
+    """Of the dead load: 9 times the first, (3π/2)²."""
+    for case in ("dead load", "dead load, limit"):
+        data = certificate(case)
+        second = forged(case, load=shifted(data["load"], "9"), lowest=2)
+        point = data["stretches"][-1]["points"][-1]
+        for stretch in second["stretches"]:
+            stretch["points"] = ["0", "300", "1500"] if float(Fraction(point)) < 1500 else stretch["points"]
+        second["stretches"][-1]["end"] = second["load"][0]
+        refused(second, "not known|s does not fall")
+
+
+def test_another_crossing_in_a_cell_is_not_overlooked(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of the prover: Beck's column with damping and its second crossing at P = 110.9, ω = 20.7."""
+    monkeypatch.setattr(verifier_of_beam, "MOST_CUTS", 1)
+    alpha, beta = Fraction(1, 100), Fraction(1, 2)
+    first = flutter_damped(Beam(beck), alpha, beta, (16.188, 7.05), 20)
+    stated, forms, m, _ = verifier_of_beam.read(certificate("Beck"))
+    stated = replace(stated, damping=verifier.Damping(beta, alpha, False))
+    check = verifier_of_beam._Check(stated, forms, 0, m)
+    check.high = Fraction(112)
+    there = [first.load, first.frequency]
+    with flint.ctx.workprec(128):
+        check._tile(arb(16, 1), arb(7, 0.5), there, 0)
+        with pytest.raises(verifier.Refused, match="another crossing could be near"):
+            check._tile(arb("110.9", 0.5), arb("20.7", 0.2), there, 0)
+        with pytest.raises(verifier.Refused, match="another crossing could be near"):
+            check._tile(arb(16, 1), arb(7, 0.5), [arb(60), arb(15)], 0)
+
+
+# ------------------------------------------------------------ the verifier's own mathematics beside the prover's
+
+
+def of_kernel(kernel: Any) -> tuple[list[str], verifier.Form, verifier.Form]:
+    forms = kernel.forms(Fraction(1))
+    E, H = (
+        verifier.form({
+            "along": [[*key, str(Fraction(f))] for key, f in forms[name][0].items()],
+            "points": [[*key, str(Fraction(f))] for key, f in forms[name][1].items()],
+        })
+        for name in "EH"
+    )  # fmt: skip
+    return list(kernel.COLUMN["ends"]), E, H
+
+
+@pytest.mark.parametrize("kernel", [beck, free_free], ids=["beck", "free-free"])
+def test_both_functions_have_the_same_zeros(kernel: Any) -> None:
+    """Their quotient is one number for all p and s."""
+    ends, E, H = of_kernel(kernel)
+    quotients = []
+    with flint.ctx.workprec(160):
+        shooting, beam = Shooting(ends, E, H), Beam(kernel)
+        for p, s in ((3, 50), (17.5, 400), (acb(8, 1), acb(30, -7)), (acb(90), acb(5000, 300))):
+            p, s = acb(p), acb(s)
+            ours = shooting.values(Polynomials(p, s, (arb(1), arb(1)), [1]))[0][0]
+            quotients.append(ours / beam.taylor(p, s, ((0, 0),))[0, 0])
+    assert all(q.overlaps(quotients[0]) and q.rad() < 1e-25 for q in quotients) and abs(quotients[0]) > 0
+
+
+def test_a_box_holds_values_and_derivatives() -> None:
+    ends, E, H = of_kernel(beck)
+    random = np.random.default_rng(2)
+    with flint.ctx.workprec(128):
+        shooting = Shooting(ends, E, H)
+        p, s = acb(arb(15, 5), arb(1, 1)), acb(arb(300, 60), arb(5, 5))
+        box = Box(shooting, p, s, triangle(10))
+        for a, b in random.uniform(-0.9, 0.9, (3, 2)):
+            at = acb(15 + 5 * float(a), 1), acb(300 + 60 * float(b), 5)
+            point = shooting.values(Polynomials(*at, (arb(1) / 1000, arb(1) / 1000), triangle(3)))
+            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
+                assert box.value(*at, i, j).overlaps(point[i][j] * arb(1000) ** (i + j))
+            assert abs(box.value(*at) - point[0][0]) < abs(point[0][0]) / 1000
+        with pytest.raises(ArithmeticError):
+            box.value(acb(30), acb(300))
+
+
+def test_both_bound_the_same_norms() -> None:
+    kernel = beck
+    ends, E, H = of_kernel(kernel)
+    bending = tuple(term for term in E[0] if term[:3] != (0, 2, 2)), E[1]
+    with precision(128):
+        lines, strips = kept(tuple(ends), 40, bending, H), Strips(kernel, {}, 40)
+        many = Strips(kernel, {}, 160)
+        for k in (0, 2, 4, 9):
+            ours, theirs = lines.norm(1, k), strips.B.norm(strips.line(k))
+            assert lines.line(k).overlaps(strips.line(k)) and abs(ours / theirs - 1) < 1e-6
+            assert many.B.norm(many.line(k)) < ours
+        for k in (20, 30):
+            assert abs(lines.norm_from(1, k) / strips.B.beyond(k) - 1) < 1e-6
+
+
+def test_the_command_line_writes_what_it_verifies(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "euler.json"
+    asked = ["critical", "--digits", "12", "--exact", "--column", "beck", "--certificate", str(file)]
+    assert run(capsys, *asked, "--set", "eta=0")[0] == 0
+    status, text, _ = run(capsys, "verify", str(file))
+    assert status == 0 and "the beam itself, column beck, eta = 0" in " ".join(text.split())
+    other = tmp_path / "touch.json"
+    asked[-1] = str(other)
+    status, _, error = run(capsys, *asked, "--set", "eta=0.5")
+    assert status == 2 and "is not written, for not all of it is proven: low frequencies" in " ".join(error.split())
+    assert not other.exists()
+
+
+def test_damping_must_be_what_the_certificate_says() -> None:
+    data = certificate("dead load, damped")
+    refused(data | {"damping": data["damping"] | {"of_M": "0.4"}}, "the damping is not those of the column")
+    refused(data | {"damping": data["damping"] | {"of_M": "-0.5"}, "column": "another"}, "negative")
+    refused(data | {"stretches": []}, "not a certificate")

@@ -1,0 +1,264 @@
+"""That a crossing of the beam itself is the first: what is proven, and that a broken step proves nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import acb, arb
+
+import freebeam as fb
+import freebeam_kernels.beck as beck
+import freebeam_kernels.euler_pinned as euler
+import freebeam_kernels.free_free as free_free
+from freebeam_derive.certify import beam_itself, beam_stability
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.beam import Beam
+from freebeam_derive.certify.beam_itself import ExactCrossing
+from freebeam_derive.certify.beam_stability import complete, complete_to
+from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.strips import Strips
+
+NONE, HALF = Fraction(0), Fraction(1, 2)
+Asked = tuple[Beam, ExactCrossing, Fraction, Fraction, Fraction | None]
+
+
+def undamped(kernel: Any, load: float, frequency: float, **own: Fraction) -> Asked:
+    beam = Beam(kernel, own)
+    return beam, beam_itself.flutter_undamped(beam, (load, frequency), 30), NONE, NONE, None
+
+
+def damped(kernel: Any, alpha: Fraction, beta: Fraction, load: float, frequency: float) -> Asked:
+    beam = Beam(kernel)
+    return beam, beam_itself.flutter_damped(beam, alpha, beta, (load, frequency), 30), alpha, beta, None
+
+
+def static(kernel: Any, load: float, alpha: Fraction = NONE, beta: Fraction = NONE, **own: Fraction) -> Asked:
+    beam = Beam(kernel, own)
+    return beam, beam_itself.divergence(beam, load, 30), alpha, beta, None
+
+
+def limit(kernel: Any, kappa: Fraction, load: float, frequency: float) -> Asked:
+    beam = Beam(kernel)
+    return beam, beam_itself.flutter_limit(beam, kappa, (load, frequency), 30), NONE, NONE, kappa
+
+
+FIRST: dict[str, Callable[[], Asked]] = {
+    "the paper's beam": lambda: undamped(free_free, 109.69, 23.07),
+    "Beck": lambda: undamped(beck, 20.05, 11.02),
+    "sub-tangential, flutter": lambda: undamped(beck, 16.108, 7.76, eta=Fraction(11, 20)),
+    "sub-tangential, divergence": lambda: static(beck, 4.055, eta=Fraction(3, 10)),
+    "Euler": lambda: static(euler, 9.87),
+    "Euler, damped": lambda: static(euler, 9.87, Fraction(1, 100), Fraction(1, 10)),
+    "Beck, damped": lambda: damped(beck, Fraction(1, 100), HALF, 16.188, 7.05),
+    "Beck, damped outside": lambda: damped(beck, NONE, HALF, 20.064, 11.01),
+    "Beck, heavily damped": lambda: damped(beck, Fraction(1, 10), NONE, 13.639, 5.505),
+    "Beck, hardly damped": lambda: damped(beck, Fraction(1, 10**9), NONE, 10.9388, 5.3986),
+    "Beck, vanishing damping": lambda: limit(beck, NONE, 10.9388, 5.3986),
+}
+
+
+@pytest.mark.parametrize("name", FIRST)
+def test_the_first_loss_of_stability_of_the_beam_itself_is_proven(name: str) -> None:
+    beam, crossing, *damping = FIRST[name]()
+    found, evidence, missing = complete(beam, crossing, *damping)
+    assert missing == "" and evidence is not None and all(vars(found.proof).values())
+    assert (found.load, found.frequency) == (crossing.load, crossing.frequency)
+    assert evidence.reach > Fraction(float(crossing.load))
+    whole = [evidence.stretches[0].start, *(s.end for s in evidence.stretches)]
+    assert [s.start for s in evidence.stretches] == whole[:-1] and whole[0] == 0
+    if damping == [NONE, NONE, None]:
+        assert abs(float(whole[-1]) - float(crossing.load)) < 1e-12
+
+
+LATER: dict[str, Callable[[], Asked]] = {
+    "Euler's second load": lambda: static(euler, 39.478),
+    "Euler's second load, damped": lambda: static(euler, 39.478, Fraction(1, 100), HALF),
+    "flutter of Beck's column beyond its divergence": lambda: undamped(beck, *second(), eta=Fraction(2, 5)),
+    "Beck's column at vanishing damping, though there is damping": lambda: (
+        *undamped(beck, 20.05, 11.02)[:2], NONE, NONE, NONE
+    ),
+    "Beck's column without damping, though there is some": lambda: (
+        *undamped(beck, 20.05, 11.02)[:2], Fraction(1, 100), NONE, None
+    ),
+}  # fmt: skip
+
+
+def second() -> tuple[float, float]:
+    """Where two frequencies of the column with η = 2/5 meet, roughly."""
+    basis = beck.basis(24)
+    E, H, M = beck.stiffness_elastic(basis), beck.stiffness_load(basis, eta=0.4), beck.mass(basis)
+    for P in np.arange(14.0, 40.0, 0.01):
+        values = np.linalg.eigvals(np.linalg.solve(M, E + P * H))
+        pair = values[np.abs(values.imag) > 0.1]
+        if len(pair):
+            return float(P), float(np.sqrt(pair[0].real))
+    raise AssertionError
+
+
+@pytest.mark.parametrize("name", LATER)
+def test_what_is_not_the_first_is_not_said_to_be(name: str) -> None:
+    beam, crossing, *damping = LATER[name]()
+    found, evidence, missing = complete(beam, crossing, *damping)
+    assert found == crossing and not found.proof.first and not found.proof.stable_below
+    assert evidence is None and missing
+
+
+# ------------------------------------------------------------ broken steps
+
+
+def refused(asked: Asked) -> str:
+    found, evidence, missing = complete(*asked)
+    assert evidence is None and not found.proof.first
+    return missing
+
+
+def test_a_strip_moved_over_an_eigenvalue_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = FIRST["Beck"]()
+    right = Strips.line
+    monkeypatch.setattr(beam_stability, "COUNTS", (40,))
+    for k in (2, 20):
+        monkeypatch.setattr(Strips, "line", lambda self, n, k=k: self.modes.gamma[k] ** 4 if n == k else right(self, n))
+        assert refused(asked).startswith("strips")
+
+
+def test_too_few_lowest_eigenvalues_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With m = 1 the line is not free; taken for free, one change of sign cannot be had up to the flutter load."""
+    asked = FIRST["Beck"]()
+    monkeypatch.setattr(beam_stability, "_strips", lambda beam, load, growing: (Strips(beam.kernel, beam.own), 1, load))
+    assert refused(asked).startswith("low frequencies")
+
+
+def test_a_sign_that_is_not_known_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = FIRST["Beck"]()
+    monkeypatch.setattr(beam_stability._Below, "sign", lambda self, low, high, s: 0)
+    assert refused(asked).startswith("low frequencies")
+    monkeypatch.setattr(beam_stability._Below, "sign", lambda self, low, high, s: 1)
+    assert refused(asked).startswith("low frequencies")
+
+
+def test_a_line_through_the_crossing_of_unknown_direction_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = FIRST["Beck"]()
+    right = beam_stability._Below._rising
+    for wrong in (lambda *given: 0, lambda *given: -right(*given)):
+        monkeypatch.setattr(beam_stability._Below, "_rising", wrong)
+        assert refused(asked).startswith("low frequencies: those just below")
+
+
+def test_a_cell_with_another_crossing_is_not_excluded(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Beck's column with this damping has a second crossing, P = 110.9 and ω = 20.7 (freebeam critical --all)."""
+    monkeypatch.setattr(beam_stability, "MOST_CUTS", 2)
+    beam, crossing, alpha, beta, _ = FIRST["Beck, damped"]()
+    problem = beam_itself.Damped(beam, alpha, beta)
+    with precision(beam_stability.BITS):
+        proof = beam_stability._Below(beam, Strips(beam.kernel, beam.own), 3, arb(112))
+        there, away = [+crossing.load, +crossing.frequency], [arb(60), arb(15)]
+        first, second = (arb(15, 2), arb(7, 1)), (arb(110, 2), arb("20.5", 0.5))
+        proof._tile(problem, *first, there, "flutter", 0)
+        proof._tile(problem, arb(110, 2), arb(23, 1), there, "flutter", 0)
+        assert proof._checked > 0
+        for place, known in ((second, there), (first, away)):
+            with pytest.raises(beam_stability.OpenStep, match="cells: that there is no other crossing"):
+                proof._tile(problem, *place, known, "flutter", 0)
+
+
+def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> None:
+    with precision(beam_stability.BITS):
+        beam = Beam(beck)
+        load = arb(20)
+        few, many = (beam_stability._strips(beam, load, growing)[1] for growing in (False, True))
+        assert few < many
+        strips, m, reach = beam_stability._strips(beam, load, True)
+        # sup |s'| P < R_{m} by Cauchy's estimate over the disc that is left
+        assert 2 / arb.pi() * (strips.line(m + 1) - strips.line(m)) / (reach - load) * load < strips.line(m)
+
+
+def test_no_crossing_is_beyond_the_highest_frequency() -> None:
+    """Eigenvalues of a long series on the boundary's side of it: Re s > R_m, or none at all."""
+    for alpha, beta in ((Fraction(1, 10), NONE), (Fraction(1, 1000), HALF), (Fraction(3), HALF)):
+        beam = Beam(beck)
+        with precision(beam_stability.BITS):
+            strips, m, _ = beam_stability._strips(beam, arb(20), True)
+            proof = beam_stability._Below(beam, strips, m, arb(20))
+            top = proof.highest_frequency(*beam.damping(alpha, beta))
+            w = top * arb("1.001")
+            p, s, *_ = beam.pencil(arb(20), acb(0, w), alpha, beta)
+            assert s.real > strips.line(m) or abs(p) * strips.B.norm(arb(0)) * arb(2).sqrt() < 1
+
+
+def test_columns_that_are_not_served_are_named() -> None:
+    other: Any = object()
+    crossing = FIRST["Euler"]()[1]
+    assert complete(other, crossing, NONE, NONE)[2].startswith("strips: the modes of a uniform beam")
+
+
+def test_the_touch_at_one_half_is_left_open() -> None:
+    """ω² falls to zero at π² and rises again: F(P, 0) has no sign there."""
+    assert "between the loads 9.8" in refused(undamped(beck, 16.0525, 7.055, eta=HALF))
+
+
+# ------------------------------------------------------------ complete spectra
+
+
+def test_a_spectrum_is_complete_up_to_the_first_that_is_missing() -> None:
+    """Without load eigenvalues are known: λ² + βλ + γ⁴ = 0."""
+    beam = Beam(beck)
+    with precision(128):
+        gamma = Strips(beck, {}, 40).modes.gamma[:6]
+        known = []
+        for g in gamma:
+            root = (g**4 - arb(1) / 16).sqrt()
+            known += [acb(-0.25, root), acb(-0.25, -root)]
+    top, missing = complete_to(beam, NONE, NONE, HALF, known)
+    assert missing == "" and top is not None and abs(known[-1]) < top < gamma[-1] ** 2 * 2
+    for lost in range(12):
+        fewer, _ = complete_to(beam, NONE, NONE, HALF, known[:lost] + known[lost + 1 :])
+        assert fewer is None or fewer < abs(known[lost])
+    assert complete_to(beam, NONE, Fraction(1, 100), HALF, known) == (
+        None, "with internal damping eigenvalues are not counted"
+    )  # fmt: skip
+    assert complete_to(beam, Fraction(20), NONE, HALF, known[:2])[1] == "fewer than the 4 lowest are known"
+
+
+def test_a_spectrum_near_a_coalescence_lacks_none() -> None:
+    """Few modes see a complex pair where the beam has two frequencies 0.008 apart; polynomials do not."""
+    found = fb.exact_spectrum(fb.column("beck", "modes"), "20.05095", digits=10, modes=4)
+    assert {low[1][:8] for low in found.lower} >= {"11.01142", "11.01969"} and found.unproven == ()
+    assert found.complete_to is not None and float(found.complete_to) > 112.4 and len(found.lower) == 8
+
+
+# ------------------------------------------------------------ one series for a box
+
+
+@pytest.mark.parametrize(
+    ("p", "s"),
+    [
+        (arb(50, 25), arb(5000, 800)),
+        (acb(arb(50, 25), arb(1, 1)), acb(arb(50000, 5000), arb(300, 300))),
+        (arb(0, 5), arb(0, 90)),
+    ],
+    ids=["real", "complex", "about zero"],
+)
+def test_a_series_on_a_box_holds_the_function_and_its_derivatives(p: Any, s: Any) -> None:
+    orders = ((0, 0), (1, 0), (0, 1), (1, 1), (0, 2), (2, 0))
+    random = np.random.default_rng(1)
+    with precision(128):
+        beam = Beam(free_free)
+        local = Local(beam, p, s)
+
+        def within(side: Any) -> Any:
+            a, b = random.uniform(-0.99, 0.99, 2)
+            if isinstance(side, acb):
+                return acb(side.real.mid() + side.real.rad() * float(a), side.imag.mid() + side.imag.rad() * float(b))
+            return side.mid() + side.rad() * float(a)
+
+        for _ in range(4):
+            point = within(p), within(s)
+            ours, theirs = local.taylor(*point, orders), beam.taylor(*point, orders)
+            assert all(ours[order].contains(theirs[order].mid()) for order in orders)
+            assert abs(ours[0, 0] - theirs[0, 0]) < 1e-2 * abs(theirs[0, 0]) + arb("1e-6")
+        with pytest.raises(Unproven, match="outside of the box"):
+            local.taylor(p.mid() + 100, s.mid(), ((0, 0),))
