@@ -31,7 +31,7 @@ from freebeam_derive.certify.verifier_shooting import DEGREE, Box, Shooting, rec
 FORMAT = "freebeam certificate 3"
 FIELDS = v.CLAIM - {"load_max"} | {"ends", "kappa", "damping", "lowest"}
 BITS = 128
-MOST_CELLS, MOST_CUTS, MOST_STRETCHES, MOST_BOXES = 400, 7, 10_000, 5000
+MOST_CELLS, MOST_CUTS, MOST_STRETCHES, MOST_BOXES = 60, 7, 10_000, 3000
 
 
 # --- the claim -------------------------------------------------------------------------------------------------------

@@ -18,7 +18,7 @@ from flint import acb, acb_poly, arb, arb_poly
 from freebeam_derive.certify import verifier as v
 from freebeam_derive.certify.verifier import ball, require
 
-DEGREE = 10
+DEGREE = 14
 Table = dict[Any, list[Fraction]]  # place -> [part without load, the load's part]
 
 
@@ -203,10 +203,16 @@ class Box:
         self._box, least = (kind(p), kind(s)), arb(2) ** -10
         self._centre = kind(p.mid()), kind(s) if whole else kind(s.mid())
         reach = abs(p - p.mid()).upper(), abs(s - s.mid()).upper()
-        self._units, self._whole = (reach[0].max(least), reach[1].max(least)), whole
+        self._units = reach[0].max(least), reach[1].max(least)
         at, over = (shooting.values(Polynomials(*place, self._units, lengths)) for place in (self._centre, self._box))
         beyond = [*lengths[1:], 0]  # the last power of u with each power of v is what it is on the box
-        self._rows = [[(at if j < beyond[i] else over)[i][j] for j in range(n)] for i, n in enumerate(lengths)]
+        rows = [[(at if j < beyond[i] else over)[i][j] for j in range(n)] for i, n in enumerate(lengths)]
+        poly: Any = acb_poly if kind is acb else arb_poly
+        # derivatives by v over j!, a polynomial in v for each power of u; of a rectangle the coefficient alone
+        self._by_s = [
+            [poly([row[j]]) if whole else poly([comb(b, j) * row[b] for b in range(j, len(row))]) for row in rows]
+            for j in range(lengths[0] if whole else 3)
+        ]
 
     def value(self, p: Any, s: Any, i: int = 0, j: int = 0) -> Any:
         """∂^{i+j} F / ∂p^i ∂s^j / (i! j!). Raises ArithmeticError outside of the box."""
@@ -214,14 +220,8 @@ class Box:
             raise ArithmeticError("a value was asked for outside of its box")
         u, w = ((x - c) / unit for x, c, unit in zip((p, s), self._centre, self._units, strict=True))
         total = 0 * u
-        for a in range(len(self._rows) - 1, i - 1, -1):
-            row, inner = self._rows[a], 0 * w
-            if self._whole:
-                inner += row[j]
-            else:
-                for b in range(len(row) - 1, j - 1, -1):
-                    inner = inner * w + row[b] * comb(b, j)
-            total = total * u + inner * comb(a, i)
+        for a in range(len(self._by_s[j]) - 1, i - 1, -1):
+            total = total * u + self._by_s[j][a](w) * comb(a, i)
         return total / (self._units[0] ** i * self._units[1] ** j)
 
 
