@@ -21,6 +21,7 @@ PACKAGES = {
 MADE = shutil.ignore_patterns("__pycache__", "report.json")  # what running leaves in a tree
 COMMANDS = [
     "columns",
+    "show euler-pinned --modes 4",
     "critical --alpha 1e-3 --beta 0.1 --digits 12 --certificate load.json",
     "verify load.json",
     "critical --column ziegler --digits 12 --exact",

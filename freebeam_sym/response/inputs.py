@@ -290,7 +290,8 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
 
 def _breaks(system: System) -> tuple[float, ...]:
     """Places at which trial functions may have kinks."""
-    return system.column.kernel.places(**system.parameters) if system.column.general else ()
+    general = getattr(getattr(system, "column", None), "general", False)  # a system may be no more than its matrices
+    return system.column.kernel.places(**system.parameters) if general else ()
 
 
 # Sentences with quantities in them, for errors and warnings: nondimensional, or in a beam's SI units

@@ -192,7 +192,8 @@ def state_space(
 def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int) -> tuple[Rows, Rows]:
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
-    shapes = np.asarray(system.shapes(x_s, derivative, field), dtype=float).T
+    read = system.shapes(x_s, derivative, field) if field or derivative else system.shapes(x_s)
+    shapes = np.asarray(read, dtype=float).T
     states: Rows = {"": np.eye(n, 2 * n), "d": np.eye(n, 2 * n, n)}
     if any(name.startswith("ddy") for name in names):
         states["dd"] = state_matrix(system.M, system.C, system.K)[n:]

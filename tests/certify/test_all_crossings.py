@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_derive.certify import all_crossings, balls, boundary_polynomials, first_crossing
+from freebeam_derive.certify import all_crossings, balls, first_crossing
 from freebeam_derive.certify.all_crossings import Crossing, Inseparable
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.boundary_polynomials import Question, boundary
@@ -127,7 +127,7 @@ def test_a_restabilised_pair_is_seen() -> None:
 
     plain = found("beck", Question(3), top=F(30))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(boundary_polynomials, "matrices", turned)
+        patch.setattr(balls, "matrices", turned)
         with pytest.raises(Unproven, match="not known to be stable without load"):
             all_crossings.survey(kernel, Question(3), F(30), 15)
         patch.setattr(all_crossings, "separators_at", lambda *_: ())
@@ -150,7 +150,7 @@ def test_enclosures_nest_as_digits_grow(question: Question) -> None:
 
 
 def replaced(patch: pytest.MonkeyPatch, M: Any, E: Any, H: Any) -> None:
-    patch.setattr(boundary_polynomials, "matrices", lambda *_: tuple(arb_mat(rows) for rows in (M, E, H)))
+    patch.setattr(balls, "matrices", lambda *_: tuple(arb_mat(rows) for rows in (M, E, H)))
 
 
 ONE = [[1, 0], [0, 1]]
@@ -204,7 +204,7 @@ def test_crossings_at_loads_close_together_are_both_found(apart: Fraction, monke
 
 def test_balls_blown_up_yield_no_list(monkeypatch: pytest.MonkeyPatch) -> None:
     exact = balls.matrices
-    monkeypatch.setattr(boundary_polynomials, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
+    monkeypatch.setattr(balls, "matrices", lambda *a: tuple(m * arb(1, 1e-3) for m in exact(*a)))
     monkeypatch.setattr(all_crossings, "FINEST", 12)
     with pytest.raises(Unproven):
         all_crossings.survey(fb.column("beck", "modes").kernel, Question(4), F(100), 10)

@@ -154,7 +154,7 @@ def test_the_last_resort_finds_what_the_operator_finds(opened):
 
 
 @pytest.mark.parametrize("basis", ["modes", "legendre"])
-@pytest.mark.parametrize("name", fb.column_names())
+@pytest.mark.parametrize("name", column_names())
 def test_the_pages_kernel_is_the_columns(opened, name, basis):
     """Matrices, functions and loads that the page computes with, at other values of the parameters than its own."""
     page, column = opened(name, basis=basis), fb.column(name, basis)

@@ -667,7 +667,6 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 
 def _of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
-    data = {"kappa": None} | data  # of files written before there was a limit
     differ = ", ".join(sorted(GENERAL_FIELDS ^ set(data)))[:100]
     require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
     claims, space, given = _claims(data), _space(data), data["forms"]
