@@ -7,6 +7,7 @@ form, equations of motion and natural conditions must give the same numbers. Eqs
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -283,10 +284,15 @@ def stated(column: Column, name: str, motion: EquationOfMotion, moving: Mapping[
     return expand(plain)
 
 
+@cache
+def derived(name: str) -> tuple[Column, EquationOfMotion]:
+    column = CASES[name]()
+    return column, variation.derive_column(column)
+
+
 @pytest.fixture(params=CASES)
 def case(request: pytest.FixtureRequest) -> tuple[Column, EquationOfMotion]:
-    column = CASES[request.param]()
-    return column, variation.derive_column(column)
+    return derived(request.param)
 
 
 def test_the_weak_form_is_hamilton_s_principle_as_stated(case: tuple[Column, EquationOfMotion]) -> None:

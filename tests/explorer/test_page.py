@@ -339,7 +339,7 @@ def test_keyboard_reaches_a_parameters_start_again(opened):
     for away, back in (("ArrowRight", "ArrowLeft"), ("ArrowLeft", "ArrowRight")):
         for key in ("eta", "P", "alpha", "beta", "sensor"):
             start = page.values()[key]
-            for press, count in ((away, 7), (back, 6)):
+            for press, count in ((away, 3), (back, 2)):
                 for _ in range(count):
                     page.page.locator(f"#slider-{key}").press(press)
             assert page.values()[key] != start
