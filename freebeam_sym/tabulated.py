@@ -20,7 +20,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from itertools import pairwise
 from types import ModuleType
-from typing import Any, Literal, NamedTuple, cast
+from typing import Any, ClassVar, Literal, NamedTuple, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -112,6 +112,10 @@ class Tabulated:
     """What a kernel's module offers, of a table with parts and a gimbal law, or None."""
 
     __name__ = "tabulated"
+    FIELDS: ClassVar[dict[str, tuple[int, frozenset[Any], frozenset[Any]]]] = {
+        name: (1, frozenset(), frozenset()) for name in ("y", "psi")
+    }
+    """Fields: in how many derivatives they are joined, where they are held, and where they may jump."""
 
     def __init__(self, table: Table, parts: tuple[Part, ...] = (), law: Law | None = None) -> None:
         self.table, self.parts, self.law = table, parts, law
@@ -157,6 +161,10 @@ class Tabulated:
     def basis(self, N: int) -> Functions:
         """Trial functions whose moments are polynomials of degree N on each element."""
         return _functions(self, N)
+
+    def places(self, one: float = 1.0, **own: float) -> tuple[float, ...]:
+        """Where elements begin and end."""
+        return tuple((one * self.breaks).tolist())
 
     def mass_terms(self, basis: Functions, **own: float) -> tuple[Array, ...]:
         return (basis.M,)

@@ -171,6 +171,11 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
+        if not hasattr(column.kernel, "forms"):
+            raise InputError(
+                f"{column.name}: is assembled from tables in floats, of which nothing can be proven; state the column "
+                "in a file, such as with Piecewise"
+            )
         left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
         taken = {name: rational(name, value) for name, value in given.items()}

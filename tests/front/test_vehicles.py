@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -325,3 +326,22 @@ def test_python_refuses_what_is_no_vehicle() -> None:
         fb.vehicle(UNIFORM, thrust=1.0).state_space()
     with pytest.raises(fb.InputError, match="thrust is missing"):
         fb.vehicle(UNIFORM).modes()
+
+
+def test_nothing_is_proven_of_tables_and_a_shape_starts_a_motion(tmp_path: Path) -> None:
+    """Every proof refuses in one line; a function of x is an initial state as for any other column."""
+    file = tmp_path / "uniform.csv"
+    file.write_text("x,EI,m\n0,1,1\n1,1,1\n", encoding="utf-8")
+    column = fb.vehicle(file).column()
+    proofs: list[Callable[[], object]] = [
+        lambda: fb.certified_load(column, 3), lambda: fb.certified_crossings(column, 3), lambda: fb.exact_load(column),
+        lambda: fb.exact_spectrum(column, 1.0), lambda: fb.truncation_error(column, 3),
+        lambda: fb.certified_pulse(column, 3, load=1, frequency=3, amplitude="0.1"),
+    ]  # fmt: skip
+    for proof in proofs:
+        with pytest.raises(fb.InputError, match="assembled from tables in floats, of which nothing can be proven"):
+            proof()
+    system = column.system(load=0.0)
+    bent = fb.respond(system, 0.1, 0.1, initial=lambda x: x**2 - x + 1 / 6, sensors=[0.0, 0.5])
+    assert bent.initial_lost < 1e-3 and bent.y[0] == pytest.approx([1 / 6, -1 / 12], abs=1e-3)
+    assert fb.figures.beam(column).get_figure() is not None

@@ -288,6 +288,22 @@ def _claims(data: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def damping_of(data: dict[str, Any], claims: dict[str, Any]) -> tuple[Fraction | None, Damping | None]:
+    """kappa and the damping c_M M + c_E E of a file, each of which must fit the other, alpha and beta."""
+    kappa = None if data["kappa"] is None else _number(data["kappa"])
+    finite, limit = claims["alpha"] != 0 or claims["beta"] != 0, kappa is not None
+    require(not (finite and limit), "the damping is finite and vanishes")
+    damping = data["damping"]
+    require((damping is not None) == (finite or limit), "the damping does not fit alpha, beta and kappa")
+    if damping is None:
+        return kappa, None
+    require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
+    require(damping["vanishing"] is limit, "the damping does not fit kappa")
+    found = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
+    require(not limit or found.of_E > 0, "no internal damping is there to vanish")
+    return kappa, found
+
+
 def _of_beam(data: dict[str, Any]) -> Read:
     """A certificate of M, E, H over one segment."""
     require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
@@ -296,16 +312,7 @@ def _of_beam(data: dict[str, Any]) -> Read:
     left, right = data["ends"]
     require(left in ORDERS and right in ORDERS, "the ends are not known")
     claims = _claims(data)
-    kappa = None if data["kappa"] is None else _number(data["kappa"])
-    finite, limit = claims["alpha"] != 0 or claims["beta"] != 0, kappa is not None
-    require(not (finite and limit), "the damping is finite and vanishes")
-    damping = data["damping"]
-    require((damping is not None) == (finite or limit), "the damping does not fit alpha, beta and kappa")
-    if damping is not None:
-        require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
-        require(damping["vanishing"] is limit, "the damping does not fit kappa")
-        damping = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
-        require(not limit or damping.of_E > 0, "no internal damping is there to vanish")
+    kappa, damping = damping_of(data, claims)
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: form(data["forms"][name]) for name in "MEH"}
     ours = is_ours(claims["column"])
@@ -316,7 +323,7 @@ def _of_beam(data: dict[str, Any]) -> Read:
     def system() -> System:
         M, E, H = matrices([left, right], basis, N, forms).values()
         C = [ball(damping.of_M) * M + ball(damping.of_E) * E] if damping else []
-        return System([M], C, [E, H], limit)
+        return System([M], C, [E, H], kappa is not None)
 
     return stated, N, system, _stretches(data["stretches"], stated.end, N, damping is not None)
 

@@ -65,21 +65,10 @@ def read(data: dict[str, Any]) -> tuple[OfBeamItself, dict[str, v.Form], int, li
     require(left in v.ORDERS and right in v.ORDERS, "the ends are not known")
     claims = v._claims(data | {"load_max": None})
     require(claims["kind"] != "none", "of the beam itself a crossing is certified")
-    limit = data["kappa"] is not None
-    kappa = v._number(data["kappa"]) if limit else None
-    finite = claims["alpha"] != 0 or claims["beta"] != 0
-    require(not (finite and limit), "the damping is finite and vanishes")
-    damping = data["damping"]
-    require((damping is not None) == (finite or limit), "the damping does not fit alpha, beta and kappa")
+    kappa, damping = v.damping_of(data, claims)
     if damping is not None:
-        require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
-        require(damping["vanishing"] is limit, "the damping does not fit kappa")
-        damping = v.Damping(v._number(damping["of_M"]), v._number(damping["of_E"]), limit)
         require(damping.of_M >= 0 and damping.of_E >= 0, "the damping is negative")
-        require(
-            damping.of_E > 0 or (damping.of_M > 0 and not limit),
-            "no internal damping is there to vanish, or none at all",
-        )
+        require(damping.of_E > 0 or damping.of_M > 0, "there is no damping at all")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: v.form(data["forms"][name]) for name in "MEH"}
     require(forms["M"] == (((0, 0, 0, Fraction(1)),), ()), "the mass is not that of the uniform beam")
