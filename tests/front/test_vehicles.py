@@ -291,8 +291,8 @@ def test_a_law_that_grows_at_once_says_so() -> None:
 def test_the_report_stands_alone_and_overwrites_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("freebeam.vehicle_report.GAINS", 2)
-    monkeypatch.setattr("freebeam.vehicle_report.THRUSTS", 4)
+    monkeypatch.setattr("freebeam.vehicles.report.GAINS", 2)
+    monkeypatch.setattr("freebeam.vehicles.report.THRUSTS", 4)
     path = tmp_path / "r.html"
     status, out, _ = asked(capsys, EXAMPLE, "--report", path)
     text = path.read_text(encoding="utf-8")

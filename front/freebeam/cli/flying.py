@@ -38,7 +38,7 @@ class Vehicle(FileOptions):
     report: Path | None = option("FILE", "Write a report with pictures: .html or .pdf.")
 
     def run(self) -> None:
-        from freebeam import vehicle_report
+        from freebeam.vehicles import report as vehicle_report
 
         report = self.report
         if report is not None:

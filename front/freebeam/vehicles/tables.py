@@ -19,8 +19,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
+from freebeam.vehicles.tabulated import Array, Part
 from freebeam_sym.checks import InputError, finite
-from freebeam_sym.tabulated import Array, Part
 
 __all__ = ["SETTINGS", "Rows", "Stations", "described", "parts_of", "quantity", "stations_of", "tables_of"]
 

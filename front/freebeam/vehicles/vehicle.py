@@ -1,4 +1,4 @@
-"""Vehicles: tables of stiffness and mass in SI units, and the thrust that they bear. `freebeam_sym.tabulated` computes.
+"""Vehicles: tables of stiffness and mass in SI units, and the thrust that they bear. `tabulated` computes.
 
     import freebeam as fb
     vehicle = fb.vehicle("vehicle.csv")
@@ -19,11 +19,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam.vehicle_files import SETTINGS, Stations, described, parts_of, quantity, stations_of, tables_of
+from freebeam.vehicles.tables import SETTINGS, Stations, described, parts_of, quantity, stations_of, tables_of
+from freebeam.vehicles.tabulated import Law, Part, Table, tabulated
 from freebeam_sym.checks import InputError, count, reals, refusal
 from freebeam_sym.columns import column as column_of
 from freebeam_sym.stability.convergence import CONVERGED
-from freebeam_sym.tabulated import Law, Part, Table, tabulated
 
 if TYPE_CHECKING:
     from scipy.signal import StateSpace

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import freebeam as fb
+from freebeam.vehicles.tabulated import Law, Part, Table, tabulated
 from freebeam_sym import InputError
-from freebeam_sym.tabulated import Law, Part, Table, tabulated
 from tests.reference import elements
 from tests.reference.systems import At, Beam, Segment, Term, energy, follower
 from tests.reference.values import ISSUE

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from freebeam.vehicles import Vehicle
+    from freebeam.vehicles.vehicle import Vehicle
 
 __all__ = ["FORMATS", "facts", "report"]
 
@@ -302,7 +302,7 @@ td:first-child { color: #666; white-space: nowrap; } img { width: 100%; height: 
 
 
 def _settings(vehicle: Vehicle) -> list[list[str]]:
-    from freebeam.vehicle_files import SETTINGS
+    from freebeam.vehicles.tables import SETTINGS
 
     counts = {kind: sum(part.kind == kind for part in vehicle.parts) for kind in ("mass", "sprung", "spring", "joint")}
     parts = ", ".join(f"{count} {kind}" for kind, count in counts.items() if count)
