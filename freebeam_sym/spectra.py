@@ -200,16 +200,16 @@ def beam_errors(
 
 
 def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
-    """E and B of `_coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
+    """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
     e = slice(system.rigid_count, None)
     M = system.M[e, e]
-    E, B = _coordinates(M, system.E[e, e])
+    E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
     values, vectors = _massless(B.T @ M @ B, C, E + load) if without_mass(M) else _eigen(C, E + load)[:2]
     return E, B, values, vectors
 
 
-def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
+def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
     """Coordinates in which M = I: E there and the change of coordinates B, (n, n) each. E is diagonal where it is
     positive definite: the low modes are then not rounded beside the highest. Coordinates without mass stay as they are.
     """
@@ -217,7 +217,7 @@ def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
         moving, B = np.flatnonzero(np.diag(M)), np.eye(len(M))
         own = np.ix_(moving, moving)
         if len(moving) < len(M):
-            B[own] = _coordinates(M[own], E[own])[1]
+            B[own] = coordinates(M[own], E[own])[1]
         return B.T @ E @ B, B
     try:
         e, B = diagonalise(M, E)
@@ -352,7 +352,7 @@ def eigenvalues(
     for own, which in alike({x: points[x] for x in parameters}, n):
         given = column.own_parameters(dict(own))
         M, E, H = column.matrices(modes, False, **given)
-        E, B = _coordinates(M, E)
+        E, B = coordinates(M, E)
         H = B.T @ H @ B
         for part in (which[k : k + block] for k in range(0, len(which), block)):
             c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
@@ -465,7 +465,7 @@ class _Follower:
     def __init__(self, system: System) -> None:
         e = slice(system.rigid_count, None)
         self.system, self.left = system, MOST_STEPS
-        self.E, self.basis = _coordinates(system.M[e, e], system.E[e, e])
+        self.E, self.basis = coordinates(system.M[e, e], system.E[e, e])
         self.M = self.basis.T @ system.M[e, e] @ self.basis if without_mass(system.M[e, e]) else None
         column, given = system.column, (system.alpha, system.beta)
         terms = column.coefficients(system.modes, False, *given, **system.parameters)

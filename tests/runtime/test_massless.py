@@ -6,9 +6,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.linalg import eig, expm
 
 import freebeam as fb
+from freebeam_sym.question import Question
+from freebeam_sym.stability.pulse import Pulsating, monodromy
 from tests.stated import file_of
 
 # spring, damper and spring in a row from the tip to the ground: three of the four states of q and p are decided
@@ -105,7 +108,9 @@ def test_a_response_is_that_of_its_states(system: fb.System) -> None:
     relation = free.dq @ system.C.T + free.q @ system.K.T
     still = np.diag(system.M) == 0
     assert np.abs(relation[:, still]).max() < 1e-12 and np.abs(free.q[-1]).max() > 1e-4
-    stepped = [fb.respond(system, 4.0, h, method="newmark", initial=lambda x: 0.01 * x**2).y[-1] for h in (0.002, 0.001)]
+    stepped = [
+        fb.respond(system, 4.0, h, method="newmark", initial=lambda x: 0.01 * x**2).y[-1] for h in (0.002, 0.001)
+    ]
     off = np.abs(np.array(stepped) - free.y[-1])
     assert off[0] / off[1] == pytest.approx(4, rel=0.2)
 
@@ -115,3 +120,22 @@ def test_a_motion_that_nothing_decides_is_refused(tmp_path: Path) -> None:
     path = file_of(tmp_path, "undecided", {"dW_nc": "follower - q.diff(t) * at(delta(y), 1)"})
     with pytest.raises(fb.InputError, match="its motion is not determined"):
         fb.spectrum(fb.column(path).system(4, 1.0))
+
+
+def test_the_multipliers_under_a_pulsating_load_are_those_of_the_states(column: fb.Column, missing: int) -> None:
+    """The states integrated over a period, step by step."""
+    load, frequency, amplitude = 8.0, 9.0, 0.4
+    problem = Pulsating.of(Question.of(column, 3, beta=0.3))
+    (matrix,), (logarithm,) = monodromy(problem, load, frequency, np.array([amplitude]))
+    multipliers = np.exp(logarithm) * np.linalg.eigvals(matrix)
+
+    at_0, at_1 = (fb.state_space(column.system(3, P, beta=0.3), 0.6).A for P in (0.0, 1.0))  # linear in P
+
+    def rates(t: float, x: np.ndarray) -> np.ndarray:
+        P = load * (1 + amplitude * np.cos(frequency * t))
+        return ((at_0 + P * (at_1 - at_0)) @ x.reshape(size, size)).ravel()
+
+    size = 2 * len(problem.omega) - missing
+    found = solve_ivp(rates, (0, 2 * np.pi / frequency), np.eye(size).ravel(), rtol=1e-9, atol=1e-11)
+    wanted = np.linalg.eigvals(found.y[:, -1].reshape(size, size))
+    assert np.abs(wanted[:, None] - multipliers).min(axis=1).max() < 1e-6
