@@ -125,7 +125,7 @@ class Pulsating:
 
 
 def _with_accelerations(*terms: Sequence[Real]) -> tuple[Sequence[Real], Sequence[Real], Sequence[Real]]:
-    """M, C, K by powers of the load, M singular: of a system with M = I that moves alike and has small multipliers more.
+    """M, C, K by powers of the load, M singular: of a system with M = I that moves alike, with small multipliers more.
 
     Raises InputError where the load acts on what has no mass.
     """
