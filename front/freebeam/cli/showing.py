@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from functools import cached_property
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from freebeam.cli.application import command
@@ -146,7 +147,11 @@ class Show(FileOptions, CaseOptions, SearchOptions):
             self.draw_still(third)
         axes, loads = self.over
         if not axes:
-            figures.beam(q.column, ax=fourth)
+            try:
+                figures.beam(q.column, ax=fourth, **q.parameters)
+            except InputError as reason:  # a kernel's file has no statement
+                fourth.axis("off")
+                fourth.text(0.5, 0.5, "\n".join(wrap(str(reason), 50)), ha="center", va="center", fontsize=9)
         elif len(axes) == 2:
             figures.stability_map(
                 loads,
