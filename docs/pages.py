@@ -14,7 +14,6 @@ import numpy as np
 import freebeam as fb
 from freebeam.figures.look import figure, style
 from freebeam.figures.saving import image_of
-from freebeam.figures.schematic import schematic
 from freebeam.ledger.reference_values import statements
 from freebeam_derive import pipeline
 from freebeam_derive.definition import formulas
@@ -32,7 +31,7 @@ DAMPINGS = {"alpha": np.geomspace(1e-4, 1e-1, GRID), "beta": np.geomspace(1e-2, 
 
 def drawings(statement: Column) -> Iterator[tuple[str, str, tuple[float, float]]]:
     """Names of a column's pictures, their captions and their sizes in inches."""
-    yield "sketch", "The column, bent a little, with its parameters at their defaults.", (6.4, 2.7)
+    yield "sketch", "The column, bent as in its lowest mode, with its parameters at their defaults.", (6.4, 2.7)
     if statement.references[0].kind == "flutter":
         yield "locus", "Its first two eigenvalues as the load grows, α = β = 0.", (5.2, 4.2)
     else:  # eigenvalues that meet at 0 and part along the real axis are seen better as squares
@@ -46,7 +45,7 @@ def drawings(statement: Column) -> Iterator[tuple[str, str, tuple[float, float]]
 def draw(name: str, statement: Column, ax: Axes) -> None:
     column = fb.column(statement.name, "legendre")
     if name == "sketch":
-        schematic(statement, ax=ax)
+        fb.figures.beam(column, x_s=None, x_F=None, ax=ax)
     elif name == "locus":
         fb.figures.root_locus(column, ax=ax)
     elif name == "frequencies":

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +15,7 @@ from scipy.interpolate import CubicHermiteSpline
 from scipy.optimize import minimize_scalar
 
 import freebeam as fb
+from freebeam_derive.foreign import missing
 
 FOLDER = Path(__file__).parents[1] / "examples"
 NOTEBOOKS = {file.stem: file for file in sorted(FOLDER.glob("*.py"))}
@@ -29,6 +32,8 @@ def test_a_notebook_runs(name: str, ran: dict[str, dict[str, Any]]) -> None:
     matplotlib.use("Agg")
     from matplotlib import pyplot
 
+    if name == "kernel_in_c" and (lacking := missing("c")):
+        pytest.skip(lacking)
     notebook = jupytext.read(NOTEBOOKS[name])
     assert notebook.metadata["kernelspec"]["name"] == "python3"
     assert notebook.cells[0].cell_type == "markdown" and notebook.cells[0].source.startswith("# ")
@@ -45,9 +50,9 @@ def test_a_notebook_runs(name: str, ran: dict[str, dict[str, Any]]) -> None:
     ran[name] = names
 
 
-def test_there_are_seven() -> None:
-    here = {"derive", "modes_and_precision", "flutter", "damping_paradox", "best_place", "sensor", "vehicle"}
-    assert set(NOTEBOOKS) == here
+def test_each_is_listed() -> None:
+    text = (FOLDER / "README.md").read_text(encoding="utf-8")
+    assert set(re.findall(r"^- `(\w+)\.py`", text, re.MULTILINE)) == set(NOTEBOOKS)
 
 
 def of(ran: dict[str, dict[str, Any]], name: str) -> dict[str, Any]:
@@ -149,3 +154,32 @@ def test_vehicle(ran: dict[str, dict[str, Any]]) -> None:
     parts = [part for part in names["vehicle"].parts if part.kind == "sprung"]
     own = [np.sqrt(part.stiffness / part.mass) / (2 * np.pi) for part in parts]
     assert (names["hertz"][:2] / np.sort(own) > 1).all() and (names["hertz"][:2] / np.sort(own) < 1.3).all()
+
+
+def test_own_column(ran: dict[str, dict[str, Any]]) -> None:
+    """The determinant of the exact solution agrees; Euler's equation and Beck's column are limits."""
+    names = of(ran, "own_column")
+    critical, by_determinant = names["critical"], names["by_determinant"]
+    assert by_determinant == pytest.approx([critical.load, critical.frequency**2], rel=1e-8)
+    assert names["stiff"].load == pytest.approx(names["beck"].load, rel=1e-6)
+    root = np.sqrt(names["dead"].load)
+    assert names["dead"].kind == "divergence" and root * np.tan(root) == pytest.approx(20, rel=1e-9)
+    (event,) = names["curve"].events
+    assert event.what == "divergence to flutter"
+
+
+def test_proof(ran: dict[str, dict[str, Any]]) -> None:
+    """Two proofs and their difference fit together, and what was forged is refused."""
+    names = of(ran, "proof")
+    assert all(names["series"].proof.values()) and all(names["beam"].proof.values())
+    assert str(names["verified"]).startswith("proven of column beck") and "frequency" in names["refused"]
+    low, high = map(Fraction, names["error"].difference)
+    series, beam = ([Fraction(end) for end in names[key].load] for key in ("series", "beam"))
+    assert series[0] - beam[1] <= high and low <= series[1] - beam[0]
+    assert names["off"][-1] < 1e-14 < names["off"][0]
+
+
+def test_kernel_in_c(ran: dict[str, dict[str, Any]]) -> None:
+    names = of(ran, "kernel_in_c")
+    assert max(names["difference"].values()) < 1e-15
+    assert names["last"] < names["critical"].load < names["last"] + names["loads"][1]

@@ -1,15 +1,18 @@
 """What is installed is what stands in the tree: wheel and sdist, each put into an environment of its own, outside."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
+import tomllib
 import zipfile
 from pathlib import Path
 
 import pytest
 
 from freebeam.cli.application import ORDER
+from freebeam.cli.mapping import FORMATS
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = {
@@ -132,6 +135,14 @@ for name in {[*PACKAGES]}:
 """
     done = run(home / "bin" / "python", "-c", code, folder=desk)
     assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_the_extra_that_a_message_names_brings_what_is_missing() -> None:
+    """One extra is enough for a kind of file that a map is written as."""
+    extras = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
+    for _, packages, extra in FORMATS.values():
+        brought = {re.split(r"\W", needed, maxsplit=1)[0] for needed in extras.get(extra, [])}
+        assert set(packages) <= brought
 
 
 def test_no_command_is_left_out() -> None:

@@ -154,3 +154,11 @@ def test_without_a_command_it_says_what_can_be_tried(capsys: pytest.CaptureFixtu
     assert len(tried) == 3
     for words in tried:  # each is a command with options that it has
         assert run(" ".join([words[0], "--help"]), capsys)[0] == 0
+
+
+def test_links_have_no_shape_along_a_beam(capsys: pytest.CaptureFixture[str]) -> None:
+    """A chain of links moves by its angles; nothing of it is drawn over places of a beam."""
+    status, out, err = run("show ziegler", capsys)
+    assert (status, err) == (0, "") and "root locus" in out and "place x" not in out
+    with pytest.raises(fb.InputError, match="no field along a beam"):
+        fb.figures.mode_shape(fb.column("ziegler"))

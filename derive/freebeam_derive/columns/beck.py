@@ -42,6 +42,13 @@ column = Column(
             "Beck (1952), summary: 20,05 α/l²",
             seen="https://paperexplained.cn/articles/paper/detail/5e871fdd74584fca18c8b6bd3507ee08cf0e8cbb",
         ),
+        Reference(
+            "37.7",  # the limit of large damping, which 1e3 reaches to these digits; seen on 27 November 2026
+            "flutter",
+            "The effect of external damping on the stability of Beck's column, summary: 37.7 EI/L² for large damping",
+            beta=1e3,
+            seen="https://paperexplained.cn/articles/paper/detail/6febb04be2719338ca4fe1aa75df6378b00c5003",
+        ),
         Reference("2.46740110027", "divergence", TWO_ROUTES, own={"eta": 0.0}),
     ),
 )

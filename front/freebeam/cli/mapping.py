@@ -32,7 +32,7 @@ MOST_PRINTED = 10_000
 FORMATS: dict[str, tuple[str, tuple[str, ...], str]] = {
     ".csv": ("table", (), ""),
     ".nc": ("NetCDF file", ("h5netcdf", "h5py", "xarray"), "maps"),
-    ".png": ("picture", ("matplotlib", "xarray"), "pictures,maps"),
+    ".png": ("picture", ("matplotlib", "xarray"), "pictures"),
 }
 """What each kind of output is, the packages that write it, and the extra that brings them."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from functools import cached_property
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from freebeam.cli.application import command
@@ -142,11 +143,11 @@ class Show(FileOptions, CaseOptions, SearchOptions):
         figures.root_locus(q.column, self.top, count=count, ax=second, **asked)
         try:
             figures.mode_shape(q.column, None if self.top is None else 0.0, ax=third, **asked)
-        except InputError:  # what is lost does not oscillate
-            self.draw_still(third)
+        except InputError:  # what is lost does not oscillate, or there is no beam
+            self.draw_still(third) if q.column.ends else self.draw_column(third)
         axes, loads = self.over
         if not axes:
-            figures.beam(q.column, ax=fourth)
+            self.draw_column(fourth)
         elif len(axes) == 2:
             figures.stability_map(
                 loads,
@@ -180,13 +181,22 @@ class Show(FileOptions, CaseOptions, SearchOptions):
             ax.axhline(0.0, color="#8A8A8A", lw=0.8)
             ax.set(xlabel="place $x$ on the beam", ylabel="deflection $y$", title="divergence")
 
+    def draw_column(self, ax: Any) -> None:
+        """The column itself, or why it cannot be drawn."""
+        from freebeam import figures
+        from freebeam_sym.checks import InputError
+
+        try:
+            figures.beam(self.question.column, ax=ax, **self.question.parameters)
+        except InputError as reason:  # a kernel's file has no statement
+            ax.axis("off")
+            ax.text(0.5, 0.5, "\n".join(wrap(str(reason), 50)), ha="center", va="center", fontsize=9)
+
     def lines(self) -> list[str]:
         """The same in plain text."""
-        import numpy as np
 
         from freebeam.cli.plain_plots import plotted
         from freebeam.figures import curves
-        from freebeam_sym.checks import InputError
 
         found = curves.locus(self.question, self.top, count=self.branches, points=128)
         values, marks = found.eigenvalues, "123456789"
@@ -194,16 +204,27 @@ class Show(FileOptions, CaseOptions, SearchOptions):
         pieces = [plotted([(found.loads, values[:, k].imag, marks[k]) for k in branches], "load", "frequency Im λ")]
         locus = [(values[:, k].real, values[:, k].imag, marks[k]) for k in branches]
         pieces.append(plotted(locus, "Re λ", "root locus, Im λ"))
+        if self.question.column.ends:
+            pieces.append(self.lines_of_motion())
+        pieces.append(self.lines_over())
+        return [line for piece in pieces for line in (*piece, "")]
+
+    def lines_of_motion(self) -> list[str]:
+        """The least stable motion, or the deflection that grows."""
+        import numpy as np
+
+        from freebeam.cli.plain_plots import plotted
+        from freebeam.figures import curves
+        from freebeam_sym.checks import InputError
+
         x = np.linspace(0.0, 1.0, 101)
         try:
             Y = curves.cycle(self.question, None if self.top is None else 0.0).shape(x)
             Y = Y * np.exp(-1j * np.angle(Y[np.abs(Y).argmax()]))
             motion = [(x, Y.real, "*"), (x, (Y * 1j).real, "o")]
-            pieces.append(plotted(motion, "place x", "least stable motion: * at t = 0, o a quarter period later"))
+            return plotted(motion, "place x", "least stable motion: * at t = 0, o a quarter period later")
         except InputError:
-            pieces.append(plotted([(*self.still, "*")], "place x", "deflection that grows"))
-        pieces.append(self.lines_over())
-        return [line for piece in pieces for line in (*piece, "")]
+            return plotted([(*self.still, "*")], "place x", "deflection that grows")
 
     def lines_over(self) -> list[str]:
         """The critical load over dampings or a parameter."""

@@ -18,9 +18,9 @@ from freebeam.figures.diagrams import (
     tangent,
 )
 from freebeam.figures.look import style
-from freebeam.figures.points import beam
 from freebeam.figures.published import paper
 from freebeam.figures.regions import pulsating_regions
+from freebeam.figures.schematic import beam
 from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_loop
 
 __all__ = [

@@ -18,8 +18,8 @@ from freebeam.figures import curves
 from freebeam.figures.diagrams import draw_critical, draw_locus, draw_part, stability_map
 from freebeam.figures.look import INK, MUTED, figure, shades, style
 from freebeam.figures.marks import colour, digits, dot, key, legend, mark, note, plain
+from freebeam.figures.schematic import beam, centre_line
 from freebeam.figures.shapes import history, trajectory
-from freebeam.figures.sketch import beam, centre_line
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import column as column_of
 from freebeam_sym.question import Question
@@ -103,7 +103,7 @@ _Parts = tuple[dict[str, Any], dict[str, Any], dict[str, Any], Callable[[], "Fig
 
 
 def _fig_1(column: Column, s: dict[str, Any]) -> _Parts:
-    x, y, _ = centre_line(column)
+    ((x, y, _),) = centre_line(column, 200)
 
     def draw() -> Figure:
         fig = figure((6.4, 2.7))

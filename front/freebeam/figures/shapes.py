@@ -39,8 +39,11 @@ def mode_shape(
     """The least stable motion, by default the one at the critical load: the beam at `moments` of half a period, dark
     to light (the other half mirrors it), and between which lines it moves. Largest |Y| is 1; growth is left out.
 
-    rigid: with the rigid motion that the elastic one drives. Raises InputError where that motion does not oscillate.
+    rigid: with the rigid motion that the elastic one drives. Raises InputError where that motion does not oscillate,
+    and for a column without a field, such as a chain of links.
     """
+    if not column.ends:
+        raise InputError(f"{column.name}: has no field along a beam whose shape could be drawn")
     found = curves.cycle(Question.of(column, modes, alpha, beta, **parameters), load, rigid=rigid)
     x = np.linspace(0.0, 1.0, 201)
     Y = found.shape(x)

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 from freebeam.lesson.blocks import Block, Cell, Figure, Table
 from freebeam.lesson.phrases import heading, prose, text
 from freebeam.lesson.stages import statement_blocks
-from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from freebeam.lesson.stages import Chapter
+    from freebeam_derive.statement import Column as Statement
     from freebeam_sym.columns import Column
 
 __all__ = ["general_derivation"]
@@ -31,7 +31,7 @@ def general_derivation(chapter: Chapter, kernels: Column, source: Path | None) -
     return (
         heading("statement"),
         opening,
-        *_picture(kernels),
+        *_picture(kernels, column),
         *statement_blocks(chapter, source),
         *chapter.summed("statement"),
         *(chapter.section("scaling", said=False) if chapter.derived.scaling else ()),
@@ -47,15 +47,11 @@ def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else ", ".join(names[:-1]) + " and " + names[-1]
 
 
-def _picture(kernels: Column) -> list[Block]:
+def _picture(kernels: Column, statement: Statement) -> list[Block]:
     from freebeam import figures
-    from freebeam.figures.points import parts
+    from freebeam_derive.drawn import chain
 
-    try:
-        parts(kernels)
-        if "y" not in [each["name"] for each in kernels.kernel.COLUMN["fields"]]:
-            return []
-    except InputError:
+    if "y" not in statement.fields and (statement.fields or chain(statement) is None):
         return []
     return [Cell("", (Figure("beam", lambda: figures.beam(kernels, x_s=None), text("statement.drawn"), "The column"),))]
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from freebeam_sym.spectra import spectrum
 if TYPE_CHECKING:
     from freebeam.lesson.facts import Facts
     from freebeam.lesson.stages import Chapter
+    from freebeam_derive.statement import Column as Statement
     from freebeam_sym.columns import Parameter
 
 __all__ = ["general_physics"]
@@ -212,14 +214,13 @@ def _tangent(facts: Facts) -> list[Block]:
 
 def control(chapter: Chapter, facts: Facts) -> list[Block]:
     """Forces that a sensor elsewhere steers."""
-    from freebeam.figures.points import parts
-
-    steered = parts(facts.column, **facts.own).sensors
+    statement = chapter.derived.column
+    steered = _sensors(statement, facts.values)
     if not steered:
         return []
     pairs = "; ".join(text("control.pair", sensor=sensor, force=force) for sensor, force in steered)
     blocks: list[Block] = [heading("control"), prose("control.opening", pairs=pairs)]
-    gain = next((p for p in facts.column.parameters if _steers(facts, p.name)), None)
+    gain = next((p for p in facts.column.parameters if _steers(statement, facts, p)), None)
     if gain is not None:
         blocks += _turned_up(facts, gain)
     else:
@@ -262,18 +263,19 @@ def _listed(values: Any) -> str:
     return str([round(float(value), 6) for value in values])
 
 
-def _steers(facts: Facts, name: str) -> bool:
-    """Whether a parameter is a gain: without it, some sensor steers nothing."""
-    from freebeam.figures.points import parts
+def _sensors(statement: Statement, values: Mapping[str, float]) -> list[tuple[float, float]]:
+    """Places of sensors, and of the forces that they steer."""
+    from freebeam_derive.drawn import parts_of
 
-    p = next(p for p in facts.column.parameters if p.name == name)
+    return parts_of(statement, {p.symbol: values[p.name] for p in statement.parameters}).sensors
+
+
+def _steers(statement: Statement, facts: Facts, p: Parameter) -> bool:
+    """Whether a parameter is a gain: without it, some sensor steers nothing."""
     if not p.low <= 0.0 <= p.high:
         return False
-    try:
-        without = parts(facts.column, **{**facts.own, name: 0.0}).sensors
-    except InputError:
-        return False
-    return len(without) < len(parts(facts.column, **facts.own).sensors)
+    without = _sensors(statement, {**facts.values, p.name: 0.0})
+    return len(without) < len(_sensors(statement, facts.values))
 
 
 def parameters(facts: Facts) -> list[Block]:

@@ -22,5 +22,13 @@ column = Column(
     references=(
         Reference("2.08578643762690", "flutter", CLOSED_FORM),
         Reference("1.464285714286", "flutter", CLOSED_FORM, kappa=0.0),
+        # Seen on 27 November 2026: with both dashpots alike the formula there is 41/28 + alpha^2/2.
+        Reference(
+            f"{41 / 28 + 0.1**2 / 2:.12f}",
+            "flutter",
+            "Semler et al. (1998), whose formula for the critical load a public post prints",
+            alpha=0.1,
+            seen="https://github.com/zhilongwei/zhilongwei.github.io, post on a double pendulum with a follower load",
+        ),
     ),
 )

@@ -1,4 +1,4 @@
-"""Drawings of a column of segments: what is shown at its places is what was stated there."""
+"""Curves of a column of segments: the tangent, the share of the load that follows, a motion."""
 
 from __future__ import annotations
 
@@ -12,10 +12,9 @@ import sympy as sp
 
 import freebeam as fb
 from freebeam.figures import curves
-from freebeam.figures.points import parts
 from freebeam_derive import emit, pipeline, statement, verify
-from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
-from freebeam_derive.statement import Coordinate, Parameter, at, delta, hinge, integral, jump
+from freebeam_derive.notation import P, alpha, beta, t, x, y
+from freebeam_derive.statement import Parameter, at, delta, integral
 from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
 
@@ -40,61 +39,6 @@ def general(**changes: Any) -> Column:
 @cache
 def beck_itself() -> Column:
     return Column(verify.load(emit.emit(pipeline.general(BECK).kernel), "beck_segments"))
-
-
-def test_masses_springs_dampers_and_joints_stand_where_they_are_stated() -> None:
-    q = Coordinate("q")
-    column = general(
-        T=LINE["T"] + at(y.diff(t), a) ** 2 / 2 + q.diff(t) ** 2 / 2,
-        V=LINE["V"] + k * (at(y, 0.75) - q) ** 2 / 2 + k * jump(y.diff(x), 0.25) ** 2 / 2,
-        dW_nc=-at(y.diff(t), 0.875) * at(delta(y), 0.875),
-        releases=(hinge(0.125),), ends=("clamped", "pinned"),
-    )  # fmt: skip
-    found = parts(column)
-    assert found.breaks == (0, 0.125, 0.25, 0.6, 0.75, 0.875, 1) and parts(column, a=0.7).breaks[3] == 0.7
-    assert (found.masses, found.springs, found.dampers) == ((0.6,), (0.75,), (0.875,))
-    assert found.joints == {0.125: 1, 0.25: 1} and not found.sensors
-
-
-def test_loads_act_where_the_axial_force_ends_and_follow_in_part() -> None:
-    whole = general(T=LINE["T"] + at(y.diff(t), 0.5) ** 2)
-    assert parts(whole).loads == ((1.0, pytest.approx(1.0), pytest.approx(1.0)),) and not parts(whole).spread
-    share = general(
-        W_c=P * integral(y.diff(x) ** 2, 0, a), dW_nc=-g * P * at(y.diff(x), a) * at(delta(y), a)
-    )  # twice the load, of which a quarter follows
-    assert parts(share).loads == ((0.6, pytest.approx(2.0), pytest.approx(0.25)),)
-    hung = general(
-        T=LINE["T"] + at(y.diff(t), 0.5) ** 2, W_c=P * integral((1 - x) * y.diff(x) ** 2) / 2, dW_nc=sp.S.Zero
-    )
-    assert parts(hung).spread and not parts(hung).loads
-
-
-def test_a_sensor_is_where_something_is_measured_that_acts_elsewhere() -> None:
-    steered = general(dW_nc=LINE["dW_nc"] - g * P * at(y.diff(x), a) * at(delta(y), 1))
-    assert parts(steered).sensors == ((0.6, 1.0),) and not parts(steered, g=0.0).sensors
-
-
-def test_it_is_drawn_with_every_part() -> None:
-    from matplotlib import pyplot
-
-    column = general(
-        V=LINE["V"] + k * jump(y, 0.25) ** 2 / 2,
-        dW_nc=LINE["dW_nc"] - g * P * at(y.diff(x), a) * at(delta(y), 1) + F_0 * at(delta(y), x_F),
-    )
-    words = [text.get_text() for text in fb.figures.beam(column).texts]
-    assert words.count("sensor") == 2 and "$F_0(t)$" in words and "$P_0$" in words
-    words = [text.get_text() for text in fb.figures.beam(column, x_s=None, x_F=None).texts]
-    assert words.count("sensor") == 1 and "$F_0(t)$" not in words
-    pyplot.close("all")
-    with pytest.raises(fb.InputError, match="x_F"):
-        fb.figures.beam(column, x_F=1.5)
-    p, q = Coordinate("p"), Coordinate("q")
-    links = dataclasses.replace(
-        BECK, name="links", ends=(), parameters=(), dimensional=None, T=(p.diff(t) ** 2 + q.diff(t) ** 2) / 2,
-        V=(p**2 + (q - p) ** 2) / 2, W_c=P * p**2 / 2, dW_nc=-P * q * delta(p),
-    )  # fmt: skip
-    with pytest.raises(fb.InputError, match="no deflection y"):
-        fb.figures.beam(Column(verify.load(emit.emit(pipeline.general(links).kernel), "links")))
 
 
 def test_the_tangent_of_a_general_kernel_is_that_of_the_textbook_s() -> None:
