@@ -170,7 +170,7 @@ class General:
             return self._first_order(P)
         theta, V = np.linalg.eig(self._inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
-            rate = np.asarray(1 / theta.astype(complex))
+            rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
         return rate, V[self.size :].astype(complex), _growth(np.asarray(theta, complex), self._threshold)
 
     def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
@@ -203,6 +203,24 @@ class General:
             return int((_growth(np.asarray(np.linalg.eigvals(self._inverse(load)), complex), threshold) > 0).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
+
+    def margins(self, load: float, count: int, manner: tuple[bool, float]) -> Real:
+        """What must stay below zero for stability, (count,) and as many again: Re λ of the eigenvalues with the least
+        |λ|, Im λ ≥ 0; to first order in the damping growth, and by how much each ω² is below the next, relative."""
+        found = np.full((2, count), -np.inf)
+        if manner[0]:
+            s, _, growth = self._branches(load)
+            order = np.argsort(s.real)[: count + 1]
+            square, growth = s.real[order], growth[order][:count]
+            gaps = (square[:-1] - square[1:]) / np.abs(square[1:])
+            found[0, : len(growth)] = growth if self.damped else -np.inf
+            found[1, : len(gaps)] = gaps
+        else:
+            theta = np.linalg.eigvals(self._inverse(load)).astype(complex)
+            theta = theta[(theta.imag <= 0) & (theta != 0)]
+            lowest = 1 / theta[np.argsort(-np.abs(theta))[:count]]
+            found[0, : len(lowest)] = lowest.real
+        return found.ravel()
 
     def onset(self, load: float) -> Crossing:
         try:

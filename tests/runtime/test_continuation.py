@@ -106,6 +106,23 @@ def test_a_later_crossing_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     np.testing.assert_allclose(asked(given).answers.load, load, rtol=1e-9)
 
 
+def test_a_loss_that_shows_at_no_corner_is_seen_to_come() -> None:
+    """A pipe of β = 0.83 loses stability at 10.8, regains it and loses it again at 12.7: between corners with one
+    crossing, of 12.7, on either side of a fold of its boundary."""
+    with TemporaryDirectory() as folder:
+        statement = {
+            "W_c": "P ** 2 * integral(y.diff(x) ** 2) / 2",
+            "dW_nc": "-P ** 2 * at(y.diff(x), 1) * at(delta(y), 1) - 2 * b * P * integral(y.diff(x, t) * delta(y))"
+            " - integral(g * y.diff(t) * delta(y))",
+            "parameters": "(own(b, 0.3), own(g, 0.1))",
+        }
+        pipe = fb.column(file_of(Path(folder), "pipe", statement))
+    given = {"b": np.linspace(0.475, 0.9, 7), "g": np.linspace(0.1, 0.96, 4)}
+    found = solved(*split(pipe, 7, given, 300.0), convergence=False)
+    load, _ = searched(found)
+    np.testing.assert_allclose(found.answers.load, load, rtol=1e-9)
+
+
 def test_what_lies_between_is_weighed_linearly() -> None:
     """The corners' loads and squared frequencies, at any point of a box, whatever the phases of their motions."""
     motion, turned = np.array([1.0, 0.5j]), np.array([1.0, 0.5j]) * np.exp(0.7j)
