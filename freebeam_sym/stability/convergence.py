@@ -88,8 +88,10 @@ def verdict(
     def ask(modes: int, which: NDArray[np.intp]) -> Answers:
         nonlocal done
         asked = question.over(polynomials, modes)
-        if len(which) == size:
-            answers = solve_grid(asked, axes).flat()
+        if asked == question:
+            answers = found.flat().at(which)
+        elif 2 * len(which) >= size:  # what a grid's points share saves more than half of them
+            answers = solve_grid(asked, axes).flat().at(which)
         else:
             answers = solve_points(asked, {name: x[which] for name, x in points.items()})
         done += 1

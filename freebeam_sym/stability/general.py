@@ -167,31 +167,60 @@ class General:
     def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ, the motions and by how much each grows, positive where it does."""
         if self._light:
-            s, V, growth = self._branches(P)
-            with np.errstate(divide="ignore", invalid="ignore"):
-                inverse = 1 / s
-            rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
-            off = (np.abs(inverse.imag) > np.maximum(SPLIT * np.abs(inverse), rounding)) | (s.real <= 0)
-            # a pair that rounding alone keeps apart has no growth to first order
-            growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
-            return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
+            return self._first_order(P)
         theta, V = np.linalg.eig(self._inverse(P))
-        limit = self._threshold * np.abs(theta)
-        limit = np.maximum(limit, GROWTH * np.abs(theta).max())
         with np.errstate(divide="ignore", invalid="ignore"):
-            growth = np.asarray(np.where(theta.real > limit, theta.real, 0.0))
-            return np.asarray(1 / theta.astype(complex)), V[self.size :].astype(complex), growth
+            rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
+        return rate, V[self.size :].astype(complex), _growth(np.asarray(theta, complex), self._threshold)
+
+    def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
+        """The same of branches s = ω² with their damping to first order."""
+        s, V, growth = self._branches(P)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            inverse = 1 / s
+        rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
+        off = (np.abs(inverse.imag) > np.maximum(SPLIT * np.abs(inverse), rounding)) | (s.real <= 0)
+        # a pair that rounding alone keeps apart has no growth to first order
+        growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
+        return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
 
     @cached_property
     def _threshold(self) -> float:
         """SPLIT where eigenvalues stay on the axis though C is not zero, else nothing."""
         return 0.0 if self._operator is not None else SPLIT
 
-    def unstable(self, load: float) -> int:
+    @property
+    def manner(self) -> tuple[bool, float]:
+        """How growth is counted: whether to first order, and by how much else an eigenvalue must grow."""
+        return self._light, 0.0 if self._light else self._threshold
+
+    def unstable(self, load: float, manner: tuple[bool, float] | None = None) -> int:
+        """manner: that of a problem of the same damping, or nearly so, which saves the work to find it."""
+        light, threshold = manner or self.manner
         try:
-            return int((self._bad(load)[2] > 0).sum())
+            if light:
+                return int((self._first_order(load)[2] > 0).sum())
+            return int((_growth(np.asarray(np.linalg.eigvals(self._inverse(load)), complex), threshold) > 0).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
+
+    def margins(self, load: float, count: int, manner: tuple[bool, float]) -> Real:
+        """What must stay below zero for stability, (count,) and as many again: Re λ of the eigenvalues with the least
+        |λ|, Im λ ≥ 0; to first order in the damping growth, and by how much each ω² is below the next, relative."""
+        found = np.full((2, count), -np.inf)
+        if manner[0]:
+            s, _, growth = self._branches(load)
+            order = np.argsort(s.real)[: count + 1]
+            square, growth = s.real[order], growth[order][:count]
+            gaps = (square[:-1] - square[1:]) / np.abs(square[1:])
+            found[0, : len(growth)] = growth if self.damped else -np.inf
+            found[1, : len(gaps)] = gaps
+        else:
+            theta = np.linalg.eigvals(self._inverse(load)).astype(complex)
+            theta = theta[(theta.imag <= 0) & (theta != 0)]
+            lowest = 1 / theta[np.argsort(-np.abs(theta))[:count]]
+            found[0, : len(lowest)] = lowest.real
+        return found.ravel()
 
     def onset(self, load: float) -> Crossing:
         try:
@@ -202,11 +231,21 @@ class General:
         omega, v = abs(float(rate[worst].imag)), V[:, worst].astype(complex)
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:
             return Crossing(load, 0.0, self._vector(v), "divergence")
-        v = v * np.exp(-0.5j * np.angle(v @ v)) / math.sqrt(abs(v @ v.conj()))
-        found = self._newton(omega**2, load, v.real.copy(), v.imag / omega)
+        found = self._newton(omega**2, load, *self._parts(v, omega))
         if found is not None and found.frequency > 0 and abs(found.load - load) < 1e-3 * load:
             return found
         return Crossing(load, omega, self._vector(v), "flutter")
+
+    def followed(self, near: Crossing) -> Crossing | None:
+        """The crossing that one of a neighbouring problem, with as many functions, goes over into; None where Newton's
+        method does not find it. Whether it is the first is not looked at."""
+        if near.kind == "divergence":
+            event = next(iter(self.divergences), None)
+            return event.crossing if event is not None and event.simple else None
+        if not near.frequency > 0:
+            return None
+        found = self._newton(near.frequency**2, near.load, *self._parts(near.vector / self._scale, near.frequency))
+        return found if found is not None and found.frequency > 0 else None
 
     # --- flutter ---------------------------------------------------------------------------------------------------
 
@@ -253,6 +292,12 @@ class General:
             return iter(())
         floor = (1 - NEAR) * operator.unit / (bound - operator.P)
         return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self.size)
+
+    @staticmethod
+    def _parts(v: Complex, omega: float) -> tuple[Real, Real]:
+        """a and b of a motion v = a + iωb, turned so that a is the greater."""
+        v = v * np.exp(-0.5j * np.angle(v @ v)) / math.sqrt(abs(v @ v.conj()))
+        return v.real.copy(), v.imag / omega
 
     def _newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
         """The flutter near (ω² = w, P, v = a + iωb), of negative frequency where ω² < 0; None where there is none.
@@ -498,6 +543,12 @@ class _Vanishing(_Operator):
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
         return self._polished(mu, a, -self.problem._damping * (Y @ a) / sizes[top])
+
+
+def _growth(theta: Complex, threshold: float) -> Real:
+    """Re 1/λ by 1/λ, 0 where it is rounding or below."""
+    limit = np.maximum(threshold * np.abs(theta), GROWTH * np.abs(theta).max())
+    return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
 
 
 def _value(X: Real, P: float) -> Real:

@@ -3,6 +3,7 @@
 `solve` takes any number of dampings of one question. They share a pencil, and with it
 the surface of first crossings over all damping (`surface.py`), which settles most points by a series; the rest are
 searched one by one (`crossings.py`). `solve_grid` does so for every combination of axes, `solve_points` for any points.
+Of a column beyond the textbook's a grid's points are followed from a few that are searched (`continuation.py`).
 
 An answer hangs on the arrays of its own call alone, never on earlier calls, and nothing is drawn at random: work cut
 into the same blocks gives the same bits, in whatever order or process the blocks run. A layer that spreads a map over
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
+from freebeam_sym.stability.continuation import continued
 from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import Kind, Real
@@ -92,6 +94,8 @@ def solve_grid(question: Question, axes: Mapping[str, Real], step: Callable[[flo
     their order. step: told which part is done, 0 to 1. The rest as in `solve`.
     """
     names = list(axes)
+    if question.column.general:
+        return _followed(question, axes, step)
     dampings, others = ([x for x in names if (x in ("alpha", "beta")) == wanted] for wanted in (True, False))
     alpha, beta = (axes.get(x, np.array([question.values[x]])) for x in ("alpha", "beta"))
     a, b = (x.ravel() for x in np.meshgrid(alpha, beta, indexing="ij"))
@@ -188,6 +192,22 @@ def _one_by_one(question: Question, alpha: Real, beta: Real) -> Answers:
         answers[k] = (math.nan, math.nan, 0) if found is None else _plain(found)
     load, frequency, kind = (np.array(column) for column in zip(*answers, strict=True))
     return Answers(load, frequency, kind.astype(np.int8))
+
+
+def _followed(question: Question, axes: Mapping[str, Real], step: Callable[[float], None] | None) -> Answers:
+    """`solve_grid` of a column beyond the textbook's."""
+    shape = tuple(map(len, axes.values()))
+
+    def ask(at: tuple[int, ...]) -> Question:
+        here = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), at, strict=True)}
+        alpha, beta = here.pop("alpha", question.alpha), here.pop("beta", question.beta)
+        return replace(_with(question, here), alpha=alpha, beta=beta)
+
+    answers = Answers(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
+    for at, found in continued(ask, shape, step).items():
+        if found is not None:
+            answers.load[at], answers.frequency[at], answers.kind[at] = _plain(found)
+    return answers
 
 
 def _plain(found: Any) -> tuple[float, float, int]:
