@@ -452,3 +452,10 @@ def test_steps_are_named_once() -> None:
         names = [(s.stage, s.what) for s in derived(case).steps]
         assert len(names) == len(set(names))
     assert isinstance(derived("pipe").steps[0], Step)
+
+
+def test_links_have_their_picture_and_no_shape_along_a_beam() -> None:
+    made = lesson("ziegler")
+    pictures = {figure.key: figure for figure in blocks_of(made, Figure)}
+    assert "beam" in pictures and "meeting" in pictures and "shape" not in pictures
+    assert {text.get_text() for text in pictures["beam"].draw().texts} >= {r"$\varphi_{1}$", r"$\varphi_{2}$", "$P_0$"}

@@ -72,6 +72,10 @@ def coalescence(chapter: Chapter, facts: Facts) -> list[Block]:
 
     column, load, own = facts.column, facts.load, arguments(facts.own)
     first, second, third = (facts.overlap(load * share) for share in (0.9, 0.99, 0.999))
+    motion = figure(
+        "shape", "The motion", f"mode_shape(beam{own})", lambda: figures.mode_shape(column, **facts.own),
+        "The motion at the critical load, over half a period.",
+    )  # fmt: skip
     return [
         heading("coalescence"),
         prose("coalescence.opening"),
@@ -82,10 +86,7 @@ def coalescence(chapter: Chapter, facts: Facts) -> list[Block]:
             "The two eigenvalues near the load where they meet, less their common value there; dotted, the square "
             "root.",
         ),
-        figure(
-            "shape", "The motion", f"mode_shape(beam{own})", lambda: figures.mode_shape(column, **facts.own),
-            "The motion at the critical load, over half a period.",
-        ),
+        *([motion] if column.ends else []),  # links have no shape along a beam
         *_gap_exercises(facts),
     ]  # fmt: skip
 

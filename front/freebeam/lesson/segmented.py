@@ -53,7 +53,8 @@ def _picture(kernels: Column, statement: Statement) -> list[Block]:
 
     if "y" not in statement.fields and (statement.fields or chain(statement) is None):
         return []
-    return [Cell("", (Figure("beam", lambda: figures.beam(kernels, x_s=None), text("statement.drawn"), "The column"),))]
+    caption = text("statement.drawn" if statement.fields else "statement.turned")
+    return [Cell("", (Figure("beam", lambda: figures.beam(kernels, x_s=None), caption, "The column"),))]
 
 
 def _segments(chapter: Chapter) -> list[Block]:
