@@ -450,13 +450,16 @@ class System:
         """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial
         functions are the modes, to unit modal mass where they are polynomials. Raises InputError."""
         r = self.rigid_count
-        k = count("mode", number, 1, len(self.M) - r, "number of a mode, no more than elastic functions") - 1
+        moving = np.flatnonzero(np.diag(self.M))[r:]  # what has no mass is at rest, or follows
+        k = count("mode", number, 1, len(moving), "number of a mode, no more than elastic functions") - 1
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
         from freebeam_sym.stability.pencil import diagonalise
 
-        v = diagonalise(self.M[r:, r:], self.E[r:, r:])[1][:, k]
-        return np.concatenate([np.zeros(r), v * np.sign(v[np.abs(v).argmax()])])
+        v = diagonalise(*(X[np.ix_(moving, moving)] for X in (self.M, self.E)))[1][:, k]
+        q = np.zeros(len(self.M))
+        q[moving] = v * np.sign(v[np.abs(v).argmax()])
+        return q
 
     def Q(self, x_F: float) -> Array:
         """Generalised force of a unit transversal force at x_F, (n,). Eq. (11), last line.

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, reals, refusal
 from freebeam_sym.columns import is_column, is_system
+from freebeam_sym.massless import reduced, without_mass
 from freebeam_sym.stability.pencil import diagonalise
 
 if TYPE_CHECKING:
@@ -63,10 +64,10 @@ def state_matrix(M: Any, C: Any, K: Any) -> Real:
 class Spectrum:
     """Eigenvalues and eigenvectors of a system, nondimensional. Eqs. (24)-(26).
 
-    `eigenvalues` (2n,) complex, sorted by |Im λ|, then Re λ, then Im λ; `vectors` (n, 2n) complex, the columns q̂
-    of Eq. (24) in generalised coordinates, largest entry 1; `reference_frequency` is λ₀ of Eq. (26), None where
-    mode 1 of the unloaded beam is overdamped and Eq. (26) says nothing. "Stable" means the elastic spectrum.
-    `system`: whose spectrum it is.
+    `eigenvalues` (2n,) complex, sorted by |Im λ|, then Re λ, then Im λ, fewer where some coordinate has no mass;
+    `vectors` (n, 2n) complex, the columns q̂ of Eq. (24) in generalised coordinates, largest entry 1;
+    `reference_frequency` is λ₀ of Eq. (26), None where mode 1 of the unloaded beam is overdamped and Eq. (26) says
+    nothing, and where some coordinate has no mass. "Stable" means the elastic spectrum. `system`: whose spectrum it is.
     """
 
     eigenvalues: Complex
@@ -156,7 +157,8 @@ def proportional_damping(ratios: ArrayLike, frequencies: ArrayLike) -> tuple[flo
 
 
 def spectrum(system: System) -> Spectrum:
-    """Eigenvalues and eigenvectors of the state matrix. Eqs. (24)-(26). Raises InputError where M is singular.
+    """Eigenvalues and eigenvectors of the state matrix. Eqs. (24)-(26). Raises InputError where M is singular and the
+    motion of what has no mass is not determined.
 
     The reference frequency of Eq. (26) is the imaginary part in Eq. (23) of the first mode.
 
@@ -170,7 +172,7 @@ def spectrum(system: System) -> Spectrum:
         eigenvalues, full = _with_rigid(system, elastic, full)
     order, order_e = _order(eigenvalues), _order(elastic)
     e = slice(system.rigid_count, None)
-    reference = _reference(E, B.T @ system.C[e, e] @ B)
+    reference = None if without_mass(system.M[e, e]) else _reference(E, B.T @ system.C[e, e] @ B)
     places = np.argsort(order)[order_e]
     full = full[:, order]
     full = full / full[np.abs(full).argmax(axis=0), np.arange(len(order))]
@@ -198,17 +200,25 @@ def beam_errors(
 
 
 def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
-    """E and B of `_coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
+    """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
     e = slice(system.rigid_count, None)
-    E, B = _coordinates(system.M[e, e], system.E[e, e])
+    M = system.M[e, e]
+    E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    values, vectors, _ = _eigen(C, E + load)
+    values, vectors = _massless(B.T @ M @ B, C, E + load) if without_mass(M) else _eigen(C, E + load)[:2]
     return E, B, values, vectors
 
 
-def _coordinates(M: Real, E: Real) -> tuple[Real, Real]:
+def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
     """Coordinates in which M = I: E there and the change of coordinates B, (n, n) each. E is diagonal where it is
-    positive definite: the low modes are then not rounded beside the highest. Raises InputError where M is singular."""
+    positive definite: the low modes are then not rounded beside the highest. Coordinates without mass stay as they are.
+    """
+    if without_mass(M):
+        moving, B = np.flatnonzero(np.diag(M)), np.eye(len(M))
+        own = np.ix_(moving, moving)
+        if len(moving) < len(M):
+            B[own] = coordinates(M[own], E[own])[1]
+        return B.T @ E @ B, B
     try:
         e, B = diagonalise(M, E)
         return np.diag(e[::-1]), np.ascontiguousarray(B[:, ::-1])
@@ -235,6 +245,23 @@ def _eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]
     return values, np.hstack([V, V]).astype(complex), left
 
 
+def _massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
+    """λ (m,) and q̂ (n, m) where M is singular."""
+    found = reduced(M, C, K)
+    values, W = np.linalg.eig(found.matrix)
+    return values.astype(complex), (found.states[: len(M)] @ W).astype(complex)
+
+
+def _with_left(M: Real, C: Real, K: Real) -> tuple[Complex, Complex, Complex]:
+    """The same with û (m, n), û (2λM + C) q̂ = 1."""
+    values, V = _massless(M, C, K)
+    lam = values[:, None, None]
+    U = np.linalg.svd(lam**2 * M + lam * C + K)[0][:, :, -1].conj()
+    with np.errstate(divide="ignore", invalid="ignore"):
+        U = U / np.einsum("kj,kji,ik->k", U, 2 * lam * M + C, V)[:, None]
+    return values, V, U
+
+
 def _left(V: Any) -> Any:
     try:
         return np.linalg.inv(V)
@@ -249,10 +276,10 @@ def _with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Com
     n = len(K)
     coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
     if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
-        return _eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
+        return _massless(M, C, K) if without_mass(M) else _eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
     rigid, shapes, _ = _eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
     order = _order(rigid)
-    full = np.zeros((n, 2 * n), dtype=complex)
+    full = np.zeros((n, len(elastic) + len(rigid)), dtype=complex)
     full[r:, : len(elastic)] = vectors
     lam = elastic[:, None, None]
     blocks = lam**2 * M[:r] + lam * C[:r] + K[:r]
@@ -316,6 +343,8 @@ def eigenvalues(
         each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
         systems = (column.system(modes, **each) for each in each_given)
         rows = [_elastic(system)[2] for system in systems]
+        if len({len(row) for row in rows}) > 1:
+            raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
         return np.array([row[_order(row)] for row in rows]).reshape(*arrays[0].shape, -1)
     size = 2 * modes
     found = np.empty((n, size), dtype=complex)
@@ -323,7 +352,7 @@ def eigenvalues(
     for own, which in alike({x: points[x] for x in parameters}, n):
         given = column.own_parameters(dict(own))
         M, E, H = column.matrices(modes, False, **given)
-        E, B = _coordinates(M, E)
+        E, B = coordinates(M, E)
         H = B.T @ H @ B
         for part in (which[k : k + block] for k in range(0, len(which), block)):
             c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
@@ -436,7 +465,8 @@ class _Follower:
     def __init__(self, system: System) -> None:
         e = slice(system.rigid_count, None)
         self.system, self.left = system, MOST_STEPS
-        self.E, self.basis = _coordinates(system.M[e, e], system.E[e, e])
+        self.E, self.basis = coordinates(system.M[e, e], system.E[e, e])
+        self.M = self.basis.T @ system.M[e, e] @ self.basis if without_mass(system.M[e, e]) else None
         column, given = system.column, (system.alpha, system.beta)
         terms = column.coefficients(system.modes, False, *given, **system.parameters)
         if len(terms.M) > 1:
@@ -453,7 +483,7 @@ class _Follower:
         nothing = np.zeros_like(self.E)
         C = sum((load**k * X for k, X in enumerate(self.C)), nothing)
         K = self.E + sum((load**k * X for k, X in enumerate(self.K, 1)), nothing)
-        values, V, U = _eigen(C, K)
+        values, V, U = _eigen(C, K) if self.M is None else _with_left(self.M, C, K)
         # dλ/dP = −û (λ dC/dP + dK/dP) q̂
         slopes = [
             sum((k * load ** (k - 1) * X for k, X in terms), nothing)

@@ -6,6 +6,7 @@ All quantities are nondimensional, Eq. (5).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
+from freebeam_sym.massless import Reduced, reduced, without_mass
 from freebeam_sym.response.eigen import Spectrum
 from freebeam_sym.response.inputs import (
     LOST,
@@ -111,6 +113,8 @@ def respond(
     names = names_of(outputs, bool(system.rigid_count), states, target)
     load = force_of(system, force, force_position, times, h)
     start = start_of(system, initial, initial_velocity, load)
+    if without_mass(system.M):
+        system, load, start = _with_accelerations(system, load, start)
     load = load.over(start.cases)
     widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
     results = Results(widths, bool(system.rigid_count), start.cases, times, target)
@@ -175,7 +179,8 @@ def state_space(
     """The same system as a `scipy.signal.StateSpace`: state (q, dq), input F₀, outputs at sensors. Eq. (25).
 
     The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order; field and derivative as
-    `respond` has them. Raises InputError for positions off the beam and for an unknown output.
+    `respond` has them. Of a coordinate without mass the rate, or the coordinate too, is no state. Raises InputError for
+    positions off the beam and for an unknown output.
     """
     is_system(system)
     names_of(outputs, False, False, None)
@@ -183,10 +188,35 @@ def state_space(
     Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
     from scipy.signal import StateSpace  # half a second, so only where it is used
 
+    free = states = None
+    if without_mass(system.M):
+        found = _reduced(system, Q)
+        system, Q = replace(system, M=np.eye(len(Q)), C=found.C, K=found.K), found.rows @ Q
+        free, states = found.free, found.states
     rows, direct = _rows(system, outputs, x_s, Q, field, derivative)
     B = np.concatenate([np.zeros(Q.size), np.linalg.solve(system.M, Q)])
     C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
-    return StateSpace(state_matrix(system.M, system.C, system.K), B[:, None], C, D[:, None])
+    A = state_matrix(system.M, system.C, system.K)
+    if states is not None:
+        A, B, C = (A @ states)[free], B[free], C @ states
+    return StateSpace(A, B[:, None], C, D[:, None])
+
+
+def _with_accelerations(system: System, load: Load, start: Start) -> tuple[System, Load, Start]:
+    """A system with a singular M as one with M = I that moves alike, and what acts on it and starts it. Where the
+    start breaks a relation of the states, what has no mass is set by it."""
+    rate = 1.5 * float(np.abs(np.linalg.eigvals(_reduced(system, load.Q).matrix)).max(initial=1.0))
+    found = _reduced(system, load.Q, rate)  # faster than all that the system does by itself
+    states = start.states[:, found.free] @ found.states.T
+    alike = replace(system, M=np.eye(len(system.M)), C=found.C, K=found.K)
+    return alike, replace(load, Q=found.rows @ load.Q), replace(start, states=states)
+
+
+def _reduced(system: System, Q: Array, rate: float = 0.0) -> Reduced:
+    found = reduced(system.M, system.C, system.K, rate)
+    if np.abs(found.idle @ Q).max() > 1e-12 * (np.abs(found.idle) @ np.abs(Q)).max(initial=1e-300):
+        raise InputError("force_position: the force acts on what has no mass, and its rate would count")
+    return found
 
 
 def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int) -> tuple[Rows, Rows]:

@@ -28,7 +28,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, count, finite, nonnegative, reals, refusal
 from freebeam_sym.columns import Column
+from freebeam_sym.massless import reduced, without_mass
 from freebeam_sym.question import Question
+from freebeam_sym.spectra import coordinates
 from freebeam_sym.stability.maps import labels, program
 from freebeam_sym.stability.pencil import diagonalise
 from freebeam_sym.stability.problem import Complex, Real
@@ -91,7 +93,8 @@ class Pulsating:
             M, C, K = question.column.coefficients(
                 question.modes, False, question.alpha, question.beta, **question.parameters
             )
-            return Pulsating(M, C or (np.zeros_like(M[0]),), K)
+            C = C or (np.zeros_like(M[0]),)
+            return Pulsating(*((M, C, K) if not without_mass(M[0]) else _with_accelerations(M, C, K)))
         pencil, (c_E, c_M, _) = question.pencil, question.factors
         unit, E = np.eye(pencil.size), np.diag(pencil.e)
         return Pulsating((unit,), (c_M * unit + c_E * E,), (E, pencil.H))
@@ -119,6 +122,21 @@ class Pulsating:
         A[..., n:, :n] = -K / np.outer(root, root)
         A[..., n:, n:] = -C * np.outer(1 / root, root)
         return A
+
+
+def _with_accelerations(*terms: Sequence[Real]) -> tuple[Sequence[Real], Sequence[Real], Sequence[Real]]:
+    """M, C, K by powers of the load, M singular: of a system with M = I that moves alike, with small multipliers more.
+
+    Raises InputError where the load acts on what has no mass.
+    """
+    _, B = coordinates(terms[0][0], terms[2][0])
+    (M, *more), C, K = ([B.T @ X @ B for X in part] for part in terms)
+    rate = float(np.abs(np.linalg.eigvals(reduced(M, C[0], K[0]).matrix)).max(initial=1.0))
+    found = reduced(M, C[0], K[0], rate)
+    loaded = [*more, *C[1:], *K[1:]]
+    if more or any(np.abs(found.idle @ X).max() > 1e-12 * np.abs(X).max() for X in loaded):
+        raise InputError("a load that pulsates must not act on a coordinate without mass")
+    return (np.eye(len(M)),), (found.C, *(found.rows @ X for X in C[1:])), (found.K, *(found.rows @ X for X in K[1:]))
 
 
 def _modes(M: Real, K: Real) -> tuple[Real, Real, bool]:

@@ -166,5 +166,10 @@ class Facts:
     @cached_property
     def circulatory(self) -> float:
         """Size of the part of the load's matrix that is not symmetric, relative to the whole of it."""
-        H = self.operator(1.0) - self.operator(0.0) if self.column.general else self.pencil.H
+        if not self.column.general:
+            H = self.pencil.H
+        else:  # in units of the stiffness, as some coordinate may have no mass
+            (*_, E), (*_, K) = self.terms.at(0.0), self.terms.at(1.0)
+            size = np.abs(np.diag(E))
+            H = (K - E) / np.sqrt(np.outer(*2 * [np.where(size > 0, size, 1.0)]))
         return float(np.abs(H - H.T).max() / np.abs(H).max())

@@ -1,0 +1,108 @@
+"""Coordinates without mass, such as the state of a controller: M is singular, and there are fewer than 2n states.
+
+A combination u of rows with uᵀM = 0 is a relation of the states, uᵀC q̇ + uᵀK q = 0. Differentiated it holds
+accelerations; when so many rows have been differentiated that none of these is left, all accelerations are known, and
+the relations say which states there are.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from freebeam_sym.checks import InputError
+
+__all__ = ["Reduced", "reduced", "without_mass"]
+
+Array = NDArray[np.float64]
+
+SINGULAR = 1e-14
+"""Least eigenvalue of M with 1 on its diagonal, and other sizes relative to the largest, that are zero but for
+rounding. 256 polynomials on a segment leave 2e-13 of M."""
+
+
+class Reduced(NamedTuple):
+    """q̈ + C q̇ + K q = Q F of a system with a singular M. rows (n, n): what of its rows makes these, Q = rows @ its Q;
+    idle (z, n): what of its rows makes the relations, where no force may act, idle @ Q = 0.
+    free (m,): which of (q, dq) are the states; states (2n, m): (q, dq) of them. m = 2n − z."""
+
+    C: Array
+    K: Array
+    rows: Array
+    idle: Array
+    free: NDArray[np.intp]
+    states: Array
+
+    @property
+    def matrix(self) -> Array:
+        """A of x′ = A x, (m, m), of the states."""
+        n = len(self.K)
+        whole = np.concatenate([np.eye(n, 2 * n, n), -np.concatenate([self.K, self.C], axis=1)])
+        return np.asarray((whole @ self.states)[self.free])
+
+
+def without_mass(M: Array) -> bool:
+    """Whether M, symmetric, is singular: some motion has no mass."""
+    diagonal = np.diag(M)
+    if not (diagonal > 0).all():
+        return bool((diagonal == 0).any())
+    size = np.sqrt(diagonal)
+    return bool(np.linalg.eigvalsh(M / np.outer(size, size))[0] < SINGULAR)
+
+
+def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
+    """A system with a singular M in the states that it has. What breaks a relation at first dies away as exp(−rate t).
+
+    Raises InputError where its motion is not determined.
+    """
+    n = len(M)
+    whole, rows = np.concatenate([M, C, K], axis=1), np.eye(n)
+    relations: list[Array] = []
+    idle: list[Array] = []
+    while (u := _none(whole[:, :n])) is not None:
+        _, c, k = (u @ whole).reshape(3, n)
+        terms = np.abs(u[:, None] * whole[:, n:]).max(initial=0.0)
+        if len(relations) == 2 * n or not max(np.abs(c).max(), np.abs(k).max()) > SINGULAR * terms:
+            raise InputError("M is singular, and nothing moves or holds some coordinate: its motion is not determined")
+        relations.append(np.concatenate([k, c]))
+        idle.append(u @ rows)
+        place = int(np.argmax(np.abs(u)))
+        whole[place] = np.concatenate([c, k + rate * c, rate * k])  # (d/dt + rate) of the relation
+        rows[place] = 0.0
+    found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
+    C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
+    return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))
+
+
+def _none(M: Array) -> Array | None:
+    """u with uᵀM = 0; None where M is regular. Its rows and columns are brought to one size before."""
+    rows = np.abs(M).max(axis=1)
+    rows[rows == 0] = 1.0
+    columns = np.abs(M / rows[:, None]).max(axis=0)
+    columns[columns == 0] = 1.0
+    left, sizes, _ = np.linalg.svd(M / rows[:, None] / columns)
+    return left[:, -1] / rows if sizes[-1] < SINGULAR * sizes[0] else None
+
+
+def _solved(relations: Array, massless: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Array]:
+    """`free` and `states` of relations N (q, dq) = 0, (z, 2n): solved for what has no mass first, rates before q."""
+    from scipy.linalg import qr
+
+    m = relations.shape[1]
+    n = m // 2
+    left = relations / np.abs(relations).max(axis=1, keepdims=True)
+    held: list[int] = []
+    for part in (n + np.flatnonzero(massless), np.flatnonzero(massless), n + np.flatnonzero(~massless), np.arange(n)):
+        if not part.size or not len(left):
+            continue
+        Q, R, order = qr(left[:, part], pivoting=True)
+        rank = int((np.abs(np.diag(R)) > SINGULAR).sum())
+        held += part[order[:rank]].tolist()
+        left = Q[:, rank:].T @ left  # what does not hold these
+    free = np.setdiff1d(np.arange(m), held)
+    states = np.zeros((m, len(free)))
+    states[free, np.arange(len(free))] = 1.0
+    states[held] = -np.linalg.solve(relations[:, held], relations[:, free])
+    return free, states
