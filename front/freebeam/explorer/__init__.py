@@ -48,12 +48,14 @@ def site(columns: Iterable[Column], on_progress: Callable[[str], None] = lambda 
     They stand in one folder, and work from files and without a connection. Raises InputError as `page` does.
     """
     # the texts become scripts of the page, so that the worker finds them there
-    made = "\n".join((
-        f"const texts = {json.dumps(_shared_scripts())};",
-        "for (const [id, text] of Object.entries(texts)) {",
-        "  document.body.append(Object.assign(document.createElement('script'), { id, textContent: text }));",
-        "}",
-    ))
+    made = "\n".join(
+        (
+            f"const texts = {json.dumps(_shared_scripts())};",
+            "for (const [id, text] of Object.entries(texts)) {",
+            "  document.body.append(Object.assign(document.createElement('script'), { id, textContent: text }));",
+            "}",
+        )
+    )
     found = {SHARED: f"(() => {{\n{made}\n}})();\n", "explorer.css": _style()}
     style = '<link rel="stylesheet" href="explorer.css">'
     for column in columns:
@@ -164,15 +166,14 @@ def _load_note(drawn: dict[str, object], links: int) -> str:
         return "The load is a flow along the column and is not drawn."
     if drawn["sensors"]:
         return "The arrow is the load; the angle that the sensor sets is not drawn."
-    return (
-        "The arrow is the load as it acts: what follows the beam turns with its slope, a dead load does not."
-    )
+    return "The arrow is the load as it acts: what follows the beam turns with its slope, a dead load does not."
 
 
 def _search_note(column: Column) -> str:
     if not column.general:
         return ""
     return (
-        " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps of 4 % or less "
-        "and then bisected: one that begins and ends within a step is not seen here; the command below looks without steps."
+        " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps, 16 up to the least "
+        "|P| of these roots and then of 4 %, twice as long in the map, and bisected: what begins and ends within a step is "
+        "not seen."
     )

@@ -32,12 +32,15 @@ def content(column: Column) -> dict[str, Any]:
     Raises InputError where the column is not stable without load, where it needs more coordinates than a page bears,
     and for a general column whose statement is not at hand.
     """
+    from freebeam_sym.spectra import spectrum
+
     alpha, beta = (CASE[name] if name in dampings(column) else 0.0 for name in ("alpha", "beta"))
     fields, coordinates = _unknowns(column)
     N, most = min(8, MODES), _most(column)
     first = _first_load(column, min(N, most))
     span = _nice(1.6 * first) if first else LOAD_MAX
-    frequency = float(np.abs(_eigenvalues(column, min(N, most))).min())
+    start = 0.4 * span
+    frequency = float(np.abs(spectrum(column.system(min(N, most), start)).eigenvalues).min())
     return {
         "name": column.name,
         "title": column.title,
@@ -60,7 +63,7 @@ def content(column: Column) -> dict[str, Any]:
         "load_range": span,
         "load_max": LOAD_MAX,
         "start": {
-            "P": 0.4 * span, "alpha": alpha, "beta": beta, "N": min(N, most), "sensor": _far(column), "place": _far(column),
+            "P": start, "alpha": alpha, "beta": beta, "N": min(N, most), "sensor": _far(column), "place": _far(column),
             "rate": float(f"{frequency:.3g}"),
         },
     }  # fmt: skip
@@ -103,7 +106,7 @@ def _most(column: Column) -> int:
     if not column.general:
         return MODES
     least = int(column.kernel.COLUMN["least"])
-    sizes = {N: column.basis(N).size for N in (least, least + 1)}
+    sizes = {N: int(column.basis(N).size) for N in (least, least + 1)}
     step = max(1, sizes[least + 1] - sizes[least])
     most = min(MODES, least + (COORDINATES - sizes[least]) // step)
     if most < least:
@@ -118,12 +121,6 @@ def _first_load(column: Column, modes: int) -> float | None:
     from freebeam_sym.stability.critical import critical_load
 
     return critical_load(column, modes).load
-
-
-def _eigenvalues(column: Column, modes: int) -> Any:
-    from freebeam_sym.spectra import spectrum
-
-    return spectrum(column.system(modes, 1e-3)).eigenvalues
 
 
 def statement_of(column: Column) -> Statement:

@@ -25,6 +25,7 @@ function generalMatrices(N, own) {
     new Matrix(square(all, (i, j) => values[(k * all + i) * all + j])));
   const rates = (alpha, beta) => split(kernel.rate_terms(functions, alpha, beta, own));
   const given = { M: split(kernel.mass_terms(functions, own)), K: split(kernel.stiffness_terms(functions, own)) };
+  if (given.M[0].diagonal().some((mass) => !(mass > 0))) throw new RangeError("a coordinate has no mass");
   const T = ownFrame(functions, own, given);
   const moved = (terms) => terms.map((X) => T.transpose().mmul(X).mmul(T));
   const [M, K, C] = [moved(given.M), moved(given.K), moved(rates(0, 0))];
@@ -40,7 +41,8 @@ function generalMatrices(N, own) {
   problem.unit = Math.min(LOAD_MAX / 256, ...sizes);
   problem.divergences = roots.filter(({ re, im }) => Math.abs(im) <= CLOSE * re && re > 1e-7 * problem.unit)
     .map(({ re }) => polished(problem, re)).filter((load) => load !== null).sort((x, y) => x - y);
-  problem.first = Math.sqrt(Math.min(...branchesAt(problem, base).s.map(({ re, im }) => Math.hypot(re, im))));
+  problem.rest = base ? problem.unit / 4 : 0; // what nothing holds without load has its first mode under some
+  problem.first = Math.sqrt(Math.min(...branchesAt(problem, problem.rest).s.map(({ re, im }) => Math.hypot(re, im))));
   problem.root ??= Array(n).fill(problem.first);
   return problem;
 }

@@ -47,7 +47,7 @@ function releasedFrom(problem, shapes) {
     const size = Math.max(...first.map(Math.abs));
     return Float64Array.from({ length: problem.n }, (_, i) => (i ? 0 : (SIZE / size) * Math.sign(first[0])));
   }
-  const { vectors } = branchesAt(problem, 0);
+  const { vectors } = branchesAt(problem, problem.rest);
   const q = vectors.length ? vectors[0].re : new Float64Array(problem.n);
   const along = shapes.map((shape) => dot(shape, q));
   const largest = along.reduce((x, y) => (Math.abs(y) > Math.abs(x) ? y : x), 0);

@@ -98,7 +98,8 @@ function startOf(parameters) {
 
 /** A case as the end of an address; what is at its start is said too, so that a link means the same for ever. */
 function hashOf(parameters, values) {
-  return `#${parameters.map(({ key }) => `${encodeURIComponent(key)}=${values[key] === null ? "" : exact(values[key])}`).join("&")}`;
+  const said = parameters.filter(({ key }) => values[key] !== null);
+  return `#${said.map(({ key }) => `${encodeURIComponent(key)}=${exact(values[key])}`).join("&")}`;
 }
 
 /** The values that an address names, and why others of it are not taken. */

@@ -72,15 +72,16 @@ function criticalOf(critical, limit, units) {
 function responseNote(column, { force, place, sensor, reads, rate }, units, problem) {
   const at = (x) => (units.isSI ? said(units, "length", x) : exact(x));
   const what = column.reads[Number(reads ?? 0)];
+  const under = problem.rest ? `under P = ${said(units, "load", problem.rest, 3)}` : "without load";
   const seen = column.links ? `The ${what}` : `The ${what} at x = ${at(sensor)}`;
   if (force === "release") {
     const how = column.general ? "its largest deflection 0.01" : "q₁ = 0.01";
-    return `${seen}, after release from rest in the first mode without load, ${how}; no force acts.`;
+    return `${seen}, after release from rest in the first mode ${under}, ${how}; no force acts.`;
   }
   const size = units.isSI ? said(units, "force", SIZE) : exact(SIZE);
   const how = {
     step: "from t = 0 on",
-    pulse: `for half a period of the first mode without load, ${said(units, "time", pulseLength(problem), 3)}`,
+    pulse: `for half a period of the first mode ${under}, ${said(units, "time", pulseLength(problem), 3)}`,
     sine: `as a sine of Ω = ${said(units, "frequency", rate)}`,
   }[force];
   const where = column.links ? `on the ${what}` : `at x = ${at(place)}`;
