@@ -161,10 +161,10 @@ def to_try(stated: Mapping[str, Column], refused: Mapping[str, str]) -> str:
     """The page that lists the explorers by family."""
     lines = ["# Try it", ""]
     lines += [
-        "A page for each column of the gallery, on which load, dampings and parameters can be moved: the beam in its least",
-        "stable mode, frequencies over the load, root locus, a map over any two parameters, and a sensor's motion under a force.",
-        "They compute in your browser, from kernels that the program emitted, and need no network. `freebeam explore --column",
-        "FILE --output page.html` makes one of your own column.",
+        "A page for each column of the gallery, on which load, dampings and parameters can be moved: the beam in its",
+        "least stable mode, frequencies over the load, root locus, a map over any two parameters, a sensor's motion",
+        "under a force. They compute in your browser, from kernels that the program emitted, and need no network.",
+        "`freebeam explore --column FILE --output page.html` makes one of your own column.",
         "",
     ]
     for family, columns in groupby(stated.values(), key=lambda column: column.family):

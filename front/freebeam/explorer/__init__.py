@@ -68,7 +68,7 @@ def _page(column: Column, given: str, style: str, scripts: str) -> str:
     held = content(column) | {"given": shlex.quote(given or column.name)}
     title = html.escape(column.title)
     ends = f" · ends {', '.join(column.ends)}" if column.ends else ""
-    units = ", or in SI units" if column.ends else ""
+    units = ", or in SI units" if held["si"] else ""
     parts = {
         "TITLE": title,
         "SUBTITLE": html.escape(f"Column {column.name}{ends} · nondimensional{units}"),
@@ -173,7 +173,7 @@ def _search_note(column: Column) -> str:
     if not column.general:
         return ""
     return (
-        " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps, 16 up to the least "
-        "|P| of these roots and then of 4 %, twice as long in the map, and bisected: what begins and ends within a step is "
-        "not seen."
+        " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps, 16 up to the "
+        "least |P| of these roots and then of 4 %, twice as long in the map, and bisected: what begins and ends within "
+        "a step is not seen."
     )

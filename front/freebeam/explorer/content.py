@@ -24,6 +24,7 @@ LOAD_MAX = 1000.0
 CASE = {"alpha": 1e-3, "beta": 0.1}
 """Dampings of the case that a page opens with, where the column has them: Section 4.4."""
 FLOWS = ("inside", "outside")
+"""Loads that are no forces, so that their size in SI units is none of EI/L²."""
 
 
 def content(column: Column) -> dict[str, Any]:
@@ -36,6 +37,7 @@ def content(column: Column) -> dict[str, Any]:
 
     alpha, beta = (CASE[name] if name in dampings(column) else 0.0 for name in ("alpha", "beta"))
     fields, coordinates = _unknowns(column)
+    drawn = _drawn(column)
     N, most = min(8, MODES), _most(column)
     first = _first_load(column, min(N, most))
     span = _nice(1.6 * first) if first else LOAD_MAX
@@ -57,7 +59,8 @@ def content(column: Column) -> dict[str, Any]:
         ],
         "reads": [*(_read(letter) for letter in fields), *(f"coordinate {letter}" for letter in coordinates)],
         "links": 0 if fields else len(coordinates),
-        "drawn": _drawn(column),
+        "drawn": drawn,
+        "si": bool(fields) and not drawn["flow"],
         "least": int(column.kernel.COLUMN.get("least", 1)),
         "modes": most,
         "load_range": span,
@@ -149,12 +152,13 @@ def statement_of(column: Column) -> Statement:
 def _drawn(column: Column) -> dict[str, Any]:
     """What there is to draw of a general column; a textbook's load is read from its form. A place is a number, or the
     number of a break, which parameters move."""
-    if not column.general:
-        return {"marks": [], "flow": False, "sensors": False}
     from freebeam_derive.drawn import parts_of
 
     statement = statement_of(column)
     parts = parts_of(statement)
+    flow = parts.load in FLOWS
+    if not column.general:
+        return {"marks": [], "flow": flow, "sensors": False}
     breaks = [float(place.subs(statement.defaults)) for place in statement.energies.beam.places]
 
     def at(place: float) -> Any:
@@ -168,7 +172,6 @@ def _drawn(column: Column) -> dict[str, Any]:
         *(["joint", at(place), ""] for _, place in parts.jumps),
         *(["ground", at(place), names.get(letter, "")] for place, letter in grounds),
     ]
-    flow = parts.load in FLOWS
     spread = parts.load in ("follower", "axis") and not parts.followers
     dead = not (flow or spread or parts.followers or parts.angles)
     followers = [1.0] if not statement.fields else parts.followers

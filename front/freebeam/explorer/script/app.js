@@ -38,7 +38,7 @@ function startPage() {
     view.part["map-panel"].hidden = true; // over the load alone there is no map
     view.part.plots.dataset.map = "none";
   }
-  view.part.units.hidden = column.links > 0;
+  view.part.units.hidden = !column.si;
   followAddress(view);
   watchMap(view);
   window.addEventListener("hashchange", () => followAddress(view));
@@ -255,7 +255,8 @@ function showResponse(view) {
     rate: values.rate,
     seen: seenAt(pencil, [place], reads)[0],
     force: values.force === "release" ? null : forceAt(pencil, values.place ?? 0, column.links ? reads : 0),
-    release: values.force === "release" ? releasedFrom(pencil, shapes) : null,
+    release: values.force === "release" ? (pencil.release ??= releasedFrom(pencil, shapes)) : null,
+    growth: Math.max(...view.state.upper.map(({ re }) => re)),
   };
   view.measure = column.reads[reads] === "deflection y" ? "length" : "";
   view.response = responseAt(pencil, damping, values.P, drive, (30 * 2 * Math.PI) / pencil.first);

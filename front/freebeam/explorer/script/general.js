@@ -303,7 +303,8 @@ function generalSpectrum(problem, damping, P) {
 }
 
 /** M⁻¹X at a load, and its slope there. */
-function byMass({ M, n }, X, P) {
+function byMass({ M, n, numbered }, X, P) {
+  if (numbered) return [termsAt(X, P, n), slopeAt(X, P, n)]; // M = 1
   const lu = new LuDecomposition(termsAt(M, P, n));
   const A = lu.solve(termsAt(X, P, n));
   return [A, lu.solve(slopeAt(X, P, n).sub(slopeAt(M, P, n).mmul(A)))];

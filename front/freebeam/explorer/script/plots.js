@@ -148,8 +148,8 @@ function frequencyPlot(place, view) {
     const curves = view.analysis?.curves;
     if (!curves) return 1;
     const second = curves[Math.min(1, curves.length - 1)].re;
-    const all = 1.12 * Math.max(...second);
     const met = view.analysis.undamped?.omega ?? 0;
+    const all = 1.12 * Math.max(...second, met ** 2);
     return view.near && met > 0 ? Math.min(all, 2.2 * met ** 2) : all;
   };
   const bottom = () => {

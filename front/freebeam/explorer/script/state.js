@@ -30,7 +30,7 @@ function parametersOf(column) {
     ...own,
   ];
   const axes = shown.filter(({ key }) => key !== "N").map(({ key, symbol, name }) => [key, `${symbol} ${name}`]);
-  return [...shown, ...responseParameters(column), ...mapParameters(axes), ...(column.links ? [] : unitParameters())];
+  return [...shown, ...responseParameters(column), ...mapParameters(axes), ...(column.si ? unitParameters() : [])];
 }
 
 /** What the sensor's plot is of. */
