@@ -44,7 +44,6 @@ function startPage() {
   window.addEventListener("hashchange", () => followAddress(view));
   wireButtons(view);
   watchTheme(view);
-  animate(view);
   window.freebeam = outside(view);
 }
 
@@ -325,6 +324,7 @@ function wireButtons(view) {
   const still = (value) => {
     beam.still = value;
     part.motion.textContent = value ? "Play" : "Pause";
+    if (!value) animate(view);
     drawBeam(beam);
   };
   part.motion.addEventListener("click", () => still(!beam.still));
@@ -373,12 +373,18 @@ function repaint(view) {
 
 /** One frame after another, with a record of the time between them and of the time that drawing takes. */
 function animate(view) {
+  if (view.isMoving) return;
+  view.isMoving = true;
   let before = performance.now();
   const frame = (now) => {
     const gap = now - before;
     before = now;
     const { beam } = view;
-    if (!beam.still && beam.motion) {
+    if (beam.still) {
+      view.isMoving = false; // nothing is asked of the browser while the beam is held still
+      return;
+    }
+    if (beam.motion) {
       beam.clock += Math.min(0.1, gap / 1000);
       const began = performance.now();
       drawBeam(beam);
