@@ -64,10 +64,9 @@ MADE := docs/made
 docs: venv
 	$(PIP) '.[docs]'
 	$(BIN)/freebeam figures --output $(MADE)/figures --force
-	@mkdir -p $(MADE)/lessons $(MADE)/explorer
+	@mkdir -p $(MADE)/lessons
 	for column in $(COLUMNS); do \
-	  $(BIN)/freebeam lesson --column $$column --format html --output $(MADE)/lessons/$$column.html --force && \
-	  $(BIN)/freebeam explore --column $$column --output $(MADE)/explorer/$$column.html --force || exit 1; \
+	  $(BIN)/freebeam lesson --column $$column --format html --output $(MADE)/lessons/$$column.html --force || exit 1; \
 	done
 	$(BIN)/python docs/pages.py
 	$(BIN)/sphinx-build -q -W --keep-going docs build/docs

@@ -1,10 +1,12 @@
-"""Write a page on each column that comes with freebeam: python docs/pages.py [NAME]... writes docs/gallery."""
+"""Write a page on each column that comes with freebeam, and its explorer: python docs/pages.py [NAME]... writes
+docs/gallery and docs/made/explorer."""
 
 from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
+from html import escape
 from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -12,12 +14,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 import freebeam as fb
+from freebeam import explorer
 from freebeam.figures.look import figure, style
 from freebeam.figures.saving import image_of
 from freebeam.ledger.reference_values import statements
 from freebeam_derive import pipeline
 from freebeam_derive.definition import formulas
 from freebeam_derive.latex import letter, printer
+from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,6 +29,7 @@ if TYPE_CHECKING:
     from freebeam_derive.statement import Column, Reference
 
 FOLDER = Path(__file__).parent / "gallery"
+EXPLORERS = Path(__file__).parent / "made" / "explorer"
 POINTS, GRID = 61, 18  # of a curve; of each side of a map
 DAMPINGS = {"alpha": np.geomspace(1e-4, 1e-1, GRID), "beta": np.geomspace(1e-2, 10, GRID)}
 
@@ -57,13 +62,15 @@ def draw(name: str, statement: Column, ax: Axes) -> None:
         fb.figures.critical_curve(column, name, np.linspace(low, high, POINTS), ax=ax)
 
 
-def page(statement: Column, file: Path) -> str:
-    """A column's page, in Markdown."""
+def page(statement: Column, file: Path, refused: Mapping[str, str]) -> str:
+    """A column's page, in Markdown. refused: columns without an explorer."""
     name, found = statement.name, formulas(statement)
     opening = (statement_doc(file) or statement.title).replace("\n", " ")
     lines = [f"# {statement.title}", "", f"`{name}`. {opening}", "", f"Source: {statement.source}.", ""]
     pictures = list(drawings(statement))
     lines += _shown(name, *pictures[0][:2])
+    if name not in refused:
+        lines += [f'<p><a href="../explorer/{name}.html">Try it</a>: turn its knobs in your browser.</p>', ""]
     if statement.parameters:
         lines += ["| parameter | | default | of interest |", "|---|---|---|---|"]
         lines += [
@@ -126,22 +133,58 @@ def index(stated: Mapping[str, Column]) -> str:
         f"{len(stated)} columns of the literature, each stated in one file, with critical loads that others print or",
         "that independent routes compute. `freebeam columns` lists them, and `freebeam validate --gallery` computes",
         "every value and says what agrees. All here is made by the program; certified values of all of them are the",
-        "[benchmark](../benchmark/index.md).",
+        "[benchmark](../benchmark/index.md). Each has a page on which you can [try it](try.md).",
         "",
     ]
     for family, columns in groupby(stated.values(), key=lambda column: column.family):
         lines += [f"## {family}", ""]
         lines += [f"- [{column.title}]({column.name}.md)" for column in columns]
         lines += [""]
-    return "\n".join([*lines, "```{toctree}", ":hidden:", "", *stated, "```", ""])
+    return "\n".join([*lines, "```{toctree}", ":hidden:", "", "try", *stated, "```", ""])
+
+
+def explorers(names: Iterable[str]) -> tuple[dict[str, str], dict[str, str]]:
+    """The files of the columns' explorers, and of those that have none, why."""
+    made: dict[str, str] = {}
+    refused: dict[str, str] = {}
+    for name in names:
+        print(f"{name}: explorer", flush=True)
+        try:
+            made |= explorer.site([fb.column(name)])
+        except InputError as error:
+            refused[name] = str(error)
+    return made, refused
+
+
+def to_try(stated: Mapping[str, Column], refused: Mapping[str, str]) -> str:
+    """The page that lists the explorers by family."""
+    lines = ["# Try it", ""]
+    lines += [
+        "A page for each column of the gallery, on which load, dampings and parameters can be moved: the beam in its",
+        "least stable mode, frequencies over the load, root locus, a map over any two parameters, a sensor's motion",
+        "under a force. They compute in your browser, from kernels that the program emitted, and need no network.",
+        "`freebeam explore --column FILE --output page.html` makes one of your own column.",
+        "",
+    ]
+    for family, columns in groupby(stated.values(), key=lambda column: column.family):
+        lines += [f"## {family}", ""]
+        for column in columns:
+            link = f'<a href="../explorer/{column.name}.html">{escape(column.title)}</a>'
+            lines += [f"- {column.title}: no page; {refused[column.name]}" if column.name in refused else f"- {link}"]
+        lines += [""]
+    return "\n".join(lines)
 
 
 def main(names: list[str]) -> None:
     (FOLDER / "pictures").mkdir(parents=True, exist_ok=True)
     stated, files = statements(), pipeline.known()
+    made, refused = explorers(names or stated)
+    EXPLORERS.mkdir(parents=True, exist_ok=True)
+    for name, text in made.items():
+        (EXPLORERS / name).write_text(text, encoding="utf-8")
     for name in names or stated:
         print(name, flush=True)
-        (FOLDER / f"{name}.md").write_text(page(stated[name], files[name]), encoding="utf-8")
+        (FOLDER / f"{name}.md").write_text(page(stated[name], files[name], refused), encoding="utf-8")
         for picture, caption, size in drawings(stated[name]):
             with style():
                 drawn = figure(size)
@@ -149,6 +192,7 @@ def main(names: list[str]) -> None:
                 image = image_of(drawn, "svg", caption)
             (FOLDER / "pictures" / f"{name}-{picture}.svg").write_bytes(image)
     (FOLDER / "index.md").write_text(index(stated), encoding="utf-8")
+    (FOLDER / "try.md").write_text(to_try(stated, refused), encoding="utf-8")
 
 
 if __name__ == "__main__":

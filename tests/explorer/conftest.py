@@ -28,12 +28,18 @@ class Opened:
 
     def visit(self, fragment: str) -> None:
         """Go to another case by its address, everything else at its start."""
-        visit = "(to) => { history.replaceState(null, '', to); dispatchEvent(new HashChangeEvent('hashchange')); }"
+        visit = """(to) => {
+          scrollTo(0, 0);
+          history.replaceState(null, '', to);
+          dispatchEvent(new HashChangeEvent('hashchange'));
+        }"""
         self.ask(visit, fragment or "#")
         self.settle()
 
     def settle(self) -> None:
+        """Wait for what is asked; a map out of view, seconds of computing once the page has rested, is not begun."""
         self.page.wait_for_function(SETTLED)
+        self.ask("clearTimeout(freebeam.view().resting)")
 
     def ask(self, script: str, argument: Any = None) -> Any:
         return self.page.evaluate(script, argument)

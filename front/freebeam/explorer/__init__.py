@@ -11,49 +11,81 @@ import html
 import json
 import re
 import shlex
+from collections.abc import Callable, Iterable
 from importlib.resources import files
-from pathlib import Path
 from typing import TYPE_CHECKING
 
-from freebeam.explorer.content import LOAD_MAX, content
+from freebeam.explorer.content import LOAD_MAX, content, statement_of
 from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column
 
-__all__ = ["page"]
+__all__ = ["page", "site"]
 
-NUMERICS = ("pencil", "search", "branches", "map", "analysis", "worker")
+NUMERICS = ("pencil", "search", "general", "problem", "branches", "motion", "response", "map", "analysis", "worker")
 """Scripts that compute, in the page and in its worker."""
-PAGE = ("motion", "words", "state", "controls", "colours", "beam", "plots", "mapplot", "app")
+PAGE = ("units", "words", "state", "controls", "colours", "beam", "plots", "mapplot", "app")
 """Scripts that show."""
+SHARED = "explorer.js"
+"""What the pages of a site share, beside the style."""
 
 
 def page(column: Column, given: str = "") -> str:
     """The page of a column, as HTML that refers to nothing outside itself.
 
     given: what a command takes for the column, such as the path of its file; its name where that is enough.
-    Raises InputError where the column is not stable without load, and for a kernel whose statement is not at hand.
+    Raises InputError where the column is not stable without load, for one of too many coordinates, and for a kernel
+    whose statement is not at hand.
     """
+    scripts = "\n".join(f'<script id="{name}">\n{text}\n</script>' for name, text in _shared_scripts().items())
+    return _page(column, given, f"<style>\n{_style()}\n</style>", scripts)
+
+
+def site(columns: Iterable[Column], on_progress: Callable[[str], None] = lambda name: None) -> dict[str, str]:
+    """Pages of several columns by the names of their files, with the script and the style that they share, once.
+
+    They stand in one folder, and work from files and without a connection. Raises InputError as `page` does.
+    """
+    # the texts become scripts of the page, so that the worker finds them there
+    made = "\n".join(
+        (
+            f"const texts = {json.dumps(_shared_scripts())};",
+            "for (const [id, text] of Object.entries(texts)) {",
+            "  document.body.append(Object.assign(document.createElement('script'), { id, textContent: text }));",
+            "}",
+        )
+    )
+    found = {SHARED: f"(() => {{\n{made}\n}})();\n", "explorer.css": _style()}
+    style = '<link rel="stylesheet" href="explorer.css">'
+    for column in columns:
+        on_progress(column.name)
+        found[f"{column.name}.html"] = _page(column, "", style, f'<script src="{SHARED}"></script>')
+    return found
+
+
+def _page(column: Column, given: str, style: str, scripts: str) -> str:
     held = content(column) | {"given": shlex.quote(given or column.name)}
     title = html.escape(column.title)
+    ends = f" · ends {', '.join(column.ends)}" if column.ends else ""
+    units = ", or in SI units" if held["si"] else ""
     parts = {
         "TITLE": title,
-        "SUBTITLE": html.escape(f"Column {column.name} · ends {', '.join(column.ends)}"),
+        "SUBTITLE": html.escape(f"Column {column.name}{ends} · nondimensional{units}"),
         "BASIS": column.basis_name,
-        "FORMS": html.escape("; ".join(f"{name}: {form}" for name, form in column.kernel.COLUMN["forms"].items())),
+        "FORMS": html.escape(_forms(column)),
         "LOADMAX": f"{LOAD_MAX:g}",
         "KEY": _key("mode"),
         "BRANCHKEY": _key("branch"),
         "RIGIDNOTE": _rigid_note(column.rigid_count),
-        "STYLE": _style(),
+        "BARE": "Without α and β" if column.general else "Undamped",
+        "LOADNOTE": _load_note(held["drawn"], held["links"]),
+        "SEARCHNOTE": _search_note(column),
+        "STYLE": style,
         # a "<" could end the element that the numbers stand in
         "COLUMN": json.dumps(held, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c"),
-        "ALGEBRA": _library("ml-matrix"),
-        "PLOTTING": _library("uPlot"),
+        "SCRIPTS": scripts,
         "KERNEL": kernel_of(column),
-        "NUMERICS": _scripts(NUMERICS),
-        "PAGE": _scripts(PAGE),
     }
     return re.sub("@([A-Z]+)@", lambda found: parts[found[1]], _text("page.html"))
 
@@ -65,18 +97,10 @@ def kernel_of(column: Column) -> str:
     """
     from freebeam_derive import emit, pipeline
     from freebeam_derive.statement import StatementError
-    from freebeam_sym.kernels import is_kernel, read_source
 
-    target: str | Path = column.name
-    if not column.kernel.__name__.startswith("freebeam_kernels."):
-        if column.path is None or is_kernel(read_source(column.path)[1]):
-            raise InputError(
-                f"{column.path or column.name}: a page runs the column's kernel in JavaScript, which is emitted from "
-                "its statement; give the file of the statement"
-            )
-        target = column.path
+    statement = statement_of(column)
     try:
-        kernel = pipeline.kernels(pipeline.find(target), [column.basis_name])[column.basis_name]
+        kernel = pipeline.kernels(statement, [column.basis_name])[column.basis_name]
         (text,) = emit.files(kernel, "javascript", kernel.column.module).values()
     except StatementError as error:
         raise InputError(str(error)) from error
@@ -92,7 +116,17 @@ def _text(name: str) -> str:
 
 
 def _scripts(names: tuple[str, ...]) -> str:
-    return "\n".join(_text(f"script/{name}.js") for name in names)
+    return '"use strict";\n' + "\n".join(_text(f"script/{name}.js") for name in names)
+
+
+def _shared_scripts() -> dict[str, str]:
+    """Everything that runs in a page but the column's kernel, by the names of its elements."""
+    return {
+        "algebra": _library("ml-matrix"),
+        "plotting": _library("uPlot"),
+        "numerics": _scripts(NUMERICS),
+        "showing": _scripts(PAGE),
+    }
 
 
 def _library(name: str) -> str:
@@ -115,5 +149,31 @@ def _key(what: str) -> str:
     return f'<span class="key">{lines}</span>'
 
 
+def _forms(column: Column) -> str:
+    if not column.general:
+        return "; ".join(f"{name}: {form}" for name, form in column.kernel.COLUMN["forms"].items())
+    return "M, C and K by powers of P, in polynomials on segments"
+
+
 def _rigid_note(rigid: int) -> str:
     return " Elastic part; the rigid motion of this beam drifts at any load." if rigid else ""
+
+
+def _load_note(drawn: dict[str, object], links: int) -> str:
+    if links:
+        return "Drawn as a chain of equal links, one for each coordinate, with a force along the last."
+    if drawn["flow"]:
+        return "The load is a flow along the column and is not drawn."
+    if drawn["sensors"]:
+        return "The arrow is the load; the angle that the sensor sets is not drawn."
+    return "The arrow is the load as it acts: what follows the beam turns with its slope, a dead load does not."
+
+
+def _search_note(column: Column) -> str:
+    if not column.general:
+        return ""
+    return (
+        " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps, 16 up to the "
+        "least |P| of these roots and then of 4 %, twice as long in the map, and bisected: what begins and ends within "
+        "a step is not seen."
+    )

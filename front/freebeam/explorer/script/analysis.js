@@ -6,23 +6,33 @@ let lastPencil = { key: "", pencil: null, undamped: null };
 
 function pencilKept(N, own) {
   const key = JSON.stringify([N, own]);
-  if (lastPencil.key !== key) lastPencil = { key, pencil: pencilOf(N, own), undamped: null };
+  if (lastPencil.key !== key) lastPencil = { key, pencil: problemAt(N, own), undamped: null };
   return lastPencil;
 }
 
-/** Undamped: curves ω²(P), their first loss of stability, and the spectrum along the load. */
+/** Without α and β: curves ω²(P), their first loss of stability, and the spectrum along the load. */
 function undampedPart(kept, range) {
   if (kept.undamped?.range !== range) {
     const { pencil } = kept;
-    const { crossing } = firstLoss(pencil, undamped(pencil));
-    const states = follow(undampedNode(pencil), range, crossing);
-    kept.undamped = { range, crossing, curves: frequencyCurves(states, SHOWN), locus: rootLocus(states, true, SHOWN) };
+    const bare = pencil.general ? dampingAt(pencil, 0, 0) : undamped(pencil);
+    const crossing = bare.grows ? { load: 0, omega: 0, kind: "at once" } : lossOf(pencil, bare);
+    const isBare = bare.size === 0;
+    const states = follow(nodesOf(pencil, bare), range, crossing);
+    const locus = rootLocus(states, isBare, SHOWN);
+    const curves = isBare ? frequencyCurves(states, SHOWN) : locus.map(squared);
+    kept.undamped = { range, crossing, isBare, bare, curves, locus };
   }
   return kept.undamped;
 }
 
+/** −λ² of a branch λ, its real part, with `im` 0 where it decays. */
+function squared({ load, re, im }) {
+  return { load, re: re.map((x, k) => im[k] ** 2 - x ** 2), im: re.map((x, k) => (x > 1e-9 * Math.hypot(x, im[k]) ? 1 : 0)) };
+}
+
 /** The limit of vanishing damping at the ratio of this case: where P s′ − s = κ. Without damping, κ = 0. */
 function tangentOf(pencil, column, alpha, beta) {
+  if (pencil.general) return null; // its rule is that of C = αE + βM
   if (!column.damping.includes("alpha")) return null;
   const [cM, cE] = dampingFactors(pencil, alpha, beta);
   if (cM > 0 && cE === 0) return null;
@@ -38,16 +48,19 @@ function analyse(column, { N, own, alpha, beta, range }) {
   const kept = pencilKept(N, own);
   const { pencil } = kept;
   if (!pencil.sound) return { sound: false };
-  const { curves, crossing, locus } = undampedPart(kept, range);
-  const damping = dampingOf(pencil, alpha, beta);
-  const critical = damping.size === 0 ? crossing : firstLoss(pencil, damping).crossing;
-  const isLight = damping.ratio < LIGHTEST;
+  const damping = dampingAt(pencil, alpha, beta);
+  if (damping.grows) return { sound: false };
+  const { curves, crossing, locus, isBare } = undampedPart(kept, range);
+  const isUndamped = damping.size === 0 || (pencil.general && !(alpha || beta));
+  const critical = isUndamped ? crossing : lossOf(pencil, damping);
+  const isLight = isUndamped || damping.ratio < LIGHTEST;
   return {
     sound: true,
     critical,
     undamped: crossing,
+    isBare,
     tangent: tangentOf(pencil, column, alpha, beta),
     curves,
-    locus: isLight ? locus : rootLocus(follow(dampedNode(pencil, damping), range, critical), false, SHOWN),
+    locus: isLight ? locus : rootLocus(follow(nodesOf(pencil, damping), range, critical), false, SHOWN),
   };
 }

@@ -5,7 +5,7 @@ const PERIOD = 1.8; // seconds on the screen for a period of the unloaded beam's
 
 function beamView(canvas, column) {
   const context = canvas.getContext("2d");
-  const view = { canvas, context, column, motion: null, clock: 0, width: 0, height: 0, load: null, sensor: 0 };
+  const view = { canvas, context, column, motion: null, clock: 0, width: 0, height: 0, load: null, sensor: null, force: null, marks: [] };
   new ResizeObserver(() => fit(view)).observe(canvas);
   fit(view);
   return view;
@@ -47,7 +47,9 @@ function drawBeam(view) {
   const y = deflections(motion, motion.omega > 0 ? phase : 0, size);
   drawSupports(view, frame, y);
   drawShape(view, frame, y, frame.thick, 1);
-  drawSensor(view, frame, y);
+  drawMarks(view, frame, y);
+  if (view.sensor !== null) drawSensor(view, frame, y);
+  if (view.force !== null) drawForce(view, frame, y);
   drawLoads(view, frame, y);
 }
 
@@ -126,6 +128,46 @@ function drawSensor({ context, sensor }, frame, y) {
   write(context, "sensor", place.x, place.y - frame.thick - 8, "center");
 }
 
+/** The transversal force of the sensor's plot. */
+function drawForce({ context, force }, frame, y) {
+  const place = placeOf(frame, y, force);
+  drawArrow(context, place, { x: 0, y: 1 }, 34, frame.thick, false);
+  write(context, "F₀", place.x, place.y + frame.thick + 42, "center");
+}
+
+/** Masses filled, joints hollow, springs and dampers as short lines to the ground. */
+function drawMarks({ context, marks }, frame, y) {
+  for (const [kind, share] of marks) {
+    const place = placeOf(frame, y, share);
+    context.fillStyle = kind === "mass" ? palette.ink : palette.panel;
+    context.strokeStyle = palette.ink;
+    context.lineWidth = 1.5;
+    context.beginPath();
+    if (kind === "ground") {
+      for (let k = 0; k <= 7; k++) {
+        const x = place.x + (k === 0 || k === 7 ? 0 : k % 2 ? 5 : -5);
+        context[k ? "lineTo" : "moveTo"](x, place.y + frame.thick / 2 + (k * frame.swing) / 8);
+      }
+      context.moveTo(place.x - 12, place.y + frame.thick / 2 + (7 * frame.swing) / 8);
+      context.lineTo(place.x + 12, place.y + frame.thick / 2 + (7 * frame.swing) / 8);
+    } else {
+      context.arc(place.x, place.y, kind === "mass" ? frame.thick * 1.25 : frame.thick * 0.7, 0, 2 * Math.PI);
+      context.fill();
+    }
+    context.stroke();
+  }
+}
+
+/** A place as the page is told it: a number, or the number of a break, which a parameter moves. */
+function placeAt(place, own) {
+  return typeof place === "number" ? place : kernel.places(own)[place.break];
+}
+
+/** What acts on a column of segments, for the drawing: forces that turn with the slope, or the load along its axis. */
+function generalLoad({ followers, axial, along }, own) {
+  return { ends: [0, 0], axial, along, followers: followers.map((place) => placeAt(place, own)) };
+}
+
 function write(context, text, x, y, align) {
   context.font = `12px ${palette.font}`;
   context.textAlign = align;
@@ -188,6 +230,10 @@ function drawLoads(view, frame, y) {
     const at = placeOf(frame, y, end);
     const force = { x: end ? -compression : compression, y: -load.ends[end] * at.slope };
     drawArrow(context, at, force, size, frame.thick, true);
+  }
+  for (const place of load.followers ?? []) {
+    const at = placeOf(frame, y, place);
+    drawArrow(context, at, { x: -1, y: -at.slope }, size, frame.thick, true);
   }
   drawSpread(view, frame, y, axial, size);
 }

@@ -16,6 +16,8 @@ const CIVIDIS = [
   [195, 179, 105], [254, 232, 56],
 ];
 
+const MAP_COLOURS = { none: [128, 128, 128], unsound: [70, 70, 70], stable: [158, 202, 225], flutter: [213, 94, 0], divergence: [123, 50, 148] };
+
 /** Colour of a share 0 … 1. */
 function cividis(share) {
   const place = Math.min(1, Math.max(0, share)) * (CIVIDIS.length - 1);

@@ -1,11 +1,12 @@
-// The stability map: critical load over both dampings, with a cross-hair at the case.
+// The stability map over two parameters, with a cross-hair at the case.
 //
-// Its axes count cells: place 0 is no damping, then even steps of the logarithm, as the sliders have them.
+// Its axes count cells: on a logarithmic one place 0 is no damping, then even steps of the logarithm, as the sliders have them.
 
 function mapPlot(place, view, choose) {
+  const named = (k) => () => axisName(view, k);
   const plot = makePlot(place, {
-    x: { range: () => mapRange(view, "alpha"), label: "internal damping α", ...ticksOf(view, "alpha") },
-    y: { range: () => mapRange(view, "beta"), label: "external damping β", size: 58, ...ticksOf(view, "beta") },
+    x: { range: () => mapRange(view, 0), label: named(0), ...ticksOf(view, 0) },
+    y: { range: () => mapRange(view, 1), label: named(1), size: 58, ...ticksOf(view, 1) },
     draw: (u) => drawMap(u, view),
   });
   const pick = (event) => {
@@ -13,22 +14,32 @@ function mapPlot(place, view, choose) {
     const box = plot.over.getBoundingClientRect();
     const x = plot.posToVal(event.clientX - box.left, "x");
     const y = plot.posToVal(event.clientY - box.top, "y");
-    choose(dampingAt(view.map.axes.alpha, x), dampingAt(view.map.axes.beta, y));
+    const [across, up] = view.map.axes;
+    choose({ [across.key]: valueAt(across, x), [up.key]: valueAt(up, y) });
   };
   plot.over.addEventListener("pointerdown", pick);
   plot.over.addEventListener("pointermove", pick);
   return plot;
 }
 
-function mapRange({ map }, key) {
-  return [-0.5, (map?.axes[key].length ?? 2) - 0.5];
+function axisName({ map, parameters }, k) {
+  const parameter = parameters.find(({ key }) => key === map?.axes[k].key);
+  if (!parameter) return "";
+  return parameter.name.length < 30 ? `${parameter.name} ${parameter.symbol}` : parameter.symbol;
 }
 
-/** A tick at zero and at each decade. */
-function ticksOf(view, key) {
+function mapRange({ map }, k) {
+  return [-0.5, (map?.axes[k].values.length ?? 2) - 0.5];
+}
+
+/** A tick at zero and at each decade, or at round values. */
+function ticksOf(view, which) {
+  const axisAt = () => view.map?.axes[which] ?? { log: false, values: [0] };
   const splits = () => {
-    const axis = view.map?.axes[key] ?? [0];
-    return axis.map((_, k) => k).filter((k) => k === 0 || Math.abs(Math.log10(axis[k]) % 1) < 1e-6);
+    const axis = axisAt();
+    const { values } = axis;
+    if (!axis.log) return roundValues(values[0], values[values.length - 1]).map((value) => cellPlace(axis, value));
+    return values.map((_, k) => k).filter((k) => k === 0 || Math.abs(Math.log10(values[k]) % 1) < 1e-6);
   };
   const name = (value) => {
     if (value === 0) return "0";
@@ -36,22 +47,30 @@ function ticksOf(view, key) {
     const raised = [...String(power)].map((c) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[c] ?? "⁻").join("");
     return power >= -2 && power <= 2 ? String(10 ** power) : `10${raised}`;
   };
-  // the first decade stands beside zero, where two names would not fit
-  const values = (_, places) => places.map((k) => (k === 1 ? "" : name(view.map?.axes[key][k] ?? 0)));
+  const values = (_, places) => {
+    const axis = axisAt();
+    if (!axis.log) return places.map((place) => plain(valueAt(axis, place)));
+    // the first decade stands beside zero, where two names would not fit
+    return places.map((k) => (k === 1 ? "" : name(axis.values[k] ?? 0)));
+  };
   return { splits, values };
 }
 
-/** Place of a damping on an axis of the map, between cells too. */
-function cellOf(axis, value) {
-  if (value <= 0 || axis.length < 2) return 0;
-  const [low, high] = [Math.log10(axis[1]), Math.log10(axis[axis.length - 1])];
-  return Math.min(axis.length - 1, Math.max(1, 1 + ((Math.log10(value) - low) / (high - low)) * (axis.length - 2)));
+/** Place of a value on an axis of the map, between cells too. */
+function cellPlace({ log, values }, value) {
+  const last = values.length - 1;
+  if (!log) return Math.min(last, Math.max(0, ((value - values[0]) / (values[last] - values[0])) * last));
+  if (value <= 0) return 0;
+  const [low, high] = [Math.log10(values[1]), Math.log10(values[last])];
+  return Math.min(last, Math.max(1, 1 + ((Math.log10(value) - low) / (high - low)) * (last - 1)));
 }
 
-function dampingAt(axis, place) {
-  if (axis.length < 2 || place < 0.5) return 0;
-  const [low, high] = [Math.log10(axis[1]), Math.log10(axis[axis.length - 1])];
-  const share = Math.min(1, Math.max(0, (place - 1) / (axis.length - 2)));
+function valueAt({ log, values }, place) {
+  const last = values.length - 1;
+  if (!log) return Number((values[0] + (Math.min(last, Math.max(0, place)) / last) * (values[last] - values[0])).toPrecision(3));
+  if (place < 0.5) return 0;
+  const [low, high] = [Math.log10(values[1]), Math.log10(values[last])];
+  const share = Math.min(1, Math.max(0, (place - 1) / (last - 1)));
   return Number((10 ** (low + share * (high - low))).toPrecision(3));
 }
 
@@ -59,7 +78,7 @@ function dampingAt(axis, place) {
 function mapSpan(loads) {
   let [low, high] = [Infinity, 0];
   for (const load of loads) {
-    if (!Number.isFinite(load)) continue;
+    if (!Number.isFinite(load) || load <= 0) continue;
     low = Math.min(low, load);
     high = Math.max(high, load);
   }
@@ -73,11 +92,19 @@ function shareOf(load, { low, high, even }) {
 
 function drawMap(u, { map, values }) {
   if (!map) return;
-  const span = mapSpan(map.loads);
-  const [n, m] = [map.axes.alpha.length, map.axes.beta.length];
+  const [x, y] = map.axes;
+  const span = map.isLoad ? null : mapSpan(map.loads);
+  const [n, m] = [x.values.length, y.values.length];
   drawCells(u, map, span, n, m);
   if (span) drawBoundary(u, map, values.P, n, m);
-  drawCross(u, cellOf(map.axes.alpha, values.alpha ?? 0), cellOf(map.axes.beta, values.beta ?? 0));
+  drawCross(u, cellPlace(x, values[x.key] ?? 0), cellPlace(y, values[y.key] ?? 0));
+}
+
+/** Colour of a cell: of its critical load, or of what the motion does. */
+function colourOf(load, { isLoad }, span) {
+  if (load === UNSOUND) return MAP_COLOURS.unsound;
+  if (isLoad) return MAP_COLOURS[VERDICTS[load]] ?? MAP_COLOURS.none;
+  return Number.isFinite(load) && span ? cividis(shareOf(load, span)) : MAP_COLOURS.none;
 }
 
 function drawCells(u, map, span, n, m) {
@@ -85,17 +112,18 @@ function drawCells(u, map, span, n, m) {
   const wide = Math.abs(pixel(u, 1, 0)[0] - pixel(u, 0, 0)[0]);
   const tall = Math.abs(pixel(u, 0, 1)[1] - pixel(u, 0, 0)[1]);
   // four parts, so that nothing is smoothed between no damping and some
-  for (const [i, columns] of [[0, 1], [1, n - 1]]) {
-    for (const [j, rows] of [[0, 1], [1, m - 1]]) {
-      if (!columns || !rows) continue;
+  const parts = (axis, count) => (axis.log ? [[0, 1], [1, count - 1]] : [[0, count]]);
+  for (const [i, columns] of parts(map.axes[0], n)) {
+    for (const [j, rows] of parts(map.axes[1], m)) {
       const [x, y] = pixel(u, i, j + rows - 1);
+      ctx.imageSmoothingEnabled = !map.isLoad; // there is nothing between stable and flutter
       ctx.drawImage(keptImage(map, span, n, i, j, columns, rows), x - wide / 2, y - tall / 2, wide * columns, tall * rows);
     }
   }
   // a gap sets the cells without damping apart: they are no limit of those beside them
   const gap = { colour: palette.panel, width: 3 };
-  if (n > 1) polyline(u, [0.5, 0.5], [u.scales.y.min, u.scales.y.max], gap);
-  if (m > 1) polyline(u, [u.scales.x.min, u.scales.x.max], [0.5, 0.5], gap);
+  if (map.axes[0].log) polyline(u, [0.5, 0.5], [u.scales.y.min, u.scales.y.max], gap);
+  if (map.axes[1].log) polyline(u, [u.scales.x.min, u.scales.x.max], [0.5, 0.5], gap);
 }
 
 function keptImage(map, ...rest) {
@@ -104,7 +132,8 @@ function keptImage(map, ...rest) {
 }
 
 /** A rectangle of cells as a picture, a pixel each. */
-function imageOf({ loads }, span, n, i, j, columns, rows) {
+function imageOf(map, span, n, i, j, columns, rows) {
+  const { loads } = map;
   const canvas = document.createElement("canvas");
   Object.assign(canvas, { width: columns, height: rows });
   const context = canvas.getContext("2d");
@@ -112,7 +141,7 @@ function imageOf({ loads }, span, n, i, j, columns, rows) {
   for (let row = 0; row < rows; row++) {
     for (let k = 0; k < columns; k++) {
       const load = nearestKnown(loads, i + k, j + rows - 1 - row, n);
-      const colour = Number.isFinite(load) && span ? cividis(shareOf(load, span)) : [128, 128, 128];
+      const colour = colourOf(load, map, span);
       image.data.set([...colour, Number.isNaN(load) ? 0 : 255], 4 * (row * columns + k));
     }
   }
@@ -132,15 +161,16 @@ function nearestKnown(loads, i, j, n) {
 /** Where the critical load is the present load: between stable and not. */
 function drawBoundary(u, map, P, n, m) {
   const { ctx } = u;
-  map.logs ??= map.loads.map((_, k) => Math.log(nearestKnown(map.loads, k % n, Math.floor(k / n), n)));
+  map.logs ??= map.loads.map((_, k) => Math.log(Math.max(1e-9, nearestKnown(map.loads, k % n, Math.floor(k / n), n))));
+  const [across, up] = map.axes.map((axis) => (axis.log ? 1 : 0)); // a strip without damping is no part of the field
   const level = Math.log(Math.max(P, 1e-9));
   const excess = (i, j) => Math.min(5, map.logs[j * n + i] - level); // no critical load: far above
   const edges = [];
   for (let j = 0; j < m; j++) {
     for (let i = 0; i < n; i++) {
-      if (i >= 1 && j >= 1 && i + 1 < n && j + 1 < m) edges.push(...crossings(excess, i, j));
-      if (i === 0 && j + 1 < m && j > 0) edges.push(...steps(excess(0, j), excess(0, j + 1), [-0.5, j + 0.5, 0.5, j + 0.5]));
-      if (j === 0 && i + 1 < n && i > 0) edges.push(...steps(excess(i, 0), excess(i + 1, 0), [i + 0.5, -0.5, i + 0.5, 0.5]));
+      if (i >= across && j >= up && i + 1 < n && j + 1 < m) edges.push(...crossings(excess, i, j));
+      if (across && i === 0 && j + 1 < m && j >= up) edges.push(...steps(excess(0, j), excess(0, j + 1), [-0.5, j + 0.5, 0.5, j + 0.5]));
+      if (up && j === 0 && i + 1 < n && i >= across) edges.push(...steps(excess(i, 0), excess(i + 1, 0), [i + 0.5, -0.5, i + 0.5, 0.5]));
     }
   }
   for (const [colour, width] of [["#ffffff", 4.5], [palette.accent, 2.2]]) {

@@ -1,7 +1,6 @@
 // The four plots. uPlot makes axes, grids and scales; what is no function of x is drawn over them.
 
 function makePlot(place, { x, y, series = [], draw = () => {}, height = 290 }) {
-  const digits = (_, splits) => splits.map((value) => String(Number(value.toPrecision(6))).replace("-", "−"));
   const axis = (options) => ({
     stroke: () => palette.ink,
     grid: { stroke: () => palette.grid, width: 1 },
@@ -20,8 +19,8 @@ function makePlot(place, { x, y, series = [], draw = () => {}, height = 290 }) {
     padding: [12, 14, 0, 4],
     scales: { x: { time: false, range: x.range }, y: { range: y.range } },
     axes: [
-      axis({ label: x.label, size: 34, values: x.values ?? digits, splits: x.splits, space: x.space ?? 50 }),
-      axis({ label: y.label, size: y.size ?? 52, values: y.values ?? digits, splits: y.splits, space: y.space ?? 34 }),
+      axis({ size: 34, space: x.space ?? 50, ...(x.quantity ? inUnits(x) : x) }),
+      axis({ size: 52, space: y.space ?? 34, ...(y.quantity ? inUnits(y) : y) }),
     ],
     series: [{}, ...(series.length ? series : [{ show: false }])],
     hooks: { draw: [(u) => clipped(u, () => draw(u))] },
@@ -32,6 +31,38 @@ function makePlot(place, { x, y, series = [], draw = () => {}, height = 290 }) {
     if (width > 0 && width !== plot.width) plot.setSize({ width, height });
   }).observe(place);
   return plot;
+}
+
+/** Label and ticks of an axis in the units of its quantity: `quantity(largest)` is { factor, unit }. */
+function inUnits({ label, quantity, size }) {
+  const scaleOn = (u, k) => {
+    const { min, max } = u.scales[k ? "y" : "x"];
+    return quantity(Math.max(Math.abs(min ?? 0), Math.abs(max ?? 0)));
+  };
+  const named = (u, k) => {
+    const { unit } = scaleOn(u, k);
+    return unit ? `${label} (${unit})` : label;
+  };
+  const splits = (u, k, low, high) => {
+    const { factor } = scaleOn(u, k);
+    const most = k ? 7 : Math.max(2, Math.floor(u.bbox.width / uPlot.pxRatio / 62));
+    return roundValues(low * factor, high * factor, most).map((value) => value / factor);
+  };
+  const values = (u, places, k) => places.map((place) => plain(place * scaleOn(u, k).factor));
+  return { label: named, splits, values, ...(size ? { size } : {}) };
+}
+
+function plain(value) {
+  return String(Number(value.toPrecision(6))).replace("-", "−");
+}
+
+/** Round values in a range, no more than so many. */
+function roundValues(low, high, most = 7) {
+  const power = 10 ** Math.floor(Math.log10((high - low) / most));
+  const step = [1, 2, 2.5, 5, 10].map((x) => x * power).find((x) => (high - low) / x <= most) ?? 10 * power;
+  const first = Math.ceil(low / step - 1e-9);
+  const count = Math.max(0, Math.floor(high / step + 1e-9) - first + 1);
+  return Array.from({ length: count }, (_, k) => (first + k) * step);
 }
 
 function clipped(u, paint) {
@@ -117,8 +148,8 @@ function frequencyPlot(place, view) {
     const curves = view.analysis?.curves;
     if (!curves) return 1;
     const second = curves[Math.min(1, curves.length - 1)].re;
-    const all = 1.12 * Math.max(...second);
     const met = view.analysis.undamped?.omega ?? 0;
+    const all = 1.12 * Math.max(...second, met ** 2);
     return view.near && met > 0 ? Math.min(all, 2.2 * met ** 2) : all;
   };
   const bottom = () => {
@@ -126,13 +157,17 @@ function frequencyPlot(place, view) {
     return -Math.max(0.04 * top(), kappa < 0.3 * top() ? 1.15 * kappa : 0);
   };
   return makePlot(place, {
-    x: { range: () => [0, view.range], label: "load P" },
-    y: { range: () => [bottom(), top()], label: "ω² (undamped)", size: 58 },
+    x: { range: () => [0, view.range], label: "load P", quantity: (most) => scaleOf(view.units, "load", most) },
+    y: { range: () => [bottom(), top()], label: "ω²", size: 62, quantity: () => squaredRate(view.units) },
     draw: (u) => drawFrequencies(u, view),
   });
 }
 
-function drawFrequencies(u, { analysis, values, state, range }) {
+function squaredRate({ isSI, size }) {
+  return { factor: size.frequency ** 2, unit: isSI ? "rad²/s²" : "" };
+}
+
+function drawFrequencies(u, { analysis, values, state, range, units }) {
   polyline(u, [values.P, values.P], [u.scales.y.min, u.scales.y.max], { colour: palette.muted, width: 1 });
   if (!analysis) return;
   analysis.curves.forEach(({ load, re, im }, k) => {
@@ -141,31 +176,31 @@ function drawFrequencies(u, { analysis, values, state, range }) {
       polyline(u, cut(load), cut(re), { colour: palette.modes[k], dash: kind ? [] : [6, 4] });
     }
   });
-  drawTangent(u, analysis, range);
+  drawTangent(u, analysis, range, units);
   for (const mode of state?.upper ?? []) {
     if (mode.im > 0) spot(u, values.P, mode.im ** 2 - mode.re ** 2, { colour: palette.ink, size: 3.5 });
   }
 }
 
-function drawTangent(u, { tangent, undamped }, range) {
+function drawTangent(u, { tangent, undamped, isBare }, range, units) {
   if (tangent) {
     const { load, omega, kappa } = tangent;
     const slope = (omega ** 2 + kappa) / load;
     polyline(u, [0, range], [-kappa, slope * range - kappa], { colour: palette.accent, width: 1.3 });
     spot(u, load, omega ** 2, { colour: palette.accent });
-    note(u, `tangent: ${shown(load, 5)}`, load, omega ** 2, { colour: palette.accent, below: true });
+    note(u, `tangent: ${said(units, "load", load, 5)}`, load, omega ** 2, { colour: palette.accent, below: true });
   }
   if (!undamped || undamped.load > range) return;
   spot(u, undamped.load, undamped.omega ** 2, { colour: palette.accent, hollow: true });
-  const what = undamped.kind === "flutter" ? "coalescence" : "divergence";
-  note(u, `${what}: ${shown(undamped.load, 5)}`, undamped.load, undamped.omega ** 2, { colour: palette.accent });
+  const what = undamped.kind === "flutter" && isBare ? "coalescence" : undamped.kind;
+  note(u, `${what}: ${said(units, "load", undamped.load, 5)}`, undamped.load, undamped.omega ** 2, { colour: palette.accent });
 }
 
 /** Eigenvalues in the complex plane as the load goes over its range. */
 function locusPlot(place, view) {
   return makePlot(place, {
-    x: { range: () => locusRange(view).x, label: "growth rate Re λ" },
-    y: { range: () => locusRange(view).y, label: "frequency Im λ" },
+    x: { range: () => locusRange(view).x, label: "growth rate Re λ", quantity: (most) => scaleOf(view.units, "rate", most) },
+    y: { range: () => locusRange(view).y, label: "frequency Im λ", quantity: (most) => scaleOf(view.units, "frequency", most) },
     draw: (u) => drawLocus(u, view),
   });
 }
@@ -183,7 +218,7 @@ function locusRange({ analysis, values, range }) {
   return { x: [low - pad, high + pad], y: [0, top > 0 ? top : 1] };
 }
 
-function drawLocus(u, { analysis, state, values }) {
+function drawLocus(u, { analysis, state, units }) {
   polyline(u, [0, 0], [u.scales.y.min, u.scales.y.max], { colour: palette.muted, width: 1 });
   if (!analysis) return;
   analysis.locus.forEach(({ re, im }, k) => {
@@ -197,7 +232,7 @@ function drawLocus(u, { analysis, state, values }) {
   const { critical } = analysis;
   if (critical) {
     spot(u, 0, critical.omega, { colour: palette.accent, hollow: true });
-    note(u, `P = ${shown(critical.load, 5)}`, 0, critical.omega, { colour: palette.accent });
+    note(u, `P = ${said(units, "load", critical.load, 5)}`, 0, critical.omega, { colour: palette.accent });
   }
   for (const mode of state?.upper ?? []) {
     const least = mode === state.least;
@@ -208,8 +243,8 @@ function drawLocus(u, { analysis, state, values }) {
 /** Deflection at the sensor in time. */
 function responsePlot(place, view) {
   return makePlot(place, {
-    x: { range: (_, low, high) => [low, high], label: "time t" },
-    y: { range: (_, low, high) => evenRange(low, high), label: "deflection y(xₛ, t)", size: 66 },
+    x: { range: (_, low, high) => [low, high], label: "time t", quantity: (most) => scaleOf(view.units, "time", most) },
+    y: { range: (_, low, high) => evenRange(low, high), label: "at the sensor", size: 66, quantity: (most) => scaleOf(view.units, view.measure, most) },
     series: [{ stroke: () => (view.state?.growing ? palette.accent : palette.stable), width: 1.4, points: { show: false } }],
   });
 }

@@ -241,6 +241,7 @@ function isGrowing(pencil, damping, P) {
 
 /** Growth, up to a positive factor, and frequency of what grows most at a load. */
 function fastestAt(pencil, damping, P) {
+  if (pencil.general) return generalGrowth(pencil, damping, P).reduce((x, y) => (y.growth > x.growth ? y : x));
   const all = damping.ratio < LIGHTEST ? lightGrowth(pencil, damping, P) : dampedGrowth(pencil, damping, P);
   return all.reduce((x, y) => (y.growth > x.growth ? y : x));
 }

@@ -1,47 +1,92 @@
 // The case that the page shows: its parameters, their limits, and its form in the address.
 
-const BUILT_IN = ["P", "alpha", "beta", "N", "sensor"];
+const BUILT_IN = [
+  "P", "alpha", "beta", "N", "sensor", "reads", "force", "place", "rate", "across", "up", "length", "bending_stiffness", "mass_per_length",
+];
+const FORCES = { release: "released", step: "step force", pulse: "pulse", sine: "sine force" };
 
-/** The parameters of the page, in the order of its controls. */
+/** The parameters of the page, in the order of its controls; panel: where a control stands that is not with the others. */
 function parametersOf(column) {
-  const own = column.parameters.map((p) => ({
-    key: BUILT_IN.includes(p.name) ? `own.${p.name}` : p.name,
-    own: p.name,
-    symbol: p.symbol,
-    meaning: p.meaning,
-    start: p.default,
-    low: p.low,
-    high: p.high,
-    scale: "linear",
-  }));
   const { start } = column;
-  const damping = (key, symbol, meaning, low, high, most) =>
+  const own = column.parameters.map((p) => {
+    const [name, hint] = p.meaning.split(/[:;] (.*)/);
+    return {
+      key: BUILT_IN.includes(p.name) ? `own.${p.name}` : p.name,
+      own: p.name, symbol: p.symbol, name, hint, tip: p.meaning, start: p.default, low: p.low, high: p.high, scale: "linear",
+    };
+  });
+  const damping = (key, symbol, name, tip, low, high, most) =>
     column.damping.includes(key)
-      ? [{ key, symbol, meaning, start: start[key], low: 0, high: most, scale: "decades", decades: [low, high] }]
+      ? [{ key, symbol, name, tip, start: start[key], low: 0, high: most, scale: "decades", decades: [low, high], quantity: key }]
       : [];
-  return [
-    { key: "P", symbol: "P", meaning: "load", start: start.P, low: 0, high: column.load_max, scale: "load" },
-    ...damping("alpha", "α", "internal damping", -6, 0, 100),
-    ...damping("beta", "β", "external damping", -3, 2, 1e4),
-    { key: "N", symbol: "N", meaning: "Ritz terms", start: start.N, low: 1, high: column.modes, scale: "whole" },
+  const shown = [
+    { key: "P", symbol: "P", name: "load", tip: "The load on the column, in units of EI/L²", start: start.P, low: 0, high: column.load_max, scale: "load", quantity: "load" },
+    ...damping("alpha", "α", "internal damping", "Damping of the material: it resists the rate of bending", -6, 0, 100),
+    ...damping("beta", "β", "external damping", "Damping by the medium around: it resists the velocity", -3, 2, 1e4),
+    ...(column.links ? [] : [{
+      key: "N", symbol: "N", name: column.general ? "functions a segment" : "Ritz terms", start: start.N, low: column.least, high: column.modes, scale: "whole",
+      tip: "Number of functions that the motion is a sum of; more are more exact and slower",
+    }]),
     ...own,
-    { key: "sensor", symbol: "xₛ", meaning: "sensor", start: start.sensor, low: 0, high: 1, scale: "linear" },
+  ];
+  const axes = shown.filter(({ key }) => key !== "N").map(({ key, symbol, name }) => [key, `${symbol} ${name}`]);
+  return [...shown, ...responseParameters(column), ...mapParameters(axes), ...(column.si ? unitParameters() : [])];
+}
+
+/** What the sensor's plot is of. */
+function responseParameters({ start, reads, links }) {
+  const panel = "response-controls";
+  const seen = reads.map((name, k) => [String(k), name]);
+  return [
+    { key: "force", symbol: "", name: "motion", tip: "What sets the column in motion", start: "release", scale: "choice", choices: Object.entries(FORCES), panel },
+    ...(links ? [] : [
+      { key: "sensor", symbol: "xₛ", name: "sensor", tip: "Place of the sensor along the column, in units of its length", start: start.sensor, low: 0, high: 1, scale: "linear", panel },
+      { key: "place", symbol: "x_F", name: "place of the force", tip: "Where the transversal force acts, in units of the length", start: start.place, low: 0, high: 1, scale: "linear", panel },
+    ]),
+    ...(seen.length > 1 ? [{ key: "reads", symbol: "", name: "sensor reads", tip: links ? "What is drawn, and what the force acts on" : "What is drawn", start: "0", scale: "choice", choices: seen, panel }] : []),
+    { key: "rate", symbol: "Ω", name: "frequency of the sine", tip: "Circular frequency of the sine force", start: start.rate, low: 0, high: 10 * start.rate, scale: "linear", quantity: "frequency", panel },
+  ];
+}
+
+/** The two parameters that the map is over; none where there is only the load. */
+function mapParameters(axes) {
+  if (axes.length < 2) return [];
+  const keys = axes.map(([key]) => key);
+  const [across, up] = keys.includes("alpha") && keys.includes("beta") ? ["alpha", "beta"] : [keys.find((key) => key !== "P"), "P"];
+  const one = (key, name, start) => ({ key, symbol: "", name, tip: `The parameter that the map has ${name}`, start, scale: "choice", choices: axes, panel: "map-controls" });
+  return [one("across", "across", across), one("up", "up", up)];
+}
+
+/** The beam in SI units; nothing where all is nondimensional. */
+function unitParameters() {
+  const one = (key, symbol, name, tip) => ({ key, symbol, name, tip, start: null, low: 0, high: 1e30, scale: "optional", panel: "unit-controls" });
+  return [
+    one("length", "L", "length, m", "Length of the beam in m"),
+    one("bending_stiffness", "EI", "bending stiffness, N m²", "Bending stiffness of the beam in N m²"),
+    one("mass_per_length", "m", "mass per length, kg/m", "Mass per length of the beam in kg/m"),
   ];
 }
 
 /** The value that a text says, or why it says none. */
 function readValue(parameter, text) {
   const cleaned = text.trim().replace("−", "-");
-  const { symbol, low, high, scale } = parameter;
+  const { name, low, high, scale, choices } = parameter;
+  const symbol = parameter.symbol || name;
+  if (scale === "choice") {
+    const isKnown = choices.some(([key]) => key === cleaned);
+    return isKnown ? { value: cleaned } : { why: `${symbol} = “${cleaned.slice(0, 24)}”: must be one of ${choices.map(([key]) => key).join(", ")}` };
+  }
+  if (scale === "optional" && cleaned === "") return { value: null };
   const said = cleaned === "" ? "nothing" : `“${cleaned.length > 24 ? `${cleaned.slice(0, 23)}…` : cleaned}”`;
   const range = `from ${exact(low)} to ${exact(high)}`;
   if (!/^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i.test(cleaned)) {
-    return { why: `${symbol} = ${said}: is not a number; it must be one ${range}, such as ${exact(parameter.start)}` };
+    return { why: `${symbol} = ${said}: is not a number; it must be one ${range}${parameter.start === null ? "" : `, such as ${exact(parameter.start)}`}` };
   }
   const value = Number(cleaned);
   if (scale === "whole" && !Number.isInteger(value)) {
     return { why: `${symbol} = ${said}: must be a whole number ${range}` };
   }
+  if (scale === "optional" && value === 0) return { why: `${symbol} = 0: must be above 0, or nothing` };
   if (!(value >= low && value <= high)) return { why: `${symbol} = ${said}: must be ${range}` };
   return { value: value === 0 ? 0 : value };
 }
@@ -53,7 +98,8 @@ function startOf(parameters) {
 
 /** A case as the end of an address; what is at its start is said too, so that a link means the same for ever. */
 function hashOf(parameters, values) {
-  return `#${parameters.map(({ key }) => `${encodeURIComponent(key)}=${exact(values[key])}`).join("&")}`;
+  const said = parameters.filter(({ key }) => values[key] !== null);
+  return `#${said.map(({ key }) => `${encodeURIComponent(key)}=${exact(values[key])}`).join("&")}`;
 }
 
 /** The values that an address names, and why others of it are not taken. */

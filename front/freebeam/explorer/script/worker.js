@@ -35,13 +35,9 @@ function computer(column, send) {
   return (message) => {
     if (message.kind === "case") question = message;
     if (message.kind === "map") {
-      const pencil = pencilOf(message.N, message.own);
-      const axes = mapAxes(column);
-      const loads = new Float64Array(axes.alpha.length * axes.beta.length).fill(NaN);
-      map = null;
-      if (pencil.sound) {
-        map = { id: message.id, axes, loads, shown: 0, cells: mapCells(pencil, axes, loads) };
-      }
+      const { id, axes, owned } = message;
+      const loads = new Float64Array(axes[0].values.length * axes[1].values.length).fill(NaN);
+      map = { id, axes, loads, shown: 0, cells: mapCells(message, axes, owned, loads) };
     }
     wake();
   };
