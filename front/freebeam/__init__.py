@@ -26,6 +26,7 @@ if TYPE_CHECKING:
         certified_crossings,
         certified_load,
         certified_pulse,
+        exact_crossings,
         exact_load,
         exact_spectrum,
         truncation_error,
@@ -66,8 +67,9 @@ __all__ = [
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
-    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "verify_certificate",
     "respond", "state_space", "Harmonic", "Response",
     "vehicle", "Vehicle",
     "InputError",
@@ -77,8 +79,9 @@ __all__ = [
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
 _HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"], "proofs": [
-    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "verify_certificate",
 ]}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 

@@ -57,7 +57,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     )
     kappa: Number | None = option("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
     digits: int | None = option("D", "Prove the critical load to D digits.")
-    exact: bool = flag("With --digits: prove the load of the beam itself, not of the series.")
+    exact: bool = flag("With --digits: prove it of the beam itself, not of the series.")
     every: bool = flag(
         "With --digits: prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all"
     )
@@ -84,7 +84,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if found.crossings:
             load, frequency = (self.units.of(quantity) for quantity in ("load", "frequency"))
             header = [f"load{load}", "kind", f"frequency{frequency}", "unstable eigenvalues", "stability"]
-            title = f"All crossings up to {record['load_max']:.10g}{load}: proven that there is no other"
+            of = " of the beam itself" if self.exact else ""
+            title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
     def check(self) -> None:
@@ -97,8 +98,10 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-        for name, given in (("--all", self.every), ("--truncation", self.truncation)):
-            refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
+        refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
+        listed = self.exact and self.every
+        refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
+        refuse(listed and file, "--certificate: holds the first crossing alone; leave out --all")
         there = file and file.exists() and not self.force
         refuse(there, f"{file} exists; choose another file, or --force to replace it")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
@@ -142,11 +145,13 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         of_series, digits = (self.chosen, self.question.modes), self.digits
         if digits is not None or self.truncation:
             with working("proof") as report, self.units.in_errors():
-                if digits is not None and self.exact:
+                if digits is not None and self.exact and self.every:
+                    crossings = fb.exact_crossings(self.chosen, digits=digits, progress=report, **self.exactly)
+                elif digits is not None and self.exact:
                     proven = fb.exact_load(self.chosen, digits=digits, **self.exactly)
                 elif digits is not None:
                     proven = fb.certified_load(*of_series, digits=digits, progress=report, **self.exactly)
-                if digits is not None and self.every:
+                if digits is not None and self.every and not self.exact:
                     report("all crossings")
                     crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **self.exactly)
                 if self.truncation or (proven and proven.load and not self.exact):
@@ -193,6 +198,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             rows += [["converged", ("yes" if record["converged"] else "no") + error]]
         if found.proven is not None:
             rows += self.rows_of_proof(found.proven, kind, none)
+        if found.crossings == () and self.exact:
+            rows += [["proven, the beam itself", f"no crossing, stable {none.removeprefix('none ')}"]]
         if found.truncation is not None:
             rows += [["truncation error", found.truncation.get("unknown") or _difference(found.truncation, unit)]]
         return rows
