@@ -11,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 from flint import acb, arb
 
-from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
 from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Onset, Proof, VanishingDamping
@@ -111,11 +111,18 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
 
 
 def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) -> tuple[arb, arb]:
-    """c_E and c_M of C = c_E E + c_M M, in the limit α → 0⁺ per α. Raises OpenStep where one may be negative."""
-    c_E, c_M = beam.damping(alpha, beta) if kappa is None else beam.damping(Fraction(1), kappa)
-    if not (c_E >= 0 and c_M >= 0):
+    """c_E and c_M of C = c_E E + c_M M, in the limit α → 0⁺ per α. Raises OpenStep where one may be negative.
+
+    A range, in which they are linear, is looked at in its ends.
+    """
+    dampings = (alpha, beta) if kappa is None else (Fraction(1), kappa)
+    at_ends = [(v.low, v.high) if isinstance(v, Range) else (v,) for v in dampings]
+    found = [beam.damping(*ends) for ends in product(*at_ends)]
+    if not all(c_E >= 0 and c_M >= 0 for c_E, c_M in found):
         raise OpenStep("damping: a factor of C = c_E E + c_M M is not known to be positive")
-    return c_E, c_M
+    if not (all(c_E > 0 for c_E, _ in found) or all(c_E.is_zero() for c_E, _ in found)):
+        raise OpenStep("damping: internal damping is nothing at an end of the range, where the load jumps")
+    return beam.damping(*dampings)
 
 
 def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:

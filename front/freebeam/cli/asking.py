@@ -7,8 +7,9 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from freebeam.cli import ranging
 from freebeam.cli.application import command
 from freebeam.cli.options import (
     REQUIRED,
@@ -20,6 +21,7 @@ from freebeam.cli.options import (
     argument,
     flag,
     number,
+    number_or_range,
     option,
     refuse,
     vanishing_or_number,
@@ -55,9 +57,16 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     alpha: Number = option(
         "X", "Internal damping alpha; 0+ for the limit of vanishing damping.", default="0", parser=vanishing_or_number
     )
-    kappa: Number | None = option("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
+    READ: ClassVar[Any] = staticmethod(number_or_range)
+    beta: Number = option("X", "External damping beta.", default="0", parser=number_or_range)
+    kappa: Number | None = option(
+        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.", parser=number_or_range
+    )
     digits: int | None = option("D", "Prove the critical load to D digits.")
-    exact: bool = flag("With --digits: prove it of the beam itself, not of the series.")
+    exact: bool = flag(
+        "With --digits: prove it of the beam itself, not of the series. One parameter may be a range then, such as "
+        "--set eta=0.6..0.7: proven for each value in it; without --digits to 1 %."
+    )
     every: bool = flag(
         "With --digits: prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all"
     )
@@ -66,6 +75,9 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     plot: Path | None = option("FILE.svg|.png|.pdf", "Draw the eigenvalues over the load; of a limit its tangent.")
 
     def run(self) -> None:
+        if ranging.ranges(self):
+            ranging.prove(self)
+            return
         self.check()
         found = self.compute()
         if self.certificate and found.proven is not None:
@@ -88,13 +100,17 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
+    def check_limit(self) -> None:
+        """Refuse dampings that contradict a limit of vanishing damping. Raises InputError."""
+        limit = "kappa" in self.dampings
+        refuse(self.kappa and not limit, f"kappa = {self.kappa}: is a ratio of vanishing dampings; give --alpha 0+ too")
+        cure = "give the ratio beta/alpha by --kappa instead"
+        refuse(limit and float(self.beta), f"beta = {self.beta}: vanishes with --alpha 0+; {cure}")
+
     def check(self) -> None:
         """Refuse options that contradict one another. Raises InputError."""
-        limit, file = "kappa" in self.dampings, self.certificate
-        refuse(self.kappa and not limit, f"kappa = {self.kappa}: is a ratio of vanishing dampings; give --alpha 0+ too")
-        if limit:
-            cure = "give the ratio beta/alpha by --kappa instead"
-            refuse(float(self.beta), f"beta = {self.beta}: vanishes with --alpha 0+; {cure}")
+        self.check_limit()
+        file = self.certificate
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
