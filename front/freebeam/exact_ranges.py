@@ -161,9 +161,9 @@ def _pieces(
 
 def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width: Fraction | None) -> Piece:
     """What is proven from low to high. Raises Unproven, also where the load is wider, relative to its size."""
-    from freebeam_derive.certify.balls import Range, Unproven, ends
+    from freebeam_derive.certify.balls import Range, Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import Over, crossing, linear_damping, piece
+    from freebeam_derive.certify.beam_ranges import Over, linear_damping, piece
 
     column, exact = asked.column, asked.exact
     if column.general:
@@ -182,12 +182,7 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     near = proofs._near(loss_of_beam)
     if near is None or loss_of_beam.kind == "none":
         raise Unproven(f"no series loses stability up to the load {question.load_max:.10g}")
-    found = crossing(beam, damping, near, loss_of_beam.kind)
-    if width is not None:
-        bottom, top = ends(found.load)
-        if top - bottom > width * top:
-            raise Unproven("the load is not known closely enough")
-    return piece(beam, low, high, damping, found)
+    return piece(beam, values, damping, near, loss_of_beam.kind, width)
 
 
 def _told(piece: Piece) -> ExactPiece:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -12,6 +13,7 @@ import pytest
 from flint import arb
 
 import freebeam as fb
+from freebeam.cli import main
 from freebeam_derive.certify import beam_cells, beam_crossings
 from freebeam_derive.certify.all_crossings import Crossing
 from freebeam_derive.certify.balls import Unproven, exact, precision
@@ -24,8 +26,8 @@ from freebeam_sym.checks import InputError
 F = Fraction
 CASES: dict[str, dict[str, Any]] = {
     "lost, regained, lost": {"eta": F(2, 5), "load_max": F(30)},
-    "damped": {"eta": F(2, 5), "alpha": F(1, 100), "beta": F(1, 2), "load_max": F(17)},
-    "the limit of vanishing damping": {"eta": F(2, 5), "kappa": F(0), "load_max": F(17)},
+    "damped": {"eta": F(2, 5), "alpha": F(1, 100), "beta": F(1, 2), "load_max": F(16)},
+    "the limit of vanishing damping": {"eta": F(2, 5), "kappa": F(0), "load_max": F(16)},
 }
 
 
@@ -66,7 +68,7 @@ def test_crossings_and_counts_are_those_of_a_long_series(name: str) -> None:
 
 
 def test_euler_loads_are_all_there() -> None:
-    found = survey("euler-pinned", F(50), digits=30)
+    found = survey("euler-pinned", F(40), digits=30)
     assert [(c.kind, c.unstable, c.change) for c in found] == [("divergence", 0, 1), ("divergence", 1, 1)]
     with mpmath.workdps(50):
         for n, c in enumerate(found, 1):
@@ -80,10 +82,8 @@ def test_a_stable_column_has_none() -> None:
 
 def test_the_touch_at_one_half_is_a_touch() -> None:
     """det K is c (1 + cos √P): it never passes zero."""
-    found = survey("beck", F(17), eta=F(1, 2))
-    assert [(c.kind, c.unstable, c.change, c.stability) for c in found] == [
-        ("touch", 0, 0, "touched"), ("flutter", 0, 2, "lost")
-    ]  # fmt: skip
+    found = survey("beck", F(12), eta=F(1, 2))
+    assert [(c.kind, c.unstable, c.change, c.stability) for c in found] == [("touch", 0, 0, "touched")]
     low, high = found[0].load
     with precision(256):
         assert exact(low) < arb.pi() ** 2 < exact(high) and high - low < F(1, 10**14)
@@ -146,13 +146,26 @@ def test_a_divergence_that_is_not_seen_to_be_simple_is_refused(monkeypatch: pyte
 # ------------------------------------------------------------ asked for from outside
 
 
-def test_columns_beyond_the_uniform_beam_are_refused() -> None:
-    with pytest.raises(InputError, match="goes beyond the uniform beam"):
-        fb.exact_crossings(fb.column("ziegler"), load_max=2)
-
-
 def test_in_si_units_loads_are_newtons() -> None:
     EI, m, L = 2, 3, 5
-    (si,) = fb.exact_crossings(fb.column("euler-pinned"), load_max=1, beam=(EI, m, L))
-    (none,) = fb.exact_crossings(fb.column("euler-pinned"), load_max=F(25, 2))
-    assert float(si.load[0]) == pytest.approx(float(none.load[0]) * EI / L**2, rel=1e-14)
+    (found,) = fb.exact_crossings(fb.column("euler-pinned"), load_max=1, beam=(EI, m, L))
+    assert float(found.load[0]) == pytest.approx(np.pi**2 * EI / L**2, rel=1e-14)
+    assert (found.unstable_below, found.unstable_above, found.stability) == (0, 1, "lost")
+
+
+def test_columns_beyond_the_uniform_beam_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(fb.proofs._Asked, "itself", property(lambda self: object()))
+    with pytest.raises(InputError, match="goes beyond the uniform beam"):
+        fb.exact_crossings(fb.column("euler-pinned"), load_max=2)
+
+
+def test_from_the_command_line_the_list_needs_an_end(capsys: pytest.CaptureFixture[str]) -> None:
+    words = ["critical", "--column", "beck", "--exact", "--all", "--digits", "9"]
+    assert main(words) == 2 and capsys.readouterr().err.count("\n") == 1
+    assert main([*words, "--load-max", "4", "--certificate", "x.json"]) == 2
+    assert "leave out --all" in capsys.readouterr().err
+    assert main([*words, "--load-max", "4", "--set", "eta=0", "--json"]) == 0
+    (found,) = json.loads(capsys.readouterr().out)["crossings"]
+    assert found["load_lower"].startswith("2.46740110") and found["stability"] == "lost"
+    assert main([*words, "--load-max", "2", "--set", "eta=0"]) == 0
+    assert "no crossing, stable up to 2" in capsys.readouterr().out

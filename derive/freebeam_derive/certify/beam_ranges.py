@@ -234,11 +234,22 @@ def _enclosed(problem: Onset, family: _Family, start: list[arb]) -> list[arb]:
 
 
 def piece(
-    beam: Beam, low: Fraction, high: Fraction, damping: tuple[Exact, Exact, Exact | None], found: ExactCrossing
+    beam: Beam,
+    values: Range,
+    damping: tuple[Exact, Exact, Exact | None],
+    near: tuple[float, float],
+    kind: Kind,
+    width: Fraction | None = None,
 ) -> Piece:
-    """A crossing over a range, with the proof that it is the first of each value. Raises Unproven with the step that
-    failed."""
+    """The first loss of stability over a range, proven for each value. beam, damping, near and kind as in `crossing`.
+
+    Raises Unproven with the step that failed, and where the loads are more than a share `width` of the highest apart.
+    """
+    found = crossing(beam, damping, near, kind)
+    bottom, top = ends(found.load)
+    if width is not None and top - bottom > width * top:
+        raise Unproven("the loads of the range are too far apart")
     proven, evidence, missing = complete(beam, found, *damping)
     if evidence is None:
         raise Unproven(missing)
-    return Piece(low, high, ends(proven.load), ends(proven.frequency), proven.kind)
+    return Piece(values.low, values.high, (bottom, top), ends(proven.frequency), kind)
