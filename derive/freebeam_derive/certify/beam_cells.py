@@ -75,6 +75,8 @@ class Cells:
 
     def _with_one_series(self, problem: Onset, P: arb, x: arb) -> bool:
         around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
+        for known in self._near([P, x]):  # the equations are looked at on a cell and on it together
+            around = [side.union(part) for side, part in zip(around, known, strict=True)]
         local, self._series = copy(problem), self._series + 1
         try:
             local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
