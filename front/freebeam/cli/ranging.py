@@ -1,4 +1,4 @@
-"""`freebeam critical --exact` over a range of a parameter."""
+"""`freebeam critical --exact` over a range of a parameter. The command hands itself on as `asked`."""
 
 from __future__ import annotations
 
@@ -10,18 +10,17 @@ from freebeam.cli.output import print_json, print_table, working, write_picture
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from freebeam.cli.asking import Critical
     from freebeam.exact_ranges import ExactRange
 
 
-def ranges(asked: Critical) -> dict[str, Interval]:
+def ranges(asked: Any) -> dict[str, Interval]:
     """The parameters that were given as a range."""
     kappa = {} if asked.kappa is None else {"kappa": asked.kappa}
     given: dict[str, Number] = {"alpha": asked.alpha, "beta": asked.beta, **kappa, **asked.assigned}
     return {name: value for name, value in given.items() if isinstance(value, Interval)}
 
 
-def prove(asked: Critical) -> None:
+def prove(asked: Any) -> None:
     """Prove it, write the picture, print. Raises InputError."""
     import freebeam as fb
 
@@ -67,7 +66,7 @@ def prove(asked: Critical) -> None:
     )
 
 
-def _record(asked: Critical, name: str, interval: Interval, found: ExactRange) -> dict[str, Any]:
+def _record(asked: Any, name: str, interval: Interval, found: ExactRange) -> dict[str, Any]:
     """All of it for JSON."""
     ends = [float(interval.low), float(interval.high)]
     record = asked.record(
