@@ -16,6 +16,7 @@ import freebeam_sym as _runtime
 
 if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
+    from freebeam.exact_ranges import ExactPiece, ExactRange, OpenPiece, exact_range
     from freebeam.own import column, column_names
     from freebeam.proofs import (
         Certified,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         certified_crossings,
         certified_load,
         certified_pulse,
+        exact_crossings,
         exact_load,
         exact_spectrum,
         truncation_error,
@@ -66,8 +68,9 @@ __all__ = [
     "critical_load", "CriticalLoad",
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
-    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "verify_certificate", "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
     "respond", "state_space", "Harmonic", "Response",
     "vehicle", "Vehicle",
     "InputError",
@@ -76,9 +79,12 @@ __all__ = [
 
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
-_HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"], "proofs": [
-    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_spectrum", "truncation_error",
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "verify_certificate",
+_HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"], "exact_ranges": [
+    "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
+], "proofs": [
+    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "verify_certificate",
 ]}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 

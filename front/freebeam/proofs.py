@@ -20,13 +20,14 @@ from freebeam_sym.stability.convergence import CONVERGED, BeamLoss
 from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
+    from freebeam_derive.certify.all_crossings import Crossing
     from freebeam_derive.certify.verifier import Statement
     from freebeam_sym.columns import Column
 
 __all__ = [
     "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "certified_crossings",
-    "certified_load", "certified_pulse", "exact_load", "exact_spectrum", "rational", "truncation_error",
-    "verify_certificate",
+    "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum", "rational",
+    "truncation_error", "verify_certificate",
 ]  # fmt: skip
 
 MOST = 1_000_000
@@ -66,7 +67,8 @@ class CertifiedCrossing:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards. unstable_below, unstable_above: how many
     eigenvalues have a positive real part next to it. stability: "lost", "regained", or "unchanged" where the column
-    is unstable on either side.
+    is unstable on either side. kind: "flutter", "divergence", or, of the beam itself, "touch" with the stability
+    "touched": an eigenvalue is zero at that load alone, and on the same side of it below and above.
     """
 
     kind: str
@@ -383,7 +385,6 @@ def certified_crossings(
     """
     from freebeam_derive.certify import all_crossings
     from freebeam_derive.certify.balls import Unproven
-    from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
@@ -391,17 +392,67 @@ def certified_crossings(
         found = all_crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
-    return tuple(
-        CertifiedCrossing(
-            c.kind,
-            outward(*asked.load(c.load), digits + 3),
-            _frequency(asked, c.square, digits),
-            c.unstable,
-            c.unstable + c.change,
-            c.stability,
-        )
-        for c in found
+    return tuple(_told(asked, c, digits) for c in found)
+
+
+def _told(asked: _Asked, c: Crossing, digits: int) -> CertifiedCrossing:
+    """A crossing in the units asked in."""
+    from freebeam_derive.certify.decimals import outward
+
+    return CertifiedCrossing(
+        c.kind,
+        outward(*asked.load(c.load), digits + 3),
+        _frequency(asked, c.square, digits),
+        c.unstable,
+        c.unstable + c.change,
+        c.stability,
     )
+
+
+def exact_crossings(
+    column: Column,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    load_max: object,
+    digits: int = 15,
+    kappa: object = None,
+    beam: tuple[object, object, object] | None = None,
+    progress: Callable[[str], None] | None = None,
+    **parameters: object,
+) -> tuple[CertifiedCrossing, ...]:
+    """Every load up to load_max at which the number of growing eigenvalues of the beam itself changes, ascending, with
+    the proof over all of its modes that none is left out. Eqs. (6), (14), (15).
+
+    Of uniform beams, without damping, with it and in its limit; inputs as in `exact_load`, the result as of
+    `certified_crossings`. The work grows fast with load_max: seconds up to the first crossing or two. An empty tuple
+    is the proof that the column is stable up to there. docs/theorem.md is the theorem.
+
+    >>> import freebeam as fb
+    >>> [c.kind for c in fb.exact_crossings(fb.column("beck"), eta="0.4", load_max=20)]
+    ['divergence', 'divergence', 'flutter']
+
+    Raises InputError for bad values, and where a step of the proof failed, with its name.
+    """
+    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.beam_crossings import Survey
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
+    asked = _Asked.of(column, None, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
+    exact = asked.exact
+    try:
+        itself = asked.itself
+        if not isinstance(itself, Beam):
+            raise NoSeries(f"{column.name} goes beyond the uniform beam, whose modes the proof needs")
+        survey = Survey(itself, exact["alpha"], exact["beta"], exact.get("kappa"), exact["load_max"], digits)
+        survey.say = progress or survey.say
+        found = survey.run()
+    except NoSeries as error:
+        raise InputError(f"all crossings of the exact beam are not to be had: {error}") from error
+    except Unproven as error:
+        raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
+    return tuple(_told(asked, c, digits) for c in found)
 
 
 def exact_load(

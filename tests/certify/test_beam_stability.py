@@ -14,7 +14,7 @@ import freebeam as fb
 import freebeam_kernels.beck as beck
 import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
-from freebeam_derive.certify import beam_itself, beam_stability
+from freebeam_derive.certify import beam_cells, beam_itself, beam_stability
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import ExactCrossing
@@ -128,50 +128,53 @@ def test_a_strip_moved_over_an_eigenvalue_is_noticed(monkeypatch: pytest.MonkeyP
 def test_too_few_lowest_eigenvalues_are_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     """With m = 1 the line is not free; taken for free, one change of sign cannot be had up to the flutter load."""
     asked = FIRST["Beck"]()
-    monkeypatch.setattr(beam_stability, "_strips", lambda beam, load, growing: (Strips(beam.kernel, beam.own), 1, load))
+    monkeypatch.setattr(
+        beam_stability, "strips_for", lambda beam, load, growing: (Strips(beam.kernel, beam.own), 1, load)
+    )
     assert refused(asked).startswith("low frequencies")
 
 
 def test_a_sign_that_is_not_known_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = FIRST["Beck"]()
-    monkeypatch.setattr(beam_stability._Below, "sign", lambda self, low, high, s: 0)
+    monkeypatch.setattr(beam_stability.Below, "sign", lambda self, low, high, s: 0)
     assert refused(asked).startswith("low frequencies")
-    monkeypatch.setattr(beam_stability._Below, "sign", lambda self, low, high, s: 1)
+    monkeypatch.setattr(beam_stability.Below, "sign", lambda self, low, high, s: 1)
     assert refused(asked).startswith("low frequencies")
 
 
 def test_a_line_through_the_crossing_of_unknown_direction_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = FIRST["Beck"]()
-    right = beam_stability._Below._rising
+    right = beam_stability.Below._rising
     for wrong in (lambda *given: 0, lambda *given: -right(*given)):
-        monkeypatch.setattr(beam_stability._Below, "_rising", wrong)
+        monkeypatch.setattr(beam_stability.Below, "_rising", wrong)
         assert refused(asked).startswith("low frequencies: those just below")
 
 
 def test_a_cell_with_another_crossing_is_not_excluded(monkeypatch: pytest.MonkeyPatch) -> None:
     """Beck's column with this damping has a second crossing, P = 110.9 and ω = 20.7 (freebeam critical --all)."""
-    monkeypatch.setattr(beam_stability, "MOST_CUTS", 2)
+    monkeypatch.setattr(beam_cells, "MOST_CUTS", 2)
     beam, crossing, alpha, beta, _ = FIRST["Beck, damped"]()
     problem = beam_itself.Damped(beam, alpha, beta)
     with precision(beam_stability.BITS):
-        proof = beam_stability._Below(beam, Strips(beam.kernel, beam.own), 3, arb(112))
         there, away = [+crossing.load, +crossing.frequency], [arb(60), arb(15)]
+        proof = beam_cells.Cells(beam, 0, arb(112), [there])
         first, second = (arb(15, 2), arb(7, 1)), (arb(110, 2), arb("20.5", 0.5))
-        proof._tile(problem, *first, there, "flutter", 0)
-        proof._tile(problem, arb(110, 2), arb(23, 1), there, "flutter", 0)
+        proof._tile(problem, *first, 0)
+        proof._tile(problem, arb(110, 2), arb(23, 1), 0)
         assert proof._checked > 0
         for place, known in ((second, there), (first, away)):
-            with pytest.raises(beam_stability.OpenStep, match="cells: that there is no other crossing"):
-                proof._tile(problem, *place, known, "flutter", 0)
+            proof.known = [known]
+            with pytest.raises(beam_cells.OpenStep, match="cells: that there is no other crossing"):
+                proof._tile(problem, *place, 0)
 
 
 def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> None:
     with precision(beam_stability.BITS):
         beam = Beam(beck)
         load = arb(20)
-        few, many = (beam_stability._strips(beam, load, growing)[1] for growing in (False, True))
+        few, many = (beam_stability.strips_for(beam, load, growing)[1] for growing in (False, True))
         assert few < many
-        strips, m, reach = beam_stability._strips(beam, load, True)
+        strips, m, reach = beam_stability.strips_for(beam, load, True)
         # sup |s'| P < R_{m} by Cauchy's estimate over the disc that is left
         assert 2 / arb.pi() * (strips.line(m + 1) - strips.line(m)) / (reach - load) * load < strips.line(m)
 
@@ -181,8 +184,8 @@ def test_no_crossing_is_beyond_the_highest_frequency() -> None:
     for alpha, beta in ((Fraction(1, 10), NONE), (Fraction(1, 1000), HALF), (Fraction(3), HALF)):
         beam = Beam(beck)
         with precision(beam_stability.BITS):
-            strips, m, _ = beam_stability._strips(beam, arb(20), True)
-            proof = beam_stability._Below(beam, strips, m, arb(20))
+            strips, m, _ = beam_stability.strips_for(beam, arb(20), True)
+            proof = beam_stability.Below(beam, strips, m, arb(20))
             top = proof.highest_frequency(*beam.damping(alpha, beta))
             w = top * arb("1.001")
             p, s, *_ = beam.pencil(arb(20), acb(0, w), alpha, beta)

@@ -45,7 +45,8 @@ HALVINGS = 5  # of a strip
 class Crossing:
     """One or two eigenvalues on the imaginary axis: an interval of loads, one of ω² (None for a divergence).
 
-    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does.
+    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, 0
+    where one touches zero (of the beam itself alone).
     unstable: how many are below it.
     """
 
@@ -57,7 +58,9 @@ class Crossing:
 
     @property
     def stability(self) -> str:
-        """lost, regained, or unchanged: what was unstable remains so."""
+        """lost, regained, or unchanged: what was unstable remains so. touched: zero is reached and not passed."""
+        if self.change == 0:
+            return "touched"
         if self.unstable == 0:
             return "lost"
         return "regained" if self.unstable + self.change == 0 else "unchanged"

@@ -48,19 +48,32 @@ class Root:
         return math.sqrt(self.square)
 
 
-Exact = Fraction | Root
+@dataclass(frozen=True)
+class Range:
+    """All numbers from low to high: what is proven with it holds of each."""
+
+    low: Fraction
+    high: Fraction
+
+    def __float__(self) -> float:
+        return float((self.low + self.high) / 2)
 
 
-def root(square: Fraction) -> Exact:
+Exact = Fraction | Root | Range
+
+
+def root(square: Fraction) -> Fraction | Root:
     """The square root of a rational number that is not negative; rational where it is."""
     below, under = math.isqrt(square.numerator), math.isqrt(square.denominator)
     return Fraction(below, under) if Fraction(below, under) ** 2 == square else Root(square)
 
 
 def exact(value: Exact | int) -> arb:
-    """The ball of a rational number, or of the root of one."""
+    """The ball of a rational number, of the root of one, or about a range."""
     if isinstance(value, Root):
         return exact(value.square).sqrt()
+    if isinstance(value, Range):
+        return exact(value.low).union(exact(value.high))
     value = Fraction(value)
     return arb(fmpq(value.numerator, value.denominator))
 
@@ -205,8 +218,8 @@ def _series(kernel: ModuleType, delta: arb, quarter: int, sigma: int, order: int
         flint.ctx.cap = before
 
 
-def parameters(kernel: Any, own: Mapping[str, Fraction] | None = None) -> dict[str, Fraction]:
-    """All own parameters of a column as rational numbers; defaults where left out, read by their shortest decimals.
+def parameters(kernel: Any, own: Mapping[str, Any] | None = None) -> dict[str, Any]:
+    """All own parameters of a column as rational numbers, or what is given; defaults by their shortest decimals.
 
     Raises ValueError for one that it does not have.
     """

@@ -177,7 +177,7 @@ class VanishingDamping(Onset):
         super().__init__(beam)
         self.kappa = kappa
 
-    def _moved(self, x: list[arb]) -> arb:
+    def moved(self, x: list[arb]) -> arb:
         """s + κ."""
         c_E, c_M = self.beam.damping(Fraction(1), self.kappa)
         if not c_E > 0:
@@ -185,10 +185,10 @@ class VanishingDamping(Onset):
         return x[1] + c_M / c_E
 
     def equations(self, x: list[arb], t: Taylor) -> list[arb]:
-        return [t[0, 0], x[0] * t[1, 0] + self._moved(x) * t[0, 1]]
+        return [t[0, 0], x[0] * t[1, 0] + self.moved(x) * t[0, 1]]
 
     def matrix(self, x: list[arb], t: Taylor) -> list[list[arb]]:
-        p, moved = x[0], self._moved(x)
+        p, moved = x[0], self.moved(x)
         by_p = t[1, 0] + 2 * p * t[2, 0] + moved * t[1, 1]
         by_s = p * t[1, 1] + t[0, 1] + 2 * moved * t[0, 2]
         return [[t[1, 0], t[0, 1]], [by_p, by_s]]

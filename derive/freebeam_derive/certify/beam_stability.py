@@ -8,30 +8,24 @@ which the strips leave none. docs/theorem.md has the statements and their proofs
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
-from copy import copy
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 from flint import acb, arb
 
-from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
+from freebeam_derive.certify.beam_cells import Cells, OpenStep
 from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Onset, Proof, VanishingDamping
-from freebeam_derive.certify.krawczyk import image, one_to_one
-from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
-MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
-MOST_CUTS = 7
-MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
 TERMS = 6  # of Taylor's series in the load, over a stretch
 FLOATS = 40  # modes of the series that separators are taken from
 
@@ -78,10 +72,6 @@ class Evidence:
         }
 
 
-class OpenStep(Unproven):
-    """A step of the proof that failed; the message names it."""
-
-
 def complete(
     beam: Any, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
@@ -98,12 +88,10 @@ def complete(
 
 def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None) -> Evidence:
     load, frequency = +crossing.load, +crossing.frequency
-    c_E, c_M = beam.damping(alpha, beta) if kappa is None else beam.damping(Fraction(1), kappa)
-    if not (c_E >= 0 and c_M >= 0):
-        raise OpenStep("damping: a factor of C = c_E E + c_M M is not known to be positive")
-    undamped = kappa is None and beam.undamped(alpha, beta)
-    strips, m, reach = _strips(beam, load, growing=bool(c_E > 0) and not undamped)
-    proof = _Below(beam, strips, m, load)
+    c_E, c_M = damping_factors(beam, alpha, beta, kappa)
+    undamped, flutter = kappa is None and beam.undamped(alpha, beta), crossing.kind == "flutter"
+    strips, m, reach = strips_for(beam, load, growing=bool(c_E > 0) and not undamped)
+    proof = Below(beam, strips, m, load)
     if undamped:
         at = None if crossing.kind == "divergence" else frequency * frequency
         return Evidence(m, rational(reach, 60), strips.modes.count, tuple(proof.real_and_simple(at)))
@@ -111,14 +99,30 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
         below = proof.real_and_simple(None) if crossing.kind == "divergence" else proof.real_and_simple_throughout()
         stretches = tuple(below)
         problem: Onset = VanishingDamping(beam, kappa)
-        top = strips.line(m).upper()
-        cells = proof.no_other_zero(problem, top, [load, frequency * frequency], crossing.kind)
+        top, known = strips.line(m).upper(), [[load, frequency * frequency]] if flutter else []
+        cells = Cells(beam, strips.rigid, load, known).no_other_zero(problem, top)
         return Evidence(m, rational(reach, 60), strips.modes.count, stretches, cells, float(top) ** 0.5)
+    known = [[load, frequency]] if flutter else []
     start = proof.real_and_simple_at(Fraction(0))
     proof.no_divergence(crossing.kind)
     top = proof.highest_frequency(c_E, c_M)
-    cells = proof.no_other_zero(Damped(beam, alpha, beta), top, [load, frequency], crossing.kind)
+    cells = Cells(beam, strips.rigid, load, known).no_other_zero(Damped(beam, alpha, beta), top)
     return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
+
+
+def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) -> tuple[arb, arb]:
+    """c_E and c_M of C = c_E E + c_M M, in the limit α → 0⁺ per α. Raises OpenStep where one may be negative.
+
+    A range, in which they are linear, is looked at in its ends.
+    """
+    dampings = (alpha, beta) if kappa is None else (Fraction(1), kappa)
+    at_ends = [(v.low, v.high) if isinstance(v, Range) else (v,) for v in dampings]
+    found = [beam.damping(*ends) for ends in product(*at_ends)]
+    if not all(c_E >= 0 and c_M >= 0 for c_E, c_M in found):
+        raise OpenStep("damping: a factor of C = c_E E + c_M M is not known to be positive")
+    if not (all(c_E > 0 for c_E, _ in found) or all(c_E.is_zero() for c_E, _ in found)):
+        raise OpenStep("damping: internal damping is nothing at an end of the range, where the load jumps")
+    return beam.damping(*dampings)
 
 
 def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:
@@ -133,7 +137,7 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
         if not (c_E.is_zero() and c_M >= 0):
             return None, "with internal damping eigenvalues are not counted"
         try:
-            strips, least, _ = _strips(beam, abs(exact(load)), growing=False)
+            strips, least, _ = strips_for(beam, abs(exact(load)), growing=False)
         except Unproven as error:
             return None, str(error)
         # each of the m eigenvalues s left of line m has two λ, λ² + c_M λ + s = 0
@@ -146,7 +150,7 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
     return None, f"fewer than the {2 * least} lowest are known"
 
 
-def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
+def strips_for(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
     """The strips, m, and the load up to which they hold. growing: there is internal damping; then Cauchy's estimate
     needs P sup |s_j'| < R_{j−1} for all j > m: see `docs/theorem.md`."""
     failure: Unproven | None = None
@@ -164,14 +168,13 @@ def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
     raise OpenStep(f"strips: {failure}") from None
 
 
-class _Below:
+class Below:
     """The proofs for one column and one load: R_m is the first line that is free."""
 
     def __init__(self, beam: Beam, strips: Strips, m: int, load: arb) -> None:
         self.beam, self.strips, self.m, self.load = beam, strips, m, load
         self.trivial = strips.rigid
         self.R = strips.line(m)
-        self._checked = self._series = 0  # cells, and series that stand for F on them
         n = min(FLOATS, strips.modes.count)
         self._mu = np.array([float(g) ** 4 for g in strips.modes.gamma[:n]])
         self._T, self._B = (
@@ -203,6 +206,15 @@ class _Below:
         for c in reversed(coefficients):
             total = total * h + c
         return 1 if total > 0 else -1 if total < 0 else 0
+
+    def rising(self, low: arb, high: arb) -> int:
+        """The sign of d/dP of F(P, 0) / s^R for all P of an interval; 0 where it is not known."""
+        middle, whole = ((low + high) / 2).mid(), low.union(high)
+        R = self.trivial
+        orders = tuple((i, j) for i in range(3) for j in range(R + 1))
+        at, over = (self.beam.taylor(P, arb(0), orders) for P in (middle, whole))
+        slope = at[1, R] + 2 * over[2, R] * (whole - middle)
+        return 1 if slope > 0 else -1 if slope < 0 else 0
 
     def _separators(self, *loads: float) -> tuple[Fraction, ...] | None:
         """Points between the estimates at all of some loads; the first 0, the last just below R_m."""
@@ -377,104 +389,3 @@ class _Below:
         if not found:
             raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")
         return min(found, key=float)
-
-    def no_other_zero(self, problem: Onset, top: arb, crossing: list[arb], kind: str) -> int:
-        """That the crossing is the only zero for 0 ≤ P ≤ P* (and beyond, to the end of its ball) and 0 ≤ x ≤ top,
-        x the problem's second unknown. How many cells it took."""
-        whole = arb(0).union(self.load.upper())
-        power = 2 if isinstance(problem, Damped) else 4  # x is of the size of γ² or γ⁴
-        steps = max(1, math.ceil(float(top) ** (1 / power)))
-        edges = [arb(0), *(top * (arb(k) / steps) ** power for k in range(1, steps)), top]
-        self._checked = self._series = 0
-        for low, high in pairwise(edges):
-            for P in _halves(whole):
-                self._tile(problem, P, low.union(high), crossing, kind, 0)
-        return self._checked
-
-    def _tile(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str, depth: int) -> None:
-        """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
-        if not self._with_one_series(problem, P, x, crossing, kind):
-            if depth == MOST_CUTS or self._series > MOST_SERIES:
-                name = "ω" if isinstance(problem, Damped) else "ω²"
-                raise OpenStep(
-                    f"cells: that there is no other crossing is not known near the load {float(P):.6g} and "
-                    f"{name} = {float(x):.6g}"
-                )
-            for part in _halves(P):
-                for other in _halves(x):
-                    self._tile(problem, part, other, crossing, kind, depth + 1)
-
-    def _with_one_series(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> bool:
-        around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
-        local, self._series = copy(problem), self._series + 1
-        try:
-            local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
-        except Unproven:
-            return False
-        waiting, count = [(P, x)], 0
-        while waiting:
-            P, x = waiting.pop()
-            count += 1
-            axis = self._excluded(local, P, x, crossing, kind)
-            if axis is None:
-                continue
-            if count > MOST_CELLS:
-                return False
-            for half in _halves(P if axis == 0 else x):
-                waiting.append((half, x) if axis == 0 else (P, half))
-        self._checked += count
-        return True
-
-    def _excluded(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> int | None:
-        """None where a cell holds no zero but the crossing, else along which axis to cut it."""
-        at_bottom = not x.lower() > 0
-        if at_bottom and self.trivial:
-            return self._excluded_at_bottom(problem, P, x)
-        box = [P, x]
-        middle = [side.mid() for side in box]
-        values, J, _ = problem.slopes(box)
-        if any(not v.contains(0) for v in values):
-            return None
-        centre = problem.value(middle)
-        parts = [[J[i, j] * (box[j] - middle[j]) for j in range(2)] for i in range(2)]
-        if any(not (centre[i] + parts[i][0] + parts[i][1]).contains(0) for i in range(2)):
-            return None
-        if at_bottom and isinstance(problem, Damped) and not J[1, 1].contains(0):
-            return None  # the imaginary part is zero at ω = 0 alone, where `no_divergence` has been
-        near = kind == "flutter" and all(side.overlaps(c) for side, c in zip(box, crossing, strict=True))
-        try:
-            if near:
-                hull = [side.union(c) for side, c in zip(box, crossing, strict=True)]
-                centre_J = problem.slopes([side.mid() for side in hull])[1]
-                if one_to_one(centre_J, problem.slopes(hull)[1], [side.rad() for side in hull]):
-                    return None
-            else:
-                led_to = image(middle, centre, J, box)
-                if any(not side.overlaps(part) for side, part in zip(box, led_to, strict=True)):
-                    return None
-        except Unproven:
-            pass
-        sizes = [sum(_ratio(parts[i][j], centre[i]) for i in range(2)) for j in range(2)]
-        return 0 if sizes[0] >= sizes[1] else 1
-
-    def _excluded_at_bottom(self, problem: Onset, P: arb, x: arb) -> int | None:
-        """Of a column that moves rigidly: F / s^R from s = 0 on, R!⁻¹ ∂^R F/∂s^R over all of it."""
-        p, s = problem.place([P, x])
-        whole, middle = s.union(s * 0), p.mid()
-        orders = tuple((i, j) for i in range(TERMS + 1) for j in range(self.trivial + 1))
-        at, over = (self.beam.taylor(place, whole, orders) for place in (middle, p))
-        value = over[TERMS, self.trivial]
-        for i in reversed(range(TERMS)):
-            value = value * (p - middle) + at[i, self.trivial]
-        if not value.contains(0):
-            return None
-        return 0 if P.rad() > self.load / 64 else 1
-
-
-def _ratio(part: arb, whole: arb) -> float:
-    return float(abs(part).upper()) / (float(abs(whole).upper()) + 1e-300)
-
-
-def _halves(side: arb) -> tuple[arb, arb]:
-    low, middle, high = side.lower(), side.mid(), side.upper()
-    return low.union(middle), middle.union(high)

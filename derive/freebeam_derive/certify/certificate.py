@@ -14,7 +14,7 @@ from typing import Any
 
 from flint import arb, fmpq
 
-from freebeam_derive.certify.balls import Exact, Root, Unproven, ends, parameters, precision
+from freebeam_derive.certify.balls import Exact, Unproven, ends, parameters, precision
 from freebeam_derive.certify.beam_itself import ExactCrossing
 from freebeam_derive.certify.beam_stability import Evidence
 from freebeam_derive.certify.boundary_polynomials import Question
@@ -103,7 +103,7 @@ def _around(value: arb, digits: int) -> tuple[Fraction, Fraction]:
 
 
 def _rational(value: Exact) -> str:
-    assert not isinstance(value, Root)
+    assert isinstance(value, Fraction)
     return written(value)
 
 

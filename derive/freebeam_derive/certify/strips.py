@@ -26,7 +26,7 @@ from typing import Any
 import flint
 from flint import arb, arb_mat
 
-from freebeam_derive.certify.balls import Unproven, exact, parameters, stated_exactly
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, parameters, stated_exactly
 from freebeam_derive.certify.comparison_form import ORDERS, Along, Bounds, Modes, Points, bounds
 
 
@@ -200,22 +200,26 @@ class Form:
 class Strips:
     """The lines of a column, and up to which |p| each is free of eigenvalues.
 
-    kernel: an emitted module of the textbook's kind, in any basis. own: its parameters. Raises NoStrips for a column
-    that is not of the kind above, Unproven.
+    kernel: an emitted module of the textbook's kind, in any basis. own: its parameters; where one is a range, all that
+    is known holds of each value. Raises NoStrips for a column that is not of the kind above, Unproven.
     """
 
-    def __init__(self, kernel: ModuleType, own: Mapping[str, Fraction], count: int = 60) -> None:
+    def __init__(self, kernel: ModuleType, own: Mapping[str, Exact], count: int = 60) -> None:
         name, held = kernel.COLUMN["name"], parameters(kernel, own)
+        ranged = any(isinstance(value, Range) for value in held.values())
         try:
-            stated_exactly(kernel, held)
-            rational = kernel.forms(Fraction(1), **held)
-            mass, elastic, load = ([_kept(part) for part in rational[letter]] for letter in ("M", "E", "H"))
+            stated_exactly(kernel, {n: v.low if isinstance(v, Range) else v for n, v in held.items()})
+            stated = kernel.forms(arb(1), **{n: exact(v) for n, v in held.items()}) if ranged else None
+            stated = stated or kernel.forms(Fraction(1), **held)
+            mass, elastic, load = ([_kept(part) for part in stated[letter]] for letter in ("M", "E", "H"))
         except (AttributeError, TypeError, ValueError) as error:
             raise NoStrips(f"{name}: a factor of its forms is no fraction: {error}") from None
         if mass != [{(0, 0, 0): 1}, {}] or elastic[0].pop((0, 2, 2), 0) != 1:
             raise NoStrips(f"{name}: its mass or its bending stiffness is not that of the uniform comparison beam")
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))
         self.rigid = int(kernel.COLUMN["rigid"])
+        if self.rigid and ranged:
+            raise NoStrips(f"{name}: moves rigidly, which is not served over a range of its own parameters")
         self._rigid_rest(name, elastic, load)
         self.modes = modes_of(self.kinds, count, flint.ctx.prec)
         self.T, self.B = (Form(self.modes, *(_balls(part) for part in form)) for form in (elastic, load))
@@ -279,12 +283,17 @@ def _least(a: arb, b: arb) -> arb:
     return value
 
 
-def _kept(part: Mapping[Any, Any]) -> dict[Any, Fraction]:
-    return {key: Fraction(value) for key, value in part.items() if value != 0}
+def _kept(part: Mapping[Any, Any]) -> dict[Any, Any]:
+    """The factors that are not zero, as fractions, or as balls over a range."""
+    return {
+        key: value if isinstance(value, arb) else Fraction(value)
+        for key, value in part.items()
+        if not (value.is_zero() if isinstance(value, arb) else value == 0)
+    }
 
 
-def _balls(part: Mapping[Any, Fraction]) -> dict[Any, arb]:
-    return {key: exact(value) for key, value in part.items()}
+def _balls(part: Mapping[Any, Any]) -> dict[Any, arb]:
+    return {key: value if isinstance(value, arb) else exact(value) for key, value in part.items()}
 
 
 Line = tuple[Fraction, Fraction]  # constant, slope

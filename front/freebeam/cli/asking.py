@@ -7,8 +7,9 @@ import math
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from freebeam.cli import ranging
 from freebeam.cli.application import command
 from freebeam.cli.options import (
     REQUIRED,
@@ -20,6 +21,7 @@ from freebeam.cli.options import (
     argument,
     flag,
     number,
+    number_or_range,
     option,
     refuse,
     vanishing_or_number,
@@ -55,9 +57,16 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     alpha: Number = option(
         "X", "Internal damping alpha; 0+ for the limit of vanishing damping.", default="0", parser=vanishing_or_number
     )
-    kappa: Number | None = option("K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.")
+    READ: ClassVar[Any] = staticmethod(number_or_range)
+    beta: Number = option("X", "External damping beta.", default="0", parser=number_or_range)
+    kappa: Number | None = option(
+        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.", parser=number_or_range
+    )
     digits: int | None = option("D", "Prove the critical load to D digits.")
-    exact: bool = flag("With --digits: prove the load of the beam itself, not of the series.")
+    exact: bool = flag(
+        "With --digits: prove it of the beam itself, not of the series. One parameter may be a range then, such as "
+        "--set eta=0.6..0.7: proven for each value in it; without --digits to 1 %."
+    )
     every: bool = flag(
         "With --digits: prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all"
     )
@@ -66,6 +75,9 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     plot: Path | None = option("FILE.svg|.png|.pdf", "Draw the eigenvalues over the load; of a limit its tangent.")
 
     def run(self) -> None:
+        if ranging.ranges(self):
+            ranging.prove(self)
+            return
         self.check()
         found = self.compute()
         if self.certificate and found.proven is not None:
@@ -84,21 +96,28 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if found.crossings:
             load, frequency = (self.units.of(quantity) for quantity in ("load", "frequency"))
             header = [f"load{load}", "kind", f"frequency{frequency}", "unstable eigenvalues", "stability"]
-            title = f"All crossings up to {record['load_max']:.10g}{load}: proven that there is no other"
+            of = " of the beam itself" if self.exact else ""
+            title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
+
+    def check_limit(self) -> None:
+        """Refuse dampings that contradict a limit of vanishing damping. Raises InputError."""
+        limit = "kappa" in self.dampings
+        refuse(self.kappa and not limit, f"kappa = {self.kappa}: is a ratio of vanishing dampings; give --alpha 0+ too")
+        cure = "give the ratio beta/alpha by --kappa instead"
+        refuse(limit and float(self.beta), f"beta = {self.beta}: vanishes with --alpha 0+; {cure}")
 
     def check(self) -> None:
         """Refuse options that contradict one another. Raises InputError."""
-        limit, file = "kappa" in self.dampings, self.certificate
-        refuse(self.kappa and not limit, f"kappa = {self.kappa}: is a ratio of vanishing dampings; give --alpha 0+ too")
-        if limit:
-            cure = "give the ratio beta/alpha by --kappa instead"
-            refuse(float(self.beta), f"beta = {self.beta}: vanishes with --alpha 0+; {cure}")
+        self.check_limit()
+        file = self.certificate
         for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
             refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
-        for name, given in (("--all", self.every), ("--truncation", self.truncation)):
-            refuse(given and self.exact, f"{name}: is about the Ritz series; leave out --exact")
+        refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
+        listed = self.exact and self.every
+        refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
+        refuse(listed and file, "--certificate: holds the first crossing alone; leave out --all")
         there = file and file.exists() and not self.force
         refuse(there, f"{file} exists; choose another file, or --force to replace it")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
@@ -142,11 +161,13 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         of_series, digits = (self.chosen, self.question.modes), self.digits
         if digits is not None or self.truncation:
             with working("proof") as report, self.units.in_errors():
-                if digits is not None and self.exact:
+                if digits is not None and self.exact and self.every:
+                    crossings = fb.exact_crossings(self.chosen, digits=digits, progress=report, **self.exactly)
+                elif digits is not None and self.exact:
                     proven = fb.exact_load(self.chosen, digits=digits, **self.exactly)
                 elif digits is not None:
                     proven = fb.certified_load(*of_series, digits=digits, progress=report, **self.exactly)
-                if digits is not None and self.every:
+                if digits is not None and self.every and not self.exact:
                     report("all crossings")
                     crossings = fb.certified_crossings(*of_series, digits=digits, progress=report, **self.exactly)
                 if self.truncation or (proven and proven.load and not self.exact):
@@ -193,6 +214,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             rows += [["converged", ("yes" if record["converged"] else "no") + error]]
         if found.proven is not None:
             rows += self.rows_of_proof(found.proven, kind, none)
+        if found.crossings == () and self.exact:
+            rows += [["proven, the beam itself", f"no crossing, stable {none.removeprefix('none ')}"]]
         if found.truncation is not None:
             rows += [["truncation error", found.truncation.get("unknown") or _difference(found.truncation, unit)]]
         return rows

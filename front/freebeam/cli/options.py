@@ -53,9 +53,25 @@ def number(text: str | Number) -> Number:
     return value
 
 
+@dataclass(frozen=True, repr=False)
+class Interval(Number):
+    """A range as it was typed, such as 0.6..0.7; as a number it is the middle."""
+
+    low: Number
+    high: Number
+
+
+def number_or_range(text: str | Number) -> Number:
+    """Read a number, or a range of them such as 0.6..0.7."""
+    if isinstance(text, Interval) or ".." not in str(text):
+        return text if isinstance(text, Interval) else number(text)
+    low, high = (number(part) for part in str(text).split("..", 1))
+    return Interval(str(text).strip(), (low.exact + high.exact) / 2, low, high)
+
+
 def vanishing_or_number(text: str | Number) -> Number:
-    """Read a number, or 0+ for what vanishes."""
-    return Number("0+", Fraction(0)) if str(text).strip() == "0+" else number(text)
+    """Read a number, a range, or 0+ for what vanishes."""
+    return Number("0+", Fraction(0)) if str(text).strip() == "0+" else number_or_range(text)
 
 
 @dataclass(frozen=True)
@@ -181,9 +197,11 @@ class ColumnOptions(BasisOptions):
     mass_per_length: Number | None = _of_beam("m", "Mass per length m, kg/m.")
     length: Number | None = _of_beam("L", "Length L, m.")
 
+    READ: ClassVar[Any] = staticmethod(number)
+
     @cached_property
     def assigned(self) -> dict[str, Number]:
-        """The column's own parameters that are set. Raises BadParameter."""
+        """The column's own parameters that are set, to a range where the command has such. Raises BadParameter."""
         found: dict[str, Number] = {}
         for pair in self.own or ():
             name, equals, text = pair.partition("=")
@@ -193,7 +211,7 @@ class ColumnOptions(BasisOptions):
             if name in found:
                 raise typer.BadParameter(f"{name} is set twice", param_hint="'--set'")
             try:
-                found[name] = number(text)
+                found[name] = self.READ(text)
             except typer.BadParameter as error:
                 raise typer.BadParameter(f"{name}: {error}", param_hint="'--set'") from None
         return found
@@ -273,5 +291,5 @@ class CaseOptions(ColumnOptions):
         if self.chosen.basis_name != "modes":
             words["basis"] = self.chosen.basis_name
         words |= {k: f"{v}{self.units.of(k)}" for k, v in self.dampings.items()} | more
-        words |= {name: f"{value:g}" for name, value in self.question.parameters.items()}
+        words |= {name: f"{value:g}" for name, value in self.question.parameters.items() if name not in more}
         return ", ".join([self.chosen.name, *(f"{key} = {value}" for key, value in words.items())])

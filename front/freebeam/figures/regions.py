@@ -1,22 +1,24 @@
-"""The drawing of the regions in which motion grows under a load that pulsates."""
+"""Drawings of regions: in which motion grows under a load that pulsates, in which a critical load is proven to lie."""
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from freebeam.figures.look import COLOURS, drawing
-from freebeam.figures.marks import legend
+from freebeam.figures.marks import legend, symbol
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.pulse import KINDS, PulsatingRegions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from freebeam.exact_ranges import ExactRange
     from freebeam_sym.stability.pulse import Centre
 
-__all__ = ["pulsating_regions"]
+__all__ = ["proven_range", "pulsating_regions"]
 
 LOOK = {
     "principal-2T": (COLOURS[0], "principal, period 2T"),
@@ -58,6 +60,43 @@ def pulsating_regions(
         ax.set_ylabel(r"amplitude of the load $\varepsilon$")
         _key(ax, found)
     return ax
+
+
+def proven_range(found: ExactRange, *, ax: Axes | None = None) -> Axes:
+    """The boxes in which the critical load of the beam itself is proven to lie, over a parameter, a colour a kind.
+
+    found: what `freebeam.exact_range` returns. Each box holds the load of every value of the parameter below it; what
+    is left open is grey from bottom to top.
+    """
+    from matplotlib.patches import Rectangle
+
+    column, name = found.question.column, found.parameter
+    with drawing(ax, (5.6, 3.8)) as ax:
+        named = set()
+        for piece in found.pieces:
+            colour = COLOURS[0] if piece.kind == "flutter" else COLOURS[1]
+            low, high, bottom, top = (_float(v) for v in (piece.low, piece.high, *piece.load))
+            label = None if piece.kind in named else piece.kind
+            named.add(piece.kind)
+            box = Rectangle((low, bottom), high - low, top - bottom, fc=colour, ec=colour, lw=0.7, label=label)
+            ax.add_patch(box)
+        for k, part in enumerate(found.open):
+            ax.axvspan(_float(part.low), _float(part.high), color="0.85", lw=0, label=None if k else "not proven")
+        ends = [(_float(part.low), _float(part.high)) for part in found.pieces]
+        ends += [(_float(part.low), _float(part.high)) for part in found.open]
+        ax.set_xlim(min(ends)[0], max(ends)[1])
+        top = max(_float(piece.load[1]) for piece in found.pieces)
+        ax.set_ylim(0, 1.06 * top)
+        if len(named) + bool(found.open) > 1:
+            legend(ax)
+        ax.set_xlabel(symbol(column, name))
+        letter = symbol(column, "P")[1:-1].removesuffix("_0")
+        ax.set_ylabel(rf"critical load ${letter}_{{\mathrm{{cr}}}}$, the beam itself")
+    return ax
+
+
+def _float(text: str) -> float:
+    return float(Fraction(text))
 
 
 def _rgba(found: PulsatingRegions, name: str) -> Any:

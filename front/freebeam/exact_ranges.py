@@ -1,0 +1,199 @@
+"""Critical loads of the beam itself over a range of a parameter, proven for each of its values."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, Any
+
+from freebeam import proofs
+from freebeam_sym.checks import InputError, count, refusal
+from freebeam_sym.stability.critical import answer
+
+if TYPE_CHECKING:
+    from freebeam_derive.certify.beam_ranges import Piece
+    from freebeam_sym.columns import Column
+    from freebeam_sym.question import Question
+
+__all__ = ["ExactPiece", "ExactRange", "OpenPiece", "exact_range"]
+
+FINEST = 10  # halvings of a range, before a part is left open
+GIVE_UP = Fraction(1, 64)  # of a range: where so much of it from its beginning is open, nothing is proven
+MOST_DIGITS = 4  # each costs ten times as many pieces
+
+
+@dataclass(frozen=True)
+class ExactPiece:
+    """The first loss of stability of the beam itself for each value of a parameter from low to high, nondimensional.
+
+    low, high: exact, as text. load, frequency: (lower, upper) as decimal text, rounded outwards: those of every value
+    lie there; the frequency of a divergence is zero. proof: crossing, first, stable_below and kind, all proven.
+    """
+
+    low: str
+    high: str
+    load: tuple[str, str]
+    frequency: tuple[str, str]
+    kind: str
+    proof: Mapping[str, bool]
+
+
+@dataclass(frozen=True)
+class OpenPiece:
+    """A part of the range, exact as text, of which nothing is proven; missing: the step that failed, in words."""
+
+    low: str
+    high: str
+    missing: str
+
+
+@dataclass(frozen=True)
+class ExactRange:
+    """What is proven over a range of a parameter. pieces: side by side, ascending; open: the parts that are left out.
+
+    load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
+    each input was taken for.
+    """
+
+    parameter: str
+    pieces: tuple[ExactPiece, ...]
+    open: tuple[OpenPiece, ...]
+    load: tuple[str, str]
+    question: Question
+    inputs: Mapping[str, str]
+
+
+def exact_range(
+    column: Column,
+    parameter: str,
+    low: object,
+    high: object,
+    alpha: object = 0,
+    beta: object = 0,
+    *,
+    digits: int = 2,
+    kappa: object = None,
+    modes: int = 24,
+    load_max: object = None,
+    progress: Callable[[str], None] | None = None,
+    **parameters: object,
+) -> ExactRange:
+    """The critical load of the beam itself for every value of a parameter from low to high, enclosed and proven to be
+    the first, over all modes. Eqs. (6), (14), (15).
+
+    parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own that stands in one
+    condition at x = 1 alone, linearly. digits: 1 to 4; the range is cut until each piece's load is known to a relative
+    width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of which a step
+    of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential cantilever.
+
+    >>> import freebeam as fb
+    >>> found = fb.exact_range(fb.column("beck"), "eta", "0.3", "0.31")
+    >>> [piece.kind for piece in found.pieces], found.open
+    (['divergence', 'divergence', 'divergence', 'divergence'], ())
+
+    Raises InputError for bad values, for a column or a parameter that is not served, and where nothing is proven.
+    """
+    from freebeam_derive.certify.decimals import shown
+
+    digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
+    (start, first), (end, last) = (proofs.rational(parameter, value) for value in (low, high))
+    if not start < end:
+        raise refusal(parameter, f"{first} to {last}", "the range must go from a number to a greater one")
+    if parameter == "alpha" and start <= 0:
+        raise refusal(
+            "alpha", f"{first} to {last}", "must begin above 0, where the load jumps; ask for alpha = 0 apart"
+        )
+    given: dict[str, Any] = {"alpha": alpha, "beta": beta, "load_max": load_max}
+    if parameter == "kappa":
+        kappa = (start + end) / 2
+    elif parameter in given:
+        given[parameter] = (start + end) / 2
+    else:
+        parameters = parameters | {parameter: (start + end) / 2}
+    asked = proofs._Asked.of(column, modes, parameters, kappa, None, **given)
+    asked = replace(asked, inputs={**asked.inputs, parameter: f"{first} to {last}"})
+    pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
+    if not pieces:
+        raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
+    union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
+    return ExactRange(
+        parameter,
+        tuple(_told(p) for p in pieces),
+        tuple(OpenPiece(_number(a), _number(b), why) for a, b, why in left),
+        shown(*union),
+        asked.question,
+        asked.inputs,
+    )
+
+
+def _pieces(
+    asked: proofs._Asked, name: str, low: Fraction, high: Fraction, digits: int, say: Callable[[str], None]
+) -> tuple[list[Piece], list[tuple[Fraction, Fraction, str]]]:
+    """Those that are proven, and what is left open."""
+    from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.beam import NoSeries
+
+    found: list[Piece] = []
+    left: list[tuple[Fraction, Fraction, str]] = []
+    waiting = [(low, high, 0)]
+    while waiting:
+        a, b, depth = waiting.pop()
+        say(f"{name} = {float(a):.6g} of {float(high):.6g}, {len(found)} pieces")
+        try:
+            piece = _piece(asked, name, a, b, None if depth == FINEST else Fraction(1, 10**digits))
+        except NoSeries as error:
+            raise InputError(f"a range is not to be had of the exact beam: {error}") from error
+        except Unproven as error:
+            if depth < FINEST:
+                middle = (a + b) / 2
+                waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
+            elif left and left[-1][1] == a:
+                left[-1] = (left[-1][0], b, left[-1][2])
+            else:
+                left.append((a, b, str(error)))
+            if not found and left and left[-1][1] - low > (high - low) * GIVE_UP:
+                break
+            continue
+        found.append(piece)
+    return found, left
+
+
+def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width: Fraction | None) -> Piece:
+    """What is proven from low to high. Raises Unproven, also where the load is wider, relative to its size."""
+    from freebeam_derive.certify.balls import Range, Unproven
+    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.beam_ranges import Over, linear_damping, piece
+
+    column, exact = asked.column, asked.exact
+    if column.general:
+        raise NoSeries(f"{column.name} goes beyond the uniform beam, whose modes the proof needs")
+    values = Range(low, high)
+    damping: Any = tuple(values if n == name else exact.get(n) for n in ("alpha", "beta", "kappa"))
+    if name in asked.own:
+        beam: Beam = Over(column.kernel, {**asked.own, name: values})
+    else:
+        beam = Beam(column.kernel, asked.own)
+        linear_damping(beam, "beta" if name == "kappa" else name)
+    middle = float((low + high) / 2)
+    question = replace(asked.question, kappa=middle) if name == "kappa" else asked.question.at(**{name: middle})
+    loss = answer(question)
+    loss_of_beam = loss.beam or loss
+    near = proofs._near(loss_of_beam)
+    if near is None or loss_of_beam.kind == "none":
+        raise Unproven(f"no series loses stability up to the load {question.load_max:.10g}")
+    return piece(beam, values, damping, near, loss_of_beam.kind, width)
+
+
+def _told(piece: Piece) -> ExactPiece:
+    from freebeam_derive.certify.decimals import shown
+
+    frequency = shown(*piece.frequency) if piece.kind == "flutter" else ("0", "0")
+    proof = dict.fromkeys(("crossing", "first", "stable_below", "kind"), True)
+    return ExactPiece(_number(piece.low), _number(piece.high), shown(*piece.load), frequency, piece.kind, proof)
+
+
+def _number(value: Fraction) -> str:
+    from freebeam_derive.certify.decimals import said
+
+    return said(value)

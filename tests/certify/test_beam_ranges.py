@@ -1,0 +1,242 @@
+"""The critical load of the beam itself over a range: what is proven holds at every value; a wrong range proves none."""
+
+from __future__ import annotations
+
+import json
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, ClassVar
+
+import numpy as np
+import pytest
+from flint import arb, arb_mat
+
+import freebeam as fb
+import freebeam_kernels.beck as beck
+from freebeam import exact_ranges
+from freebeam.cli import main
+from freebeam_derive.certify.balls import Range, Unproven, precision
+from freebeam_derive.certify.beam import Beam, NoSeries
+from freebeam_derive.certify.beam_cells import OpenStep
+from freebeam_derive.certify.beam_ranges import Over, _Family, crossing, piece
+from freebeam_derive.certify.beam_stability import damping_factors
+from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.strips import NoStrips, Strips
+from freebeam_sym.checks import InputError
+
+F = Fraction
+CASES: dict[str, tuple[str, str, str, str, dict[str, Any]]] = {
+    "flutter": ("beck", "eta", "0.6", "0.605", {}),
+    "divergence": ("beck", "eta", "0.3", "0.32", {}),
+    "divergence, damped": ("beck", "eta", "0.3", "0.301", {"beta": "0.5"}),
+    "external damping": ("beck", "beta", "0.5", "0.52", {"alpha": "0.01"}),
+    "internal damping": ("beck", "alpha", "0.01", "0.0101", {"beta": "0.5"}),
+    "vanishing damping": ("beck", "kappa", "0", "0.5", {"kappa": 0}),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_each_value_of_the_range_has_its_load_in_its_piece(name: str) -> None:
+    column, parameter, low, high, given = CASES[name]
+    found = fb.exact_range(fb.column(column), parameter, low, high, digits=1, **given)
+    ends = [F(low), *(F(p.high) for p in found.pieces)]
+    assert [F(p.low) for p in found.pieces] == ends[:-1] and ends[-1] == F(high) and found.open == ()
+    random = np.random.default_rng(3)
+    for p in found.pieces:
+        assert p.kind == name.split(",")[0] or p.kind == "flutter"
+        for share in (float(random.uniform()),):
+            value = F(p.low) + F(share) * (F(p.high) - F(p.low))
+            exact = fb.proofs.enclosed_load(fb.column(column), digits=9, **given | {parameter: value})
+            assert exact.load is not None and exact.frequency is not None and exact.kind == p.kind
+            assert F(p.load[0]) < F(exact.load[0]) and F(exact.load[1]) < F(p.load[1])
+            assert F(p.frequency[0]) <= F(exact.frequency[0]) and F(exact.frequency[1]) <= F(p.frequency[1])
+        assert F(p.load[1]) < F(p.load[0]) * F(11, 10)
+    assert F(found.load[0]) <= min(F(p.load[0]) for p in found.pieces)
+    assert F(found.load[1]) >= max(F(p.load[1]) for p in found.pieces)
+
+
+# ------------------------------------------------------------ broken ranges
+
+
+def over(low: str, high: str) -> Over:
+    return Over(beck, {"eta": Range(F(low), F(high))})
+
+
+UNDAMPED = (F(0), F(0), None)
+
+
+def test_a_range_with_loads_far_apart_or_of_another_kind_is_refused() -> None:
+    values = Range(F("0.6"), F("0.605"))
+    with pytest.raises(Unproven, match="too far apart"):
+        piece(over("0.6", "0.605"), values, UNDAMPED, (16.27, 8.36), "flutter", F(1, 10**4))
+    with pytest.raises(Unproven):
+        piece(over("0.6", "0.605"), values, UNDAMPED, (16.27, 0), "divergence")
+
+
+def test_a_range_taken_for_its_middle_lacks_the_loads_of_its_ends(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the enclosure stands on."""
+    near, ends = (16.27, 8.36), []
+    for eta in ("0.6", "0.605"):
+        exact = fb.proofs.enclosed_load(fb.column("beck"), digits=9, eta=eta).load
+        assert exact is not None
+        ends.append(arb(exact[0]))
+    found = crossing(over("0.6", "0.605"), UNDAMPED, near, "flutter").load
+    assert all(found.contains(load) for load in ends)
+    right = _Family.moved
+    monkeypatch.setattr(_Family, "moved", lambda self, Y, x: right(self, Y, x).mid())
+    found = crossing(over("0.6", "0.605"), UNDAMPED, near, "flutter").load
+    assert not any(found.contains(load) for load in ends)
+
+
+def test_no_box_holds_the_crossings_about_one_half() -> None:
+    """Divergence below, flutter above."""
+    with pytest.raises(Unproven):
+        piece(over("0.49", "0.51"), Range(F("0.49"), F("0.51")), UNDAMPED, (9.0, 0.0), "divergence")
+    with pytest.raises(Unproven):
+        piece(over("0.49", "0.51"), Range(F("0.49"), F("0.51")), UNDAMPED, (16.05, 7.06), "flutter")
+
+
+def test_what_is_open_is_named_and_not_covered(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exact_ranges, "FINEST", 2)
+    found = fb.exact_range(fb.column("beck"), "eta", "0.44", "0.5", digits=1)
+    (left,) = found.open
+    assert F(left.low) < F(left.high) == F(1, 2) and left.missing
+    parts = sorted([(F(p.low), F(p.high)) for p in (*found.pieces, left)])
+    assert all(a[1] == b[0] for a, b in pairwise(parts)) and (parts[0][0], parts[-1][1]) == (F("0.44"), F("0.5"))
+    ax = fb.figures.proven_range(found)
+    assert len(ax.patches) == len(parts)
+
+
+def test_where_no_series_loses_stability_nothing_is_proven(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(exact_ranges, "FINEST", 2)
+    with pytest.raises(InputError, match="no series loses stability up to the load 2"):
+        fb.exact_range(fb.column("beck"), "eta", "0.3", "0.31", load_max=2)
+
+
+def test_internal_damping_that_may_be_nothing_is_refused() -> None:
+    with precision(128), pytest.raises(OpenStep, match="where the load jumps"):
+        damping_factors(Beam(beck), Range(F(0), F(1, 100)), F(0), None)
+    with precision(128), pytest.raises(OpenStep, match="not known to be positive"):
+        damping_factors(Beam(beck), F(1, 100), Range(F(-1, 100), F(1, 100)), None)
+
+
+# ------------------------------------------------------------ what stands for each value
+
+
+def test_the_function_of_each_value_is_in_that_of_the_range() -> None:
+    orders = ((0, 0), (1, 0), (0, 1), (0, 2))
+    with precision(128):
+        whole = over("0.4", "0.6")
+        local = Local(whole, arb(12, 1), arb(60, 9))
+        for eta in (F(2, 5), F(47, 100), F(3, 5)):
+            point = arb("12.3"), arb("57.5")
+            thin = Beam(beck, {"eta": eta}).taylor(*point, orders)
+            for found in (whole.taylor(*point, orders), local.taylor(*point, orders)):
+                assert all(found[order].contains(thin[order].mid()) for order in orders)
+        strips = Strips(beck, {"eta": Range(F(2, 5), F(3, 5))}, 40)
+        reach = strips.reach(2)
+        assert all(reach < Strips(beck, {"eta": eta}, 40).reach(2) for eta in (F(2, 5), F(1, 2), F(3, 5)))
+
+
+@pytest.mark.parametrize("which", ["eta", "alpha", "beta"])
+def test_the_equations_of_each_value_are_in_those_of_the_range(which: str) -> None:
+    """At a point that is no crossing, times a matrix."""
+    middle = {"eta": F(3, 5), "alpha": F(1, 100), "beta": F(1, 2)}
+    spread = middle[which] / 40
+    held: dict[str, Any] = {**middle, which: Range(middle[which] - spread, middle[which] + spread)}
+    x = [arb(15), arb(7)]
+    with precision(128):
+        Y = arb_mat([[2, -1], [arb("0.5"), 3]])
+        beam = Over(beck, {"eta": held["eta"]}) if which == "eta" else Beam(beck, {"eta": held["eta"]})
+        whole = _Family(beam, (held["alpha"], held["beta"], None), "flutter").moved(Y, x)
+        for share in (-1, F(1, 3), 1):
+            at = {**middle, which: middle[which] + share * spread}
+            thin = _Family(Beam(beck, {"eta": at["eta"]}), (at["alpha"], at["beta"], None), "flutter").moved(Y, x)
+            assert all(a.contains(b.mid()) for a, b in zip(whole.entries(), thin.entries(), strict=True))
+        far = {**middle, which: middle[which] + 3 * spread}
+        thin = _Family(Beam(beck, {"eta": far["eta"]}), (far["alpha"], far["beta"], None), "flutter").moved(Y, x)
+        assert not all(a.contains(b) for a, b in zip(whole.entries(), thin.entries(), strict=True))
+
+
+def test_a_parameter_elsewhere_than_in_one_condition_is_refused() -> None:
+    right = beck.end_conditions
+
+    def twice(*given: Any, eta: Any, **more: Any) -> Any:
+        left, (force, moment) = right(*given, eta=eta, **more)
+        return left, (force, {**moment, (1, 0): eta})
+
+    def bent(*given: Any, eta: Any, **more: Any) -> Any:
+        return right(*given, eta=eta * eta, **more)
+
+    def held(*given: Any, eta: Any, **more: Any) -> Any:
+        left, ends = right(*given, eta=1, **more)
+        return (left[0], {(1, 0): 1, (2, 0): eta}), ends
+
+    def inside(*given: Any, eta: Any, **more: Any) -> Any:
+        return {**beck.equation(*given, eta=eta, **more), (0, 0): (eta,)}
+
+    for changed in (
+        {"end_conditions": twice},
+        {"end_conditions": bent},
+        {"end_conditions": held},
+        {"equation": inside},
+    ):
+        parts = {"COLUMN": beck.COLUMN, "equation": beck.equation, "end_conditions": right} | changed
+        with pytest.raises(NoSeries, match="a range of eta is served where it stands in one condition at x = 1 alone"):
+            Over(SimpleNamespace(**parts), {"eta": Range(F(1, 2), F(1))})
+    with precision(64), pytest.raises(NoStrips, match="moves rigidly"):
+        Strips(Rigid(), {"k": Range(F(1), F(2))}, 40)  # type: ignore[arg-type]
+
+
+class Rigid:
+    """A column that moves rigidly, with a parameter."""
+
+    COLUMN: ClassVar = {**fb.column("free-free").kernel.COLUMN, "parameters": [{"name": "k", "default": 1.0}]}
+
+    @staticmethod
+    def forms(one: Any, *, k: Any) -> Any:
+        return {"M": ({(0, 0, 0): 1}, {}), "E": ({(0, 2, 2): 1}, {}), "H": ({(0, 1, 1): k}, {})}
+
+    @staticmethod
+    def damping_factors(alpha: Any, beta: Any, *, k: Any) -> Any:
+        return beta, alpha
+
+
+# ------------------------------------------------------------ the command line
+
+
+def test_a_range_is_typed_with_two_dots(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = ["critical", "--column", "beck", "--exact", "--digits", "1", "--set", "eta=0.3..0.31"]
+    picture = tmp_path / "picture.svg"
+    assert main([*words, "--json", "--plot", str(picture)]) == 0
+    record = json.loads(capsys.readouterr().out)
+    assert record["parameters"] == {"eta": [0.3, 0.31]} and record["inputs"]["eta"] == "0.3 to 0.31"
+    assert record["pieces"][0]["low"] == "0.3" and record["pieces"][-1]["high"] == "0.31" and record["open"] == []
+    assert all(record["pieces"][0]["proof"].values()) and "<svg" in picture.read_text()
+    assert main(words) == 0
+    assert "each value" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["--set", "eta=0.3..0.31"],
+        ["--exact", "--set", "eta=0.31..0.3"],
+        ["--exact", "--set", "eta=0.3..x"],
+        ["--exact", "--set", "eta=0.3..0.31", "--beta", "0.1..0.2"],
+        ["--exact", "--alpha", "0..0.1"],
+        ["--exact", "--alpha", "0+", "--beta", "0.1..0.2"],
+        ["--exact", "--kappa", "0..1"],
+        ["--exact", "--beta", "-1..1"],
+        ["--exact", "--set", "eta=0.3..0.31", "--certificate", "x.json"],
+        ["--exact", "--set", "eta=0.3..0.31", "--all"],
+        ["--exact", "--set", "eta=0.3..0.31", "--digits", "9"],
+        ["--exact", "--set", "eta=0.3..0.31", "--bending-stiffness", "1"],
+    ],
+)
+def test_a_range_that_is_none_is_refused_in_one_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["critical", "--column", "beck", *arguments]) == 2
+    out, err = capsys.readouterr()
+    assert not out and err.count("\n") == 1
