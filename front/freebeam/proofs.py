@@ -485,7 +485,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
             crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
-        if evidence is not None and not asked.squares:
+        if evidence is not None and not asked.squares and not asked.column.general:
             certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error

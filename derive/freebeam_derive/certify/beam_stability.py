@@ -21,7 +21,9 @@ from flint import acb, arb
 
 from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
-from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Itself, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.krawczyk import image, one_to_one
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
@@ -33,7 +35,6 @@ MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 
 MOST_CUTS = 7
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
 TERMS = 6  # of Taylor's series in the load, over a stretch
-FLOATS = 40  # modes of the series that separators are taken from
 
 
 @dataclass(frozen=True)
@@ -83,14 +84,15 @@ class OpenStep(Unproven):
 
 
 def complete(
-    beam: Any, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
+    beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
     """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
-    if not isinstance(beam, Beam):
-        return crossing, None, "strips: the modes of a uniform beam serve columns of the textbook's kind alone"
     with precision(BITS):
         try:
-            evidence = _prove(beam, crossing, alpha, beta, kappa)
+            if isinstance(beam, Beam):
+                evidence = _prove(beam, crossing, alpha, beta, kappa)
+            else:
+                evidence = _prove_of_any(beam, crossing)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -119,6 +121,20 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
     top = proof.highest_frequency(c_E, c_M)
     cells = proof.no_other_zero(Damped(beam, alpha, beta), top, [load, frequency], crossing.kind)
     return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
+
+
+def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
+    """The same where no modes are known in closed form: without damping, by the gaps between frequencies."""
+    if not system.undamped(*system.dampings):
+        raise OpenStep("damping: with it, high modes are known to stay stable of uniform beams alone")
+    load, frequency = +crossing.load, +crossing.frequency
+    try:
+        gaps = FrequencyGaps(system, load.upper())
+    except Unproven as error:
+        raise OpenStep(f"frequency gaps: {error}") from None
+    proof = _Below(system, gaps, gaps.lowest, load)
+    at = None if crossing.kind == "divergence" else frequency * frequency
+    return Evidence(gaps.lowest, rational(gaps.reach, 60), gaps.count, tuple(proof.real_and_simple(at)))
 
 
 def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:
@@ -167,23 +183,16 @@ def _strips(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
 class _Below:
     """The proofs for one column and one load: R_m is the first line that is free."""
 
-    def __init__(self, beam: Beam, strips: Strips, m: int, load: arb) -> None:
+    def __init__(self, beam: Itself, strips: Strips | FrequencyGaps, m: int, load: arb) -> None:
         self.beam, self.strips, self.m, self.load = beam, strips, m, load
         self.trivial = strips.rigid
         self.R = strips.line(m)
         self._checked = self._series = 0  # cells, and series that stand for F on them
-        n = min(FLOATS, strips.modes.count)
-        self._mu = np.array([float(g) ** 4 for g in strips.modes.gamma[:n]])
-        self._T, self._B = (
-            np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (strips.T, strips.B)
-        )
 
     # ---------------------------------------------------------------- signs of F(P, s) for real s
 
     def _estimates(self, P: float) -> Any:
-        """The lowest eigenvalues of a series, in floats: where to look."""
-        values = np.linalg.eigvals(np.diag(self._mu) + self._T + P * self._B)
-        return np.sort_complex(values)[: self.m + 1]
+        return self.strips.estimates(P, self.m + 1)
 
     def _taylor(self, low: arb, high: arb, s: arb) -> tuple[list[arb], arb]:
         """Coefficients of F in powers of the load about the middle, the last over all of it; and half the width.
