@@ -1,9 +1,9 @@
 """That a crossing of the beam itself is the first, and that the column is stable below it. Eqs. (6), (14), (15).
 
-`strips` leaves finitely many eigenvalues to look at: the m lowest. Without damping they are shown to be real, positive
-and simple on [0, P*) by changes of sign of F(P, s); at the crossing the point between the two that meet moves with
-the load. With damping F(P, iω) is shown to have no other zero on a rectangle of loads and frequencies, outside of
-which the strips leave none. docs/theorem.md has the statements and their proofs.
+`strips`, or `frequency_gaps`, leaves finitely many eigenvalues to look at: the m lowest. Without damping they are shown
+to be real, positive and simple on [0, P*) by changes of sign of F(P, s); at the crossing the point between the two that
+meet moves with the load. With damping F(P, iω) is shown to have no other zero on a rectangle of loads and frequencies,
+outside of which the strips leave none. docs/theorem.md has the statements and their proofs.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from flint import acb, arb
 from freebeam_derive.certify.balls import Exact, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Itself, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.complete_spectrum import counted_to
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.krawczyk import image, one_to_one
@@ -29,6 +30,7 @@ from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
+BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; signs need no more
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
 MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
@@ -55,7 +57,8 @@ class Stretch:
 class Evidence:
     """What a proof of `first` and `stable_below` stands on.
 
-    lowest: m. modes: how many are in balls. reach: a load up to which all lines from m on are free of eigenvalues.
+    lowest: m. modes: how many are in balls (beyond the uniform beam: how many frequencies without load). reach: a load
+    up to which all lines from m on are free of eigenvalues.
     stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
     they go (0 where there are none).
     """
@@ -87,12 +90,10 @@ def complete(
     beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
     """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
-    with precision(BITS):
+    uniform = isinstance(beam, Beam)
+    with precision(BITS if uniform else BITS_OF_ANY):
         try:
-            if isinstance(beam, Beam):
-                evidence = _prove(beam, crossing, alpha, beta, kappa)
-            else:
-                evidence = _prove_of_any(beam, crossing)
+            evidence = _prove(beam, crossing, alpha, beta, kappa) if uniform else _prove_of_any(beam, crossing)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -147,7 +148,7 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
     with precision(BITS):
         c_E, c_M = beam.damping(alpha, beta)
         if not (c_E.is_zero() and c_M >= 0):
-            return None, "with internal damping eigenvalues are not counted"
+            return counted_to(beam, load, alpha, beta, known)
         try:
             strips, least, _ = _strips(beam, abs(exact(load)), growing=False)
         except Unproven as error:
@@ -228,28 +229,30 @@ class _Below:
         self, low: arb, high: arb, separators: Sequence[Fraction], moving: int | None = None
     ) -> list[int] | None:
         """The signs of F at the separators, where they alternate (that of a moving one is left open as 0)."""
-        signs = [0 if k == moving else self.sign(low, high, exact(s)) for k, s in enumerate(separators)]
-        known = next(k for k in range(len(signs)) if k != moving)
-        wanted = [signs[known] * (-1) ** (k - known) for k in range(len(signs))]
-        holds = all(s != 0 and s == w for k, (s, w) in enumerate(zip(signs, wanted, strict=True)) if k != moving)
-        return wanted if holds else None
+        fixed = [k for k in range(len(separators)) if k != moving]
+        signs = dict.fromkeys(fixed, 0)
+        for k in reversed(fixed):  # the highest is the one that fails first
+            signs[k] = self.sign(low, high, exact(separators[k]))
+            if signs[k] == 0 or signs[k] * signs[fixed[-1]] != (-1) ** (k - fixed[-1]):
+                return None
+        return [signs[fixed[0]] * (-1) ** (k - fixed[0]) for k in range(len(separators))]
 
     def _covered(self, start: Fraction, end: Fraction) -> Iterator[Stretch]:
         """Stretches from start to end."""
-        waiting = [(start, end, 0)]
-        while waiting:
-            a, b, depth = waiting.pop()
+        a, width = start, end - start
+        while a < end:
+            b = min(a + width, end)
             separators = self._separators(float(a), float((a + b) / 2), float(b))
             if separators is not None and self._alternate(exact(a), exact(b), separators):
                 yield Stretch(a, b, separators)
+                a, width = b, 2 * width
                 continue
-            if depth == DEEPEST or b - a < (end - start) / 2**14:
+            width = (b - a) / 2
+            if width < (end - start) / 2**14:
                 raise OpenStep(
                     f"low frequencies: the {self.m} lowest are not known to be real, positive and simple between the "
                     f"loads {float(a):.10g} and {float(b):.10g}"
                 )
-            middle = (a + b) / 2
-            waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
 
     def real_and_simple_at(self, P: Fraction) -> Stretch:
         """All eigenvalues are real, positive and simple at a load."""

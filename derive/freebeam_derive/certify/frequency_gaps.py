@@ -14,12 +14,13 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from freebeam_derive.certify.balls import Unproven, exact, rational
+from freebeam_derive.certify.balls import Unproven, exact, precision, rational
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.variable_section import VariableSection
 
 MOST = 60  # lines that are tried for the first from which on all gaps are wide enough
+BITS = 128  # for signs of F at high frequencies
 WIDTH = Fraction(1, 10**6)  # relative, of the interval about a frequency squared in which F changes sign
 FLOATS = 30  # functions of the series that starts are taken from, beyond the number of eigenvalues
 
@@ -63,7 +64,8 @@ class FrequencyGaps:
         found: list[tuple[Fraction, Fraction]] = []
         for start in self.estimates(0.0, count).real:
             sides = [rational(float(start), 53) * (1 + sign * WIDTH) for sign in (-1, 1)]
-            values = [self.system.taylor(arb(0), exact(side), ((0, 0),))[0, 0] for side in sides]
+            with precision(BITS):
+                values = [self.system.taylor(arb(0), exact(side), ((0, 0),))[0, 0] for side in sides]
             low = found[-1][1] if found else Fraction(0)
             if not (values[0] * values[1] < 0 and sides[0] > low and exact(sides[1]) < top):
                 raise Unproven(f"the frequency {float(abs(start)) ** 0.5:.6g} without load could not be enclosed")

@@ -247,7 +247,9 @@ class Strips:
     @cached_property
     def _floats(self) -> tuple[Any, Any]:
         n = min(FLOATS, self.count)
-        T, B = (np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (self.T, self.B))
+        T, B = (
+            np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (self.T, self.B)
+        )
         return np.diag([float(g) ** 4 for g in self.modes.gamma[:n]]) + T, B
 
     def line(self, k: int) -> arb:

@@ -128,8 +128,10 @@ class VariableSection:
     def _reach(self) -> tuple[dict[int, arb], dict[int, arb]]:
         """κ with ‖y^(q)‖ ≤ κ ‖y''‖ on (0, 1), and with |y^(q)(x)| ≤ κ ‖y''‖ at any x."""
         one = arb(1)
-        if any(self._is_held(e, 1) for e in (0, 1)):  # y'(x)² ≤ |x − e| ‖y''‖²
+        if "clamped" in self.kinds:  # y'(x)² ≤ |x − e| ‖y''‖²
             return {0: one / 3, 1: (one / 2).sqrt()}, {0: 2 * one / 3, 1: one}
+        if "sliding" in self.kinds:  # the same, and y vanishes at the other end
+            return {0: one / 2, 1: (one / 2).sqrt()}, {0: 2 * one / 3, 1: one}
         return {0: one / 2, 1: one}, {0: one / 2, 1: one}  # y' has a zero between two ends that are held
 
     @cached_property
