@@ -163,7 +163,7 @@ class VariableSection:
             return self._size(1)
 
     def _size(self, turned: int) -> arb:
-        """turned: 1 for the form with y and v exchanged. All derivatives go from the one of bounded mass to the other."""
+        """turned: 1 for the form with y and v exchanged. All derivatives go off the factor of bounded mass."""
         inner: dict[int, Polynomial] = {}
         ends = {key[:: -1 if turned else 1]: f for key, f in self.load_points.items()}
         for orders, f in self.load.items():

@@ -19,6 +19,7 @@ from freebeam.figures.diagrams import (
 )
 from freebeam.figures.look import style
 from freebeam.figures.points import beam
+from freebeam.figures.proof_of_first import strips
 from freebeam.figures.published import paper
 from freebeam.figures.regions import pulsating_regions
 from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_loop
@@ -26,7 +27,7 @@ from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_
 __all__ = [
     "beam", "paper",
     "coalescence", "critical_curve", "eigenvalues", "frequency_load", "pulsating_regions", "root_locus",
-    "stability_map", "tangent",
+    "stability_map", "strips", "tangent",
     "history", "mode_shape", "trajectory", "work", "work_loop",
     "style",
 ]  # fmt: skip
