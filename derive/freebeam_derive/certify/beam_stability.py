@@ -90,10 +90,12 @@ def complete(
     beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
     """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
-    uniform = isinstance(beam, Beam)
-    with precision(BITS if uniform else BITS_OF_ANY):
+    with precision(BITS if isinstance(beam, Beam) else BITS_OF_ANY):
         try:
-            evidence = _prove(beam, crossing, alpha, beta, kappa) if uniform else _prove_of_any(beam, crossing)
+            if isinstance(beam, Beam):
+                evidence = _prove(beam, crossing, alpha, beta, kappa)
+            else:
+                evidence = _prove_of_any(beam, crossing, alpha, beta)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -124,9 +126,9 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
     return Evidence(m, rational(reach, 60), strips.modes.count, (start,), cells, float(top))
 
 
-def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
+def _prove_of_any(system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact) -> Evidence:
     """The same where no modes are known in closed form: without damping, by the gaps between frequencies."""
-    if not system.undamped(*system.dampings):
+    if not system.undamped(alpha, beta):
         raise OpenStep("damping: with it, high modes are known to stay stable of uniform beams alone")
     load, frequency = +crossing.load, +crossing.frequency
     try:
@@ -374,6 +376,8 @@ class _Below:
 
     def highest_frequency(self, c_E: arb, c_M: arb) -> arb:
         """Ω such that no eigenvalue iω with ω ≥ Ω is one of the m lowest, or none is there at all."""
+        strips = self.strips
+        assert isinstance(strips, Strips)
         if not c_E > 0:
             return self.R.sqrt().upper()  # Re s = ω²
         found = []
@@ -382,9 +386,9 @@ class _Below:
         if rest > 0:
             found.append((self.R / rest).sqrt().upper())
         # for αω ≥ 1 is Re s ≤ |Im s|, so |μ_j − s| ≥ μ_j / √2; then √2 (‖T‖ + |p| ‖B‖) < 1 with |p| ≤ P/√(1 + α²ω²)
-        spare = 1 / arb(2).sqrt() - self.strips.T.norm(arb(0))
+        spare = 1 / arb(2).sqrt() - strips.T.norm(arb(0))
         if spare > 0:
-            ratio = self.load * self.strips.B.norm(arb(0)) / spare
+            ratio = self.load * strips.B.norm(arb(0)) / spare
             found.append((ratio.max(arb(1)) / c_E).upper())
         if not found:
             raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")
@@ -419,6 +423,7 @@ class _Below:
     def _with_one_series(self, problem: Onset, P: arb, x: arb, crossing: list[arb], kind: str) -> bool:
         around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
         local, self._series = copy(problem), self._series + 1
+        assert isinstance(self.beam, Beam)
         try:
             local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
         except Unproven:

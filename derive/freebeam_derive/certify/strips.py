@@ -240,7 +240,7 @@ class Strips:
             if form is elastic and any(v != 0 for row in X for v in row):
                 raise NoStrips(f"{name}: its rigid motions feel springs")
 
-    def estimates(self, P: float, count: int) -> Any:
+    def estimates(self, P: complex, count: int) -> Any:
         """The lowest eigenvalues s at a load of a series, in floats: where to look."""
         return np.sort_complex(np.linalg.eigvals(self._floats[0] + P * self._floats[1]))[:count]
 

@@ -183,8 +183,8 @@ class VariableSection:
         for q, f in inner.items():
             square = arb(0)
             for x in _pieces():
-                part = _over(f, x)[0] ** 2 / _over(self.m, x)[0]
-                square = square.max((part / _over(self.EI, x)[0] if q == 2 else part * norms[q] ** 2 / least).upper())
+                share = _over(f, x)[0] ** 2 / _over(self.m, x)[0]
+                square = square.max((share / _over(self.EI, x)[0] if q == 2 else share * norms[q] ** 2 / least).upper())
             along += square.sqrt()
         total = along * along
         for place in {row for (row, _), f in ends.items() if f and not self._is_held(*row)}:
@@ -207,7 +207,8 @@ class VariableSection:
             return (exact(self.EI[0]) / exact(self.m[0])).sqrt().sqrt()
 
         def fourth_root(x: acb, analytic: bool) -> acb:
-            return (_value(self.m, x) / _value(self.EI, x)).sqrt(analytic=analytic).sqrt(analytic=analytic)
+            ratio: acb = _value(self.m, x) / _value(self.EI, x)
+            return ratio.sqrt(analytic=analytic).sqrt(analytic=analytic)
 
         return 1 / acb.integral(fourth_root, 0, 1, rel_tol=arb(2) ** -40).real
 

@@ -79,7 +79,7 @@ def _computed(
         strips_of = Strips(column.kernel, own, 40)
         lines = {k: float(strips_of.line(k)) for k in range(m, last + 1)}
         turns = np.exp(1j * np.linspace(0, np.pi, POINTS))
-        circles = np.array([strips_of.estimates(P * turn, last) for turn in turns])  # type: ignore[arg-type]
+        circles = np.array([strips_of.estimates(P * turn, last) for turn in turns])
         return lines, strips_of.estimates(P, last), circles
 
 

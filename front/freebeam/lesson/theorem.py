@@ -32,7 +32,8 @@ def theorem(facts: Facts) -> list[Block]:
     def draw() -> Any:
         from freebeam import figures
 
-        return figures.strips(facts.column, **{name: f"{value:g}" for name, value in facts.own.items()})
+        own: dict[str, Any] = {name: f"{value:g}" for name, value in facts.own.items()}
+        return figures.strips(facts.column, **own)
 
     call = f"strips(beam{arguments(facts.own)})"
     return [
