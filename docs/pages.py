@@ -175,6 +175,16 @@ def to_try(stated: Mapping[str, Column], refused: Mapping[str, str]) -> str:
     return "\n".join(lines)
 
 
+def strips_of_the_paper() -> None:
+    """The picture of docs/theorem.md."""
+    made = Path(__file__).parent / "made" / "figures"
+    made.mkdir(parents=True, exist_ok=True)
+    with style():
+        drawn = figure((6.4, 3.4))
+        fb.figures.strips(fb.column("free-free"), ax=drawn.subplots())
+        (made / "strips.svg").write_bytes(image_of(drawn, "svg", "Eigenvalues, lines and discs"))
+
+
 def main(names: list[str]) -> None:
     (FOLDER / "pictures").mkdir(parents=True, exist_ok=True)
     stated, files = statements(), pipeline.known()
@@ -191,6 +201,7 @@ def main(names: list[str]) -> None:
                 draw(picture, stated[name], drawn.subplots())
                 image = image_of(drawn, "svg", caption)
             (FOLDER / "pictures" / f"{name}-{picture}.svg").write_bytes(image)
+    strips_of_the_paper()
     (FOLDER / "index.md").write_text(index(stated), encoding="utf-8")
     (FOLDER / "try.md").write_text(to_try(stated, refused), encoding="utf-8")
 

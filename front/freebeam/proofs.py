@@ -471,7 +471,8 @@ def exact_load(
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
-    modes, that it is the first and that the column is stable below, for a uniform beam. Where these two are not proven,
+    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping for one of
+    variable section, with springs and a mass at an end, without a certificate. Where these two are not proven,
     `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
@@ -536,7 +537,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
             crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
-        if evidence is not None and not asked.squares:
+        if evidence is not None and not asked.squares and not asked.column.general:
             certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
@@ -630,8 +631,8 @@ def exact_spectrum(
     """The beam's own eigenvalues λ at a load, near the lowest of a Ritz series, each enclosed. Eqs. (6), (15).
 
     modes: of how many functions' worth, 2 eigenvalues each; the starts are those of a series of many more. Numbers are
-    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits. Of uniform beams without
-    internal damping it is proven up to which |λ| the list is complete.
+    taken exactly, as in `certified_load`. Relative widths, to |λ|, are below 10^-digits. Of uniform beams it is proven
+    up to which |λ| the list is complete, with internal damping below 1/α, where it can be shown in some seconds.
 
     Raises InputError for bad values and for a column whose equation the power series does not serve.
     """

@@ -19,6 +19,8 @@ from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import ExactCrossing
 from freebeam_derive.certify.beam_stability import complete, complete_to
+from freebeam_derive.certify.complete_spectrum import _Circle, counted_to
+from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import Strips
 
@@ -193,9 +195,9 @@ def test_no_crossing_is_beyond_the_highest_frequency() -> None:
 
 
 def test_columns_that_are_not_served_are_named() -> None:
-    other: Any = object()
     crossing = FIRST["Euler"]()[1]
-    assert complete(other, crossing, NONE, NONE)[2].startswith("strips: the modes of a uniform beam")
+    step = ExactSystem(fb.column("step").kernel, {})
+    assert complete(step, crossing, NONE, NONE)[2].startswith("frequency gaps: step is more than one segment")
 
 
 def test_the_touch_at_one_half_is_left_open() -> None:
@@ -220,10 +222,39 @@ def test_a_spectrum_is_complete_up_to_the_first_that_is_missing() -> None:
     for lost in range(12):
         fewer, _ = complete_to(beam, NONE, NONE, HALF, known[:lost] + known[lost + 1 :])
         assert fewer is None or fewer < abs(known[lost])
-    assert complete_to(beam, NONE, Fraction(1, 100), HALF, known) == (
-        None, "with internal damping eigenvalues are not counted"
-    )  # fmt: skip
     assert complete_to(beam, Fraction(20), NONE, HALF, known[:2])[1] == "fewer than the 4 lowest are known"
+
+
+def with_damping(alpha: float, beta: float, count: int) -> list[acb]:
+    """Eigenvalues of Beck's column without load, λ² + (β + αγ⁴) λ + γ⁴ = 0."""
+    known = []
+    for g in Strips(beck, {}, 40).modes.gamma[:count]:
+        half = (arb(beta) + arb(alpha) * g**4) / 2
+        root = acb(half * half - g**4).sqrt()
+        known += [-half + root, -half - root]
+    return known
+
+
+def test_a_circle_holds_as_many_eigenvalues_as_are_known_without_load() -> None:
+    with precision(192):
+        beam, known = Beam(beck), with_damping(1 / 64, 0.5, 12)
+        circle = _Circle(beam, NONE, Fraction(1, 64), HALF)
+        for radius in (2, 10):
+            assert circle.zeros(arb(radius)) == sum(bool(abs(v) < radius) for v in known)
+        with pytest.raises(Unproven, match="accumulate"):
+            circle.zeros(arb(65))
+        free = _Circle(Beam(free_free), NONE, Fraction(1, 64), HALF)  # rigid: 0 and −β, twice each
+        assert [free.zeros(arb(r)) for r in (0.25, 1)] == [2, 4] == [free.inside([], arb(r)) for r in (0.25, 1)]
+
+
+def test_with_internal_damping_a_spectrum_lacks_none_up_to_what_is_said() -> None:
+    with precision(192):
+        known = with_damping(1 / 64, 0.5, 1)
+    beam = Beam(beck)
+    top, missing = counted_to(beam, NONE, Fraction(1, 64), HALF, known)
+    assert missing == "" and top is not None and top > abs(known[-1])
+    fewer, why = counted_to(beam, NONE, Fraction(1, 64), HALF, known[1:])
+    assert fewer is None and why.startswith("of 2 with")
 
 
 def test_a_spectrum_near_a_coalescence_lacks_none() -> None:

@@ -424,6 +424,7 @@ DRAWINGS = {
     "pulsating_regions": lambda f, ax: f.pulsating_regions(regions(), ax=ax),
     "root_locus": lambda f, ax: f.root_locus(BECK, np.linspace(0, 30, 40), alpha=0.01, count=3, ax=ax),
     "stability_map": lambda f, ax: f.stability_map(GRID, [1, 2, 3], [1, 2], xlabel="a", ax=ax),
+    "strips": lambda f, ax: f.strips(BECK, eta=0.9, ax=ax),
     "tangent": lambda f, ax: f.tangent(BECK, kappa=5.0, ax=ax),
     "trajectory": lambda f, ax: f.trajectory(response(), ax=ax),
     "work": lambda f, ax: f.work(BECK, 15.0, ax=ax),
@@ -442,6 +443,25 @@ def test_drawings_take_axes_and_change_no_settings(name):
     assert DRAWINGS[name](fb.figures, axes) is axes
     assert axes.has_data()
     assert dict(rcParams) == before
+
+
+def test_what_is_alone_in_a_strip_is_drawn_between_its_lines(ax):
+    """Dots are the beam's own eigenvalues at the critical load; each curve right of line m is between two lines."""
+    fb.figures.strips(BECK, ax=ax)
+    lines = [line for line in ax.lines if to_hex(line.get_color()) in (look.INK, look.MUTED.lower())]
+    dots = sorted(line.get_xdata()[0] for line in lines if line.get_marker() == "o")
+    places = [complex(*np.transpose(line.get_xydata())[:, 0]) ** 4 for line in lines if line.get_marker() != "o"]
+    lines_at = sorted(place.real for place in places)
+    assert len(lines_at) == 4
+    curves = [line.get_xdata() + 1j * line.get_ydata() for line in ax.lines if line.get_color() == look.COLOURS[0]]
+    assert len(curves) == 6
+    for curve in curves:
+        s = curve**4
+        assert sum(low < s.real.min() and s.real.max() < high for low, high in itertools.pairwise(lines_at)) == 1
+    found = fb.exact_load(BECK, digits=15)
+    beam = fb.exact_spectrum(BECK, found.load[0][:12], modes=5, digits=8)
+    wanted = sorted(float(im) ** 0.5 for _, im in beam.lower if float(im) > 0)
+    assert dots == pytest.approx(wanted, abs=1e-3)
 
 
 def test_a_notebooks_first_picture_leaves_it_showing_pictures():

@@ -1,9 +1,9 @@
 """That a crossing of the beam itself is the first, and that the column is stable below it. Eqs. (6), (14), (15).
 
-`strips` leaves finitely many eigenvalues to look at: the m lowest. Without damping they are shown to be real, positive
-and simple on [0, P*) by changes of sign of F(P, s); at the crossing the point between the two that meet moves with
-the load. With damping F(P, iω) is shown to have no other zero on a rectangle of loads and frequencies, outside of
-which the strips leave none. docs/theorem.md has the statements and their proofs.
+`strips`, or `frequency_gaps`, leaves finitely many eigenvalues to look at: the m lowest. Without damping they are shown
+to be real, positive and simple on [0, P*) by changes of sign of F(P, s); at the crossing the point between the two that
+meet moves with the load. With damping F(P, iω) is shown to have no other zero on a rectangle of loads and frequencies,
+outside of which the strips leave none. docs/theorem.md has the statements and their proofs.
 """
 
 from __future__ import annotations
@@ -20,14 +20,17 @@ from flint import acb, arb
 from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
-from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Itself, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.complete_spectrum import counted_to
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
+BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; signs need no more
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
 TERMS = 6  # of Taylor's series in the load, over a stretch
-FLOATS = 40  # modes of the series that separators are taken from
 
 
 @dataclass(frozen=True)
@@ -48,7 +51,8 @@ class Stretch:
 class Evidence:
     """What a proof of `first` and `stable_below` stands on.
 
-    lowest: m. modes: how many are in balls. reach: a load up to which all lines from m on are free of eigenvalues.
+    lowest: m. modes: how many are in balls (beyond the uniform beam: how many frequencies without load). reach: a load
+    up to which all lines from m on are free of eigenvalues.
     stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
     they go (0 where there are none).
     """
@@ -73,14 +77,15 @@ class Evidence:
 
 
 def complete(
-    beam: Any, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
+    beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
     """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
-    if not isinstance(beam, Beam):
-        return crossing, None, "strips: the modes of a uniform beam serve columns of the textbook's kind alone"
-    with precision(BITS):
+    with precision(BITS if isinstance(beam, Beam) else BITS_OF_ANY):
         try:
-            evidence = _prove(beam, crossing, alpha, beta, kappa)
+            if isinstance(beam, Beam):
+                evidence = _prove(beam, crossing, alpha, beta, kappa)
+            else:
+                evidence = _prove_of_any(beam, crossing, alpha, beta)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -125,6 +130,20 @@ def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) 
     return beam.damping(*dampings)
 
 
+def _prove_of_any(system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact) -> Evidence:
+    """The same where no modes are known in closed form: without damping, by the gaps between frequencies."""
+    if not system.undamped(alpha, beta):
+        raise OpenStep("damping: with it, high modes are known to stay stable of uniform beams alone")
+    load, frequency = +crossing.load, +crossing.frequency
+    try:
+        gaps = FrequencyGaps(system, load.upper())
+    except Unproven as error:
+        raise OpenStep(f"frequency gaps: {error}") from None
+    proof = Below(system, gaps, gaps.lowest, load)
+    at = None if crossing.kind == "divergence" else frequency * frequency
+    return Evidence(gaps.lowest, rational(gaps.reach, 60), gaps.count, tuple(proof.real_and_simple(at)))
+
+
 def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:
     """A bound up to which in |λ| no eigenvalue of the beam itself at a load is missing among the known; else why not.
 
@@ -135,7 +154,7 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
     with precision(BITS):
         c_E, c_M = beam.damping(alpha, beta)
         if not (c_E.is_zero() and c_M >= 0):
-            return None, "with internal damping eigenvalues are not counted"
+            return counted_to(beam, load, alpha, beta, known)
         try:
             strips, least, _ = strips_for(beam, abs(exact(load)), growing=False)
         except Unproven as error:
@@ -171,22 +190,15 @@ def strips_for(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
 class Below:
     """The proofs for one column and one load: R_m is the first line that is free."""
 
-    def __init__(self, beam: Beam, strips: Strips, m: int, load: arb) -> None:
+    def __init__(self, beam: Itself, strips: Strips | FrequencyGaps, m: int, load: arb) -> None:
         self.beam, self.strips, self.m, self.load = beam, strips, m, load
         self.trivial = strips.rigid
         self.R = strips.line(m)
-        n = min(FLOATS, strips.modes.count)
-        self._mu = np.array([float(g) ** 4 for g in strips.modes.gamma[:n]])
-        self._T, self._B = (
-            np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (strips.T, strips.B)
-        )
 
     # ---------------------------------------------------------------- signs of F(P, s) for real s
 
     def _estimates(self, P: float) -> Any:
-        """The lowest eigenvalues of a series, in floats: where to look."""
-        values = np.linalg.eigvals(np.diag(self._mu) + self._T + P * self._B)
-        return np.sort_complex(values)[: self.m + 1]
+        return self.strips.estimates(P, self.m + 1)
 
     def _taylor(self, low: arb, high: arb, s: arb) -> tuple[list[arb], arb]:
         """Coefficients of F in powers of the load about the middle, the last over all of it; and half the width.
@@ -231,28 +243,30 @@ class Below:
         self, low: arb, high: arb, separators: Sequence[Fraction], moving: int | None = None
     ) -> list[int] | None:
         """The signs of F at the separators, where they alternate (that of a moving one is left open as 0)."""
-        signs = [0 if k == moving else self.sign(low, high, exact(s)) for k, s in enumerate(separators)]
-        known = next(k for k in range(len(signs)) if k != moving)
-        wanted = [signs[known] * (-1) ** (k - known) for k in range(len(signs))]
-        holds = all(s != 0 and s == w for k, (s, w) in enumerate(zip(signs, wanted, strict=True)) if k != moving)
-        return wanted if holds else None
+        fixed = [k for k in range(len(separators)) if k != moving]
+        signs = dict.fromkeys(fixed, 0)
+        for k in reversed(fixed):  # the highest is the one that fails first
+            signs[k] = self.sign(low, high, exact(separators[k]))
+            if signs[k] == 0 or signs[k] * signs[fixed[-1]] != (-1) ** (k - fixed[-1]):
+                return None
+        return [signs[fixed[0]] * (-1) ** (k - fixed[0]) for k in range(len(separators))]
 
     def _covered(self, start: Fraction, end: Fraction) -> Iterator[Stretch]:
         """Stretches from start to end."""
-        waiting = [(start, end, 0)]
-        while waiting:
-            a, b, depth = waiting.pop()
+        a, width = start, end - start
+        while a < end:
+            b = min(a + width, end)
             separators = self._separators(float(a), float((a + b) / 2), float(b))
             if separators is not None and self._alternate(exact(a), exact(b), separators):
                 yield Stretch(a, b, separators)
+                a, width = b, 2 * width
                 continue
-            if depth == DEEPEST or b - a < (end - start) / 2**14:
+            width = (b - a) / 2
+            if width < (end - start) / 2**14:
                 raise OpenStep(
                     f"low frequencies: the {self.m} lowest are not known to be real, positive and simple between the "
                     f"loads {float(a):.10g} and {float(b):.10g}"
                 )
-            middle = (a + b) / 2
-            waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
 
     def real_and_simple_at(self, P: Fraction) -> Stretch:
         """All eigenvalues are real, positive and simple at a load."""
@@ -374,6 +388,8 @@ class Below:
 
     def highest_frequency(self, c_E: arb, c_M: arb) -> arb:
         """Ω such that no eigenvalue iω with ω ≥ Ω is one of the m lowest, or none is there at all."""
+        strips = self.strips
+        assert isinstance(strips, Strips)
         if not c_E > 0:
             return self.R.sqrt().upper()  # Re s = ω²
         found = []
@@ -382,9 +398,9 @@ class Below:
         if rest > 0:
             found.append((self.R / rest).sqrt().upper())
         # for αω ≥ 1 is Re s ≤ |Im s|, so |μ_j − s| ≥ μ_j / √2; then √2 (‖T‖ + |p| ‖B‖) < 1 with |p| ≤ P/√(1 + α²ω²)
-        spare = 1 / arb(2).sqrt() - self.strips.T.norm(arb(0))
+        spare = 1 / arb(2).sqrt() - strips.T.norm(arb(0))
         if spare > 0:
-            ratio = self.load * self.strips.B.norm(arb(0)) / spare
+            ratio = self.load * strips.B.norm(arb(0)) / spare
             found.append((ratio.max(arb(1)) / c_E).upper())
         if not found:
             raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")

@@ -24,10 +24,13 @@ from types import ModuleType
 from typing import Any
 
 import flint
+import numpy as np
 from flint import arb, arb_mat
 
 from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, parameters, stated_exactly
 from freebeam_derive.certify.comparison_form import ORDERS, Along, Bounds, Modes, Points, bounds
+
+FLOATS = 40  # modes of the series that starts are taken from
 
 
 class NoStrips(Unproven):
@@ -98,9 +101,9 @@ class Form:
         n, w = modes.count, self.B.entries()
         self._squares = arb_mat(n, n, [_upper(v * v) for v in w])
         self._sides = _moved(along, points, 1), _moved(along, points, 0)
-        # all modes beyond n, and all modes there are
+        # all modes beyond n, and (`every`) all modes there are
         self._beyond = bounds(modes.kinds, modes.gamma[-1])
-        self._every = self._of_every()
+        self.every = self._of_every()
 
     def _of_every(self) -> Bounds:
         """Bounds that hold of every mode."""
@@ -168,7 +171,7 @@ class Form:
         """An upper bound of the norm on the lines R = Γ⁴ of k and of every greater number."""
         if self.nothing:
             return arb(0)
-        pi, away, every = arb.pi(), self.modes.spread, self._every
+        pi, away, every = arb.pi(), self.modes.spread, self.every
         G = self.modes.lattice(k) + pi / 2
         near, further = pi / 2 - away, pi / 2 + away
         if not (near > 0 and G > 3 * further):
@@ -222,6 +225,7 @@ class Strips:
             raise NoStrips(f"{name}: moves rigidly, which is not served over a range of its own parameters")
         self._rigid_rest(name, elastic, load)
         self.modes = modes_of(self.kinds, count, flint.ctx.prec)
+        self.count = count
         self.T, self.B = (Form(self.modes, *(_balls(part) for part in form)) for form in (elastic, load))
 
     def _rigid_rest(self, name: str, elastic: list[Any], load: list[Any]) -> None:
@@ -239,6 +243,18 @@ class Strips:
                 raise NoStrips(f"{name}: its rigid motions feel the load or springs")
             if form is elastic and any(v != 0 for row in X for v in row):
                 raise NoStrips(f"{name}: its rigid motions feel springs")
+
+    def estimates(self, P: complex, count: int) -> Any:
+        """The lowest eigenvalues s at a load of a series, in floats: where to look."""
+        return np.sort_complex(np.linalg.eigvals(self._floats[0] + P * self._floats[1]))[:count]
+
+    @cached_property
+    def _floats(self) -> tuple[Any, Any]:
+        n = min(FLOATS, self.count)
+        T, B = (
+            np.array([[float(form.B[i, j].mid()) for j in range(n)] for i in range(n)]) for form in (self.T, self.B)
+        )
+        return np.diag([float(g) ** 4 for g in self.modes.gamma[:n]]) + T, B
 
     def line(self, k: int) -> arb:
         """R_k, k ≥ 1: the fourth power of the middle between the asymptotes of γ_k and γ_{k+1}; R_0 = 0."""

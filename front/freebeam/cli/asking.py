@@ -83,6 +83,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if self.certificate and found.proven is not None:
             missing = found.proven.missing
             refuse(missing, f"{self.certificate}: is not written, for not all of it is proven: {missing}")
+            unserved = found.proven.certificate is None
+            refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof by frequency gaps")
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
         if self.plot:

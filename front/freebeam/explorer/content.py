@@ -172,9 +172,10 @@ def _drawn(column: Column) -> dict[str, Any]:
         *(["joint", at(place), ""] for _, place in parts.jumps),
         *(["ground", at(place), names.get(letter, "")] for place, letter in grounds),
     ]
-    spread = parts.load in ("follower", "axis") and not parts.followers
-    dead = not (flow or spread or parts.followers or parts.angles)
-    followers = [1.0] if not statement.fields else parts.followers
+    followers = [place for place, _, share in parts.loads if share]
+    spread = parts.load in ("follower", "axis") and not followers
+    dead = not (flow or spread or followers or statement.coordinates)
+    followers = followers if statement.fields else [1.0]
     return {
         "marks": marks,
         "flow": flow,

@@ -18,6 +18,7 @@ from freebeam.figures.diagrams import (
     tangent,
 )
 from freebeam.figures.look import style
+from freebeam.figures.proof_of_first import strips
 from freebeam.figures.published import paper
 from freebeam.figures.regions import proven_range, pulsating_regions
 from freebeam.figures.schematic import beam
@@ -26,8 +27,7 @@ from freebeam.figures.shapes import history, mode_shape, trajectory, work, work_
 __all__ = [
     "beam", "paper",
     "coalescence", "critical_curve", "eigenvalues", "frequency_load", "proven_range", "pulsating_regions",
-    "root_locus",
-    "stability_map", "tangent",
+    "root_locus", "stability_map", "strips", "tangent",
     "history", "mode_shape", "trajectory", "work", "work_loop",
     "style",
 ]  # fmt: skip

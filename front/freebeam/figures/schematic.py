@@ -12,10 +12,10 @@ import numpy as np
 from freebeam.figures import sketch
 from freebeam.figures.look import ACCENT, INK, MUTED, drawing
 from freebeam.figures.marks import arrow, colour, symbol
+from freebeam.vehicles.tabulated import Tabulated
 from freebeam_sym.checks import InputError, positions
 from freebeam_sym.kernels import is_kernel, read_source
 from freebeam_sym.spectra import spectrum
-from freebeam_sym.tabulated import Tabulated
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebeam.lesson.draws import USUAL, Data
-from freebeam.proofs import enclosed_load
+from freebeam.proofs import enclosed_load, exact_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
@@ -108,7 +108,9 @@ class Facts:
         """The beam itself, undamped, or why it is not enclosed."""
         try:
             own: dict[str, Any] = {name: f"{value:g}" for name, value in self.own.items()}
-            return enclosed_load(self.column, digits=12, **own)
+            if self.column.general:  # where the proof that it is the first takes some seconds, if there is one
+                return enclosed_load(self.column, digits=12, **own)
+            return exact_load(self.column, digits=12, **own)
         except InputError as error:
             return str(error)
 

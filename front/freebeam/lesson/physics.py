@@ -14,6 +14,7 @@ from freebeam.lesson.eigenvalues import coalescence, divergence, eigenvalues, va
 from freebeam.lesson.facts import Facts
 from freebeam.lesson.phrases import exercise, figure, heading, n, percent, prose, summary, text
 from freebeam.lesson.resonance import pulsation
+from freebeam.lesson.theorem import theorem
 from freebeam_sym.question import Question
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ def physics_chapters(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
         *rigid(chapter, facts),
         *pulsation(chapter, facts),
         *closed("truncation", truncation(chapter, facts)),
+        *theorem(facts),
     )
 
 

@@ -1,0 +1,84 @@
+"""Where the eigenvalues s of a column with a load are, from the gaps between its frequencies without load.
+
+Without load they are ω_k², ω₁ < ω₂ < …; where the load's form is |b(y, v)| ≤ C a(y, y)^(1/2) (mass of v)^(1/2), no
+eigenvalue s has Re s = ω_k ω_{k+1} for |p| C < ω_{k+1} − ω_k (Lemma 6). Of the lowest K the column's own F(0, s) tells:
+K changes of its sign. That there are no more below R_K, and how wide the later gaps are, comes from the uniform beam
+beside it (variable_section.py, Lemma 7). docs/theorem.md has the proofs.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb
+
+from freebeam_derive.certify.balls import Unproven, exact, precision, rational
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.strips import NoStrips
+from freebeam_derive.certify.variable_section import VariableSection
+
+MOST = 60  # lines that are tried for the first from which on all gaps are wide enough
+BITS = 128  # for signs of F at high frequencies
+WIDTH = Fraction(1, 10**6)  # relative, of the interval about a frequency squared in which F changes sign
+FLOATS = 30  # functions of the series that starts are taken from, beyond the number of eigenvalues
+
+
+class FrequencyGaps:
+    """The lines of a column between its frequencies without load, as `Strips` has them for a uniform beam.
+
+    system: a column without damping. load: the largest |p|. lowest: m, from which on every line is free of eigenvalues
+    for |p| ≤ load; reach: up to which |p| they are. count: K, how many frequencies were enclosed one by one. Raises
+    NoStrips for a column that is not served, and Unproven.
+    """
+
+    rigid = 0
+
+    def __init__(self, system: ExactSystem, load: arb) -> None:
+        self.system = system
+        self._float = {name: float(value) for name, value in system.own.items()}
+        section = VariableSection(system.kernel, system.own)
+        self.size = section.load_size
+        self.count, (top, gap) = self._first_far(section, load)
+        self._squares = self._enclosed(self.count, top)
+        self.lowest, self._gap = self.count, gap
+        self._lines = {self.count: top}
+        for k in range(self.count - 1, 0, -1):
+            low, high = exact(self._squares[k - 1][1]).sqrt(), exact(self._squares[k][0]).sqrt()
+            if not (high - low) > load * self.size:
+                break
+            self.lowest, self._gap = k, self._gap.min((high - low).lower())
+            self._lines[k] = low * high
+        self.reach = (self._gap / self.size).lower()
+
+    def _first_far(self, section: VariableSection, load: arb) -> tuple[int, tuple[arb, arb]]:
+        for k in range(2, MOST):
+            R, gap = section.far_gap(k)
+            if gap > load * self.size:
+                return k, (R, gap)
+        raise NoStrips("the gaps between high frequencies could not be shown to be wide enough for such a load")
+
+    def _enclosed(self, count: int, top: arb) -> list[tuple[Fraction, Fraction]]:
+        """Intervals in each of which F(0, s) changes sign, all below `top`: so many eigenvalues are there at least."""
+        found: list[tuple[Fraction, Fraction]] = []
+        for start in self.estimates(0.0, count).real:
+            sides = [rational(float(start), 53) * (1 + sign * WIDTH) for sign in (-1, 1)]
+            with precision(BITS):
+                values = [self.system.taylor(arb(0), exact(side), ((0, 0),))[0, 0] for side in sides]
+            low = found[-1][1] if found else Fraction(0)
+            if not (values[0] * values[1] < 0 and sides[0] > low and exact(sides[1]) < top):
+                raise Unproven(f"the frequency {float(abs(start)) ** 0.5:.6g} without load could not be enclosed")
+            found.append((sides[0], sides[1]))
+        return found
+
+    def line(self, k: int) -> arb:
+        """R_k, from the lowest m to K: ω_k ω_{k+1} up to how closely these are known."""
+        return self._lines[k]
+
+    def estimates(self, P: float, count: int) -> Any:
+        """The lowest eigenvalues s at a load of a series, in floats."""
+        kernel = self.system.kernel
+        basis = kernel.basis(count + FLOATS)
+        M, K = (np.asarray(f(basis, P, **self._float), dtype=float) for f in (kernel.mass, kernel.stiffness))
+        return np.sort_complex(np.linalg.eigvals(np.linalg.solve(M, K)))[:count]
