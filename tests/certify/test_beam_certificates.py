@@ -8,13 +8,14 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from math import comb
 from typing import Any
 from unittest.mock import patch
 
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, arb_poly
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
@@ -25,7 +26,7 @@ from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import flutter_damped
 from freebeam_derive.certify.strips import Strips
 from freebeam_derive.certify.verifier_lines import Lines
-from freebeam_derive.certify.verifier_shooting import Box, Shooting
+from freebeam_derive.certify.verifier_shooting import Box, Part, Shooting
 from tests.front.test_proofs import run
 
 Data = dict[str, Any]
@@ -247,6 +248,30 @@ def test_what_the_polynomial_leaves_out_is_in_the_rest() -> None:
                                    for k in range(one.C.ncols())), arb(0)))  # fmt: skip
             ratios.append(abs(values[0] - values[1]) / coarse.rest)
         assert all(r < 1 for r in ratios) and 0 < whole.rest < coarse.rest * arb(2) ** -200
+
+
+def test_a_box_holds_all_that_the_rest_could_be() -> None:
+    """F and any ε (p/P)^j (s/S)^k, with their derivatives, where the rest is ε."""
+    ends, E, H = of_kernel(beck)
+    with flint.ctx.workprec(128):
+        shooting = Shooting(ends, E, H)
+        p, s = acb(arb(15, 5), arb(1, 1)), acb(arb(300, 60), arb(5, 5))
+        exact = Box(shooting, p, s)
+        (whole,) = shooting._known.values()
+        whole.rest = epsilon = arb("1e-6")
+        box = Box(shooting, p, s)
+        for x, y in ((acb(15, 1), acb(300, 5)), (acb(18, 1), acb(350, 5))):
+            for i, j, a, b in ((0, 0, 0, 0), (0, 0, 3, 2), (1, 0, 4, 1), (0, 1, 1, 5), (1, 1, 2, 2), (2, 0, 6, 0)):
+                change = comb(a, i) * comb(b, j) * epsilon * (x / whole.P) ** (a - i) * (y / whole.S) ** (b - j)
+                change = change / (whole.P**i * whole.S**j)
+                assert box.value(x, y, i, j).contains(exact.value(x, y, i, j) + change)
+
+
+def test_coefficients_that_are_left_out_go_to_the_rest() -> None:
+    tiny = arb(2) ** -200
+    with flint.ctx.workprec(64):
+        part = Part([arb_poly([1, tiny]), arb_poly([tiny])], arb(1), tiny).short()
+        assert [row.length() for row in part.rows] == [1] and part.rest >= 3 * tiny
 
 
 def test_both_bound_the_same_norms() -> None:
