@@ -439,7 +439,7 @@ def gammas(ends: list[str], count: int) -> list[arb]:
         require(not any(c.contains(0) for c in near_0), "the characteristic determinant may vanish close to γ = 0")
         low = arb(1) / 2
         while len(found) < count:
-            found, low = found + within(low, low + arb(1) / 8, ends), low + arb(1) / 8
+            found, low = found + within(low, low + arb(1) / 2, ends), low + arb(1) / 2
     return [refined(box, ends) for box in found[:count]]
 
 
