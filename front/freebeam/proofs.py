@@ -41,11 +41,11 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None in SI units and where not all is proven. missing:
-    the step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first`
-    stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the
-    nondimensional load up to which all others are each alone in a strip; stretches of changes of sign; cells of load
-    and frequency.
+    taken for. certificate: the data that prove it, for a file; None in SI units and where missing says why. missing:
+    the step that failed, in words, where something of proof is false, or why there is no certificate. evidence: of the
+    beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
+    by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
+    sign; cells of load and frequency.
     """
 
     load: tuple[str, str] | None
@@ -171,7 +171,7 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        if not hasattr(column.kernel, "forms"):
+        if not any(hasattr(column.kernel, part) for part in ("forms", "equations")):
             raise InputError(
                 f"{column.name}: is assembled from tables in floats, of which nothing can be proven; state the column "
                 "in a file, such as with Piecewise"
@@ -304,6 +304,7 @@ def certified_load(
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """
     from freebeam_derive.certify import certificate
+    from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
@@ -313,15 +314,14 @@ def certified_load(
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
         frequency = _frequency(asked, enclosure.square, digits)
+    data, missing = None, ""
+    try:
+        data = certificate.write(column.kernel, enclosure) if beam is None else None
+    except Unproven as error:
+        missing = str(error)
+    proof = dict(enclosure.proof)
     return Certified(
-        load,
-        frequency,
-        enclosure.kind,
-        dict(enclosure.proof),
-        digits,
-        asked.question,
-        asked.inputs,
-        certificate.write(column.kernel, enclosure) if beam is None else None,
+        load, frequency, enclosure.kind, proof, digits, asked.question, asked.inputs, data, missing=missing
     )
 
 

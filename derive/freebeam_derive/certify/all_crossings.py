@@ -33,6 +33,7 @@ from freebeam_derive.certify.first_crossing import (
     holds,
     refined,
     separators_at,
+    stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
 
@@ -150,12 +151,9 @@ class _Survey:
         self.crossings: list[_Found] = []
 
     def run(self) -> list[_Found]:
-        at_zero = separators_at(self.found, Fraction(0))
-        zero = Fraction(0)
-        if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
-            raise Unproven("the column is not known to be stable without load")
-        leading = arb_poly([row[self.found.N] for row in self.found.h.rows])
-        if 0 in signs_on([leading], zero, self.load_max):
+        zero = self._first_stable()
+        top, of = (self.found.g, self.found.between) if self.found.odd else (self.found.h, self.found.N)
+        if 0 in signs_on([arb_poly([row[of] for row in top.rows])], zero, self.load_max):
             raise Unproven("det M is not known to keep its sign, and eigenvalues may come from infinity")
         try:
             self._divergences(zero, self.load_max, 0)
@@ -170,6 +168,25 @@ class _Survey:
                     f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
                 )
         return found
+
+    def _first_stable(self) -> Fraction:
+        """The load from which on crossings are looked for: 0, or one up to which there is none where motions rest
+        at 0. Raises Unproven where the column is not known to be stable up to it."""
+        zero = Fraction(0)
+        if self.found.rests:
+            end = self.load_max
+            for _ in range(FINEST):
+                try:
+                    if stretch_over(self.found, zero, end) is not None:
+                        return end
+                except Unproven:
+                    pass
+                end /= 2
+            raise Unproven("the column is not known to be stable at small loads")
+        at_zero = separators_at(self.found, zero)
+        if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
+            raise Unproven("the column is not known to be stable without load")
+        return zero
 
     def _flutter(self, start: Fraction, end: Fraction) -> None:
         """Every common zero of h and g with x > 0 on a stretch."""

@@ -70,7 +70,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         found = self.compute()
         if self.certificate and found.proven is not None:
             missing = found.proven.missing
-            refuse(missing, f"{self.certificate}: is not written, for not all of it is proven: {missing}")
+            why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
+            refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
         if self.plot:
