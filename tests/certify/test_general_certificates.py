@@ -25,7 +25,7 @@ import freebeam as fb
 from freebeam.cli import main
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven, parameters
-from freebeam_derive.certify.boundary_polynomials import Question
+from freebeam_derive.certify.boundary_polynomials import Question, functions_of
 from tests.stated import FREE, TIMOSHENKO, file_of
 
 F = Fraction
@@ -327,9 +327,17 @@ def test_a_thrust_that_turns_at_once_is_becks_and_a_top_falls_at_three() -> None
     both = [proven("thrust that turns at once").load, beck().load]
     (a, b), (c, d) = filter(None, both)
     assert max(a, c) < min(b, d)
+    found = fb.critical_load(column("thrust that turns at once"), 3).load  # floats see it too
+    assert found == pytest.approx(float(a), rel=1e-9)
     top = proven("top")
     assert top.load is not None and top.load[0] < 3 < top.load[1]
     assert top.square is not None and top.square[0] < 4 < top.square[1]
+
+
+def test_a_proof_of_too_many_functions_is_refused_with_what_is_feasible() -> None:
+    with pytest.raises(Unproven, match=r"a proof of 121 functions .* up to 100 are feasible: give N = 49 or less"):
+        first_crossing.certify(column("crack").kernel, Question(60), None, 8)
+    assert functions_of(column("crack").kernel, 49) <= 100 and functions_of(column("torque").kernel, 3) == 6
 
 
 def beck() -> first_crossing.Enclosure:

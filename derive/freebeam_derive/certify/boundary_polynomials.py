@@ -212,6 +212,22 @@ def _in_square(factors: Sequence[arb_poly], counts: Sequence[int], scale: arb, k
     ])  # fmt: skip
 
 
+MOST_FUNCTIONS = 100
+"""Time grows as the fifth power of their number: 12 s at 50, of one core, and some ten minutes at 100."""
+
+
+def functions_of(kernel: ModuleType, modes: int) -> int:
+    """How many functions a question of a column has. Raises Unproven where they are too many for a proof."""
+    general = kernel.COLUMN.get("general")
+    count = int(kernel.basis(modes).size) - int(kernel.COLUMN["rigid"]) if general else modes
+    if count > MOST_FUNCTIONS:
+        raise Unproven(
+            f"a proof of {count} functions takes more than ten minutes by far; up to {MOST_FUNCTIONS} are feasible: "
+            f"give N = {modes * MOST_FUNCTIONS // count} or less"
+        )
+    return count
+
+
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
