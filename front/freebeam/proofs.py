@@ -45,7 +45,8 @@ class Certified:
     the step that failed, in words, where something of proof is false, or why there is no certificate. evidence: of the
     beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
     by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
-    sign; cells of load and frequency.
+    sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
+    rests that the load alone restores, or nothing is damped.
     """
 
     load: tuple[str, str] | None
@@ -58,6 +59,7 @@ class Certified:
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
     missing: str = ""
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
+    above_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -318,9 +320,17 @@ def certified_load(
         data = certificate.write(column.kernel, enclosure) if beam is None else None
     except Unproven as error:
         missing = str(error)
-    proof = dict(enclosure.proof)
     return Certified(
-        load, frequency, enclosure.kind, proof, digits, asked.question, asked.inputs, data, missing=missing
+        load,
+        frequency,
+        enclosure.kind,
+        dict(enclosure.proof),
+        digits,
+        asked.question,
+        asked.inputs,
+        data,
+        missing=missing,
+        above_zero=enclosure.above_zero,
     )
 
 

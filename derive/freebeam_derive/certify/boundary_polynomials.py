@@ -45,9 +45,9 @@ class Question:
 class Boundary:
     """h and g, polynomials in P and x, of degree N and below in x; `damped` is False where g is ∂h/∂x.
 
-    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0, where
-    what is said of the roots is said of P > 0. As a system of equations: h = g = 0 in the unknowns (P, x), or det K =
-    h(P, 0) = 0 in the one unknown (P,).
+    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0. none:
+    the power of P that g was divided by. Where one is not 0, what is said of the roots is said of P > 0. As a system of
+    equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -56,6 +56,12 @@ class Boundary:
     damped: bool
     odd: bool = False
     rests: int = 0
+    none: int = 0
+
+    @property
+    def above_zero(self) -> bool:
+        """Whether what is said of stability is not said of P = 0."""
+        return self.rests > 0 or self.none > 0
 
     @property
     def between(self) -> int:
@@ -118,7 +124,7 @@ def expansion(
         return Boundary(N, h, h.by_x, False, False, known.rests)
     none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
     g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
-    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests)
+    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none)
 
 
 def _sizes(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], degree: int) -> tuple[arb, arb]:

@@ -55,7 +55,8 @@ class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
-    no crossing: proven is that the column is stable up to load_max.
+    no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
+    motion rests, or nothing is damped.
     """
 
     question: Question
@@ -65,6 +66,7 @@ class Enclosure:
     load_max: Fraction | None
     stretches: tuple[Stretch, ...]
     proof: Mapping[str, bool]
+    above_zero: bool = False
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
@@ -234,7 +236,7 @@ def certify(
                     return _certify_near(found, question, near, digits, bits)
                 proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
                 stretches = tuple(cover(found, Fraction(0), load_max))
-                return Enclosure(question, "none", None, None, load_max, stretches, proof)
+                return Enclosure(question, "none", None, None, load_max, stretches, proof, found.above_zero)
             except Unproven as error:
                 if reason == str(error):
                     raise
@@ -294,7 +296,7 @@ def _certify_near(
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
-    return Enclosure(question, kind, (low, high), square, None, stretches, proof)
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

@@ -205,9 +205,14 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             rows += [["kind", proven.kind]] if proven.kind != kind else []
             rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
         rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
+        above = " (at loads above 0)" if proven.above_zero else ""
         if not proven.load:
-            return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
-        shown = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
+            return [*rows, ["proven is", f"stable {none.removeprefix('none ')}{above}"]]
+        shown = [
+            name.replace("_", " ") + (above if name == "stable_below" else "")
+            for name, yes in proven.proof.items()
+            if yes
+        ]
         missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
         if missing and proven.missing:
             missing[-1] += f": {proven.missing}"
@@ -232,6 +237,8 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     """What a proof adds to the record, and what it changes there."""
     added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+    if not exact:
+        added |= {"above_zero": proven.above_zero}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
     if proven.load and proven.frequency and not exact:
