@@ -181,3 +181,8 @@ def test_a_page_refuses_what_it_cannot_search(columns: dict[str, Any], monkeypat
     with pytest.raises(InputError, match=r"step: has 4 coordinates at the least, and a page searches .* up to 3"):
         content(columns["step"])
     assert COORDINATES > 34  # two fields or segments of 16 functions
+
+
+def test_what_only_the_load_restores_does_not_grow_without_it(visited: Callable[..., Opened]) -> None:
+    page = visited("beal", "#P=0")
+    assert page.text("sentence").startswith("Stable")

@@ -278,10 +278,10 @@ function showPlots(view) {
 /** What the plots show, in words, for those who do not see them. */
 function describe({ part, values, state, critical, response, map, parameters, units }) {
   const load = critical?.load ? `critical load ${said(units, "load", critical.load, 5)}` : "no critical load found";
-  part.frequency.setAttribute("aria-label", `Frequency-load curves; present load ${exact(values.P)}, ${load}`);
+  part.frequency.setAttribute("aria-label", `Frequency-load curves; present load ${said(units, "load", values.P)}, ${load}`);
   part.locus.setAttribute(
     "aria-label",
-    `Root locus; least stable eigenvalue ${shown(state.least.re)} + ${shown(state.least.im)} i, ${load}`,
+    `Root locus; least stable eigenvalue: growth rate ${said(units, "rate", state.least.re)}, frequency ${said(units, "frequency", state.least.im)}, ${load}`,
   );
   const over = (map?.axes ?? []).map(({ key }) => `${parameters.find((one) => one.key === key).name} ${exact(values[key])}`);
   part.map.setAttribute("aria-label", `Stability map; at ${over.join(", ")}: ${load}`);

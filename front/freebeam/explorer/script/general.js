@@ -284,7 +284,8 @@ function followed(problem, damping, low, high, theta) {
 /** λ with their motions q, as `spectrumOf` gives them. */
 function generalSpectrum(problem, damping, P) {
   if (damping.size === 0) {
-    const { s, vectors } = branchesAt(problem, P);
+    const at = branchesAt(problem, P);
+    const { s, vectors } = at.vectors.length ? at : branchesAt(problem, P * (1 + 1e-9) + 1e-9); // K is singular at P
     return s.flatMap(({ re: a, im: b }, k) => {
       const [re, im] = squareRoot(-a, -b);
       return [{ re, im, q: vectors[k] }, { re: -re, im: -im, q: vectors[k] }];

@@ -21,7 +21,9 @@ function stateAt(pencil, damping, P) {
   const least = upper.reduce((x, y) => (y.re > x.re + (y.im > x.im ? rounding : 0) ? y : x));
   // close to the boundary the count decides that the critical load rests on
   const sure = damping.ratio >= LIGHTEST && Math.abs(least.re) > 1e-6 * largest;
-  const growing = sure ? least.re > 0 : isGrowing(pencil, damping, P);
+  // at smaller loads than the smallest that are looked at, K may be singular
+  const isSmallest = pencil.general && P <= (1e-4 / 8) * pencil.unit;
+  const growing = isSmallest ? false : sure ? least.re > 0 : isGrowing(pencil, damping, P);
   return { upper, least, growing, number: pencil.general && !pencil.numbered ? null : numberOf(least) };
 }
 
