@@ -69,7 +69,7 @@ def prove(asked: Any) -> None:
 def _record(asked: Any, name: str, interval: Interval, found: ExactRange) -> dict[str, Any]:
     """All of it for JSON."""
     ends = [float(interval.low), float(interval.high)]
-    record = asked.record(
+    record: dict[str, Any] = asked.record(
         exact=True, range=name, load_lower=found.load[0], load_upper=found.load[1], pieces=found.pieces,
         open=found.open, inputs=found.inputs, load_max=found.question.load_max,
     )  # fmt: skip
