@@ -421,6 +421,7 @@ DRAWINGS = {
     "frequency_load": lambda f, ax: f.frequency_load(EULER, ax=ax),
     "history": lambda f, ax: f.history(response(), "ddy_elastic", ax=ax),
     "mode_shape": lambda f, ax: f.mode_shape(FREE, alpha=1e-3, rigid=True, ax=ax),
+    "proven_range": lambda f, ax: f.proven_range(fb.exact_range(BECK, "eta", 0, "0.01", digits=1), ax=ax),
     "pulsating_regions": lambda f, ax: f.pulsating_regions(regions(), ax=ax),
     "root_locus": lambda f, ax: f.root_locus(BECK, np.linspace(0, 30, 40), alpha=0.01, count=3, ax=ax),
     "stability_map": lambda f, ax: f.stability_map(GRID, [1, 2, 3], [1, 2], xlabel="a", ax=ax),
