@@ -35,6 +35,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "dead load": ("beck", {"eta": "0"}),
     "dead load, limit": ("beck", {"eta": "0", "kappa": 2}),
     "dead load, damped": ("beck", {"eta": "0", "beta": "0.5"}),
+    "Beck, damped": ("beck", {"alpha": "0.01"}),
 }
 
 
@@ -307,3 +308,6 @@ def test_damping_must_be_what_the_certificate_says() -> None:
     refused(data | {"damping": data["damping"] | {"of_M": "0.4"}}, "the damping is not those of the column")
     refused(data | {"damping": data["damping"] | {"of_M": "-0.5"}, "column": "another"}, "negative")
     refused(data | {"stretches": []}, "not a certificate")
+    with_alpha = certificate("Beck, damped")
+    refused(with_alpha | {"load": shifted(with_alpha["load"], "1.0001")}, "no crossing in the interval")
+    refused(with_alpha | {"lowest": 2}, "not known to be free|too few points")
