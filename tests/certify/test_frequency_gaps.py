@@ -52,7 +52,7 @@ def test_the_gaps_of_high_frequencies_are_no_wider_than_they_are(name: str) -> N
     omega = frequencies(it, 22)
     with precision(BITS):
         section = VariableSection(it.kernel, it.own)
-        known = [(k, *map(float, section.far_gap(k))) for k in range(2, 21)]
+        known = [(k, *map(float, section.far_gap(k))) for k in (2, 3, 4, 5, 6, 8, 10, 12, 16, 20)]
     begun = [gap for *_, gap in known if gap > 0]
     assert len(begun) > 5 and begun == sorted(begun)  # once known they grow
     for k, R, gap in known:
