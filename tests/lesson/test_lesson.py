@@ -36,6 +36,7 @@ from freebeam.lesson.blocks import (
     Listing,
     Prose,
     Summary,
+    Table,
     spans,
     walk,
 )
@@ -47,6 +48,7 @@ from freebeam.lesson.pdf import source as typeset
 from freebeam.lesson.short import minutes
 from freebeam.lesson.stages import Chapter
 from freebeam.lesson.tex import _ESCAPES, text_of
+from freebeam.lesson.theorem import theorem
 from freebeam.lesson.writer import Writer
 from freebeam_derive import emit, latex, pipeline, statement, step_proofs, verify
 from freebeam_derive.bases import legendre
@@ -362,6 +364,19 @@ def test_each_topic_ends_with_exercises_and_answers(name: str) -> None:
             assert block.question.strip() and block.answer.strip() and "nan" not in block.answer
     wanted = {"coalescence", "work", "rigid", "truncation"} | ({"damping"} if derived(name).column.damping else set())
     assert wanted <= set(found) and all(2 <= found[key] <= 3 for key in wanted)
+
+
+def test_the_chapter_on_the_first_of_all_prints_what_was_proven() -> None:
+    """Its bounds of the norm are below one from line m on, above before, and fall; m and the load are those proven."""
+    blocks = theorem(Facts(fb.column("beck"), fb.column("beck", "legendre")))
+    found = fb.exact_load(fb.column("beck"), digits=12)
+    assert found.evidence is not None and found.load is not None
+    (table,) = (block for block in blocks if isinstance(block, Table))
+    norms = {int(row[0].strip("$R_{}")): float(row[2]) for row in table.rows}
+    assert all((norm < 1) == (k >= found.evidence["lowest"]) for k, norm in norms.items())
+    assert list(norms.values()) == sorted(norms.values(), reverse=True) and len(norms) > 3
+    assert any(isinstance(block, Prose) and all(v in block.text for v in found.load) for block in blocks)
+    assert not theorem(Facts(fb.column("foundation"), fb.column("foundation", "legendre")))
 
 
 def test_facts_agree_with_independent_values() -> None:

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import comb
 from typing import Any
 
@@ -21,7 +21,7 @@ import flint
 from flint import acb, arb, arb_series
 
 from freebeam_derive.certify.balls import exact, parameters
-from freebeam_derive.certify.comparison_form import ORDERS, Modes
+from freebeam_derive.certify.comparison_form import ORDERS, Bounds, Modes
 from freebeam_derive.certify.strips import Form, NoStrips, modes_of, rigid_motions
 
 PIECES = 64  # of the beam, on each of which coefficients are one ball
@@ -281,6 +281,12 @@ class VariableSection:
         return self.scale**4 * G**4, (self.scale**2 * rest / G**2).lower()
 
 
+@lru_cache(maxsize=8)
+def _every(kinds: tuple[str, str], bits: int) -> Bounds:
+    """Bounds that hold of all modes; bits is the precision in force."""
+    return Form(modes_of(kinds, MODES, bits), {}, {}).every
+
+
 def _free(modes: Modes, G: arb, beside: tuple[arb, arb], remainder: Any, kinds: Sequence[str]) -> arb:
     """η with no eigenvalue of a uniform beam and T within η of Γ⁴, Γ = G between two asymptotes; 0 where none is known.
 
@@ -294,7 +300,7 @@ def _free(modes: Modes, G: arb, beside: tuple[arb, arb], remainder: Any, kinds: 
     logarithm = 1 / t + (G / t).log() / pi
     beyond = 1 / (2 * G * t) + (1 + 2 * G / t).log() / (2 * pi * G)
     sums = logarithm / G**3 + beyond / (2 * G**2), logarithm / (4 * G) + beyond  # Σ γ^(2p) / D
-    every = Form(modes, {}, {}).every
+    every = _every(modes.kinds, flint.ctx.prec)
     at_end = [bound * total.sqrt() for bound, total in zip(every.end, sums, strict=True)]
     size = 1 / least.sqrt()  # of ‖w‖, and ‖w‖ ‖w''‖ ≤ product, where Σ D_j w_j² = 1
     product = (1 / (least * (1 - (1 + t / G) ** -4))).sqrt()

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 __all__ = ["strips"]
 
-POINTS = 181
+POINTS = 121
 """Of half a circle |p| = P and of each line."""
 
 
