@@ -14,11 +14,11 @@ import sympy as sp
 import freebeam as fb
 from freebeam.figures.look import ACCENT, figure, style
 from freebeam.ledger.reference_values import statements
+from freebeam.vehicles.tabulated import Law, Part, Table, tabulated
 from freebeam_derive import pipeline
 from freebeam_derive.drawn import Parts, chain, parts_of
 from freebeam_derive.notation import P, t, x, y
 from freebeam_derive.statement import Coordinate, Parameter, at, delta, hinge, integral, jump
-from freebeam_sym.tabulated import Law, Part, Table, tabulated
 
 STATED = statements()
 a, k, g = (sp.Symbol(name, real=True) for name in ("a", "k", "g"))
