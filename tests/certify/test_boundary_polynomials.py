@@ -6,11 +6,11 @@ import random
 from fractions import Fraction
 
 import pytest
-from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat
 
 from freebeam_derive.certify.balls import Unproven, ball, precision
 from freebeam_derive.certify.bivariate import Bivariate, keeps_sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import Boundary, expansion
+from freebeam_derive.certify.boundary_polynomials import LARGE, Boundary, characteristic, expansion
 from freebeam_derive.certify.krawczyk import one_to_one
 
 
@@ -153,3 +153,18 @@ def test_values_on_a_box_differ_where_slopes_stay_clear_of_zero(slope: arb, hold
         assert one_to_one(arb_mat([[1]]), arb_mat([[slope]]), [arb(1)]) == holds
         both = arb_mat([[slope, 0], [0, slope]])
         assert one_to_one(arb_mat([[1, 0], [0, 1]]), both, [arb(1), arb(4)]) == holds
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_large_characteristic_polynomials_hold_the_exact_ones(seed: int) -> None:
+    """With columns that are eliminated already, and pivots that are zero."""
+    source, n = random.Random(seed), LARGE + 2
+    rows = [[fmpq(source.randint(-9, 9), 7) for _ in range(n)] for _ in range(n)]
+    for k in range(n):
+        rows[k][3 * seed] = fmpq(int(k == n - 1 and seed == 1))
+        rows[(2 * seed + k) % n][k] = fmpq(0)
+    with precision(300):
+        found = characteristic(arb_mat([[arb(v) for v in row] for row in rows]))
+        true = fmpq_mat(rows).charpoly()
+        assert all(found[k].contains(true[k]) and found[k].rad() < 1e-40 for k in range(n + 1))
+        assert found.degree() == n

@@ -497,3 +497,10 @@ def test_load_without_a_file(text_of: Text) -> None:
     module = verify.load(text_of("beck"), "beck")
     assert module.basis(1).gamma[0] == pytest.approx(1.8751040687119611, rel=1e-15)
     assert not any("beck" in loaded and "emitted" in loaded for loaded in sys.modules)
+
+
+def test_code_of_constants_that_are_no_fractions() -> None:
+    a = sp.Symbol("a")
+    for constant in (sp.E, sp.pi, sp.exp(1) * a / 3, sp.exp(sp.Rational(-1, 2)) - sp.pi * a):
+        found = eval(source.code(constant), {"a": 0.7, "_exp": np.exp, "np": np})
+        assert found == pytest.approx(float(constant.subs(a, 0.7)), rel=1e-14)

@@ -18,12 +18,16 @@ from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
+import numpy as np
 from flint import arb, arb_mat, arb_poly
 
 from freebeam_derive.certify.balls import Exact, Unproven, ball_matrices, matrices_of_any, parameters, precision
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
 from freebeam_derive.certify.structure import Structure, structure
+
+LARGE = 24
+"""Rows from which on elimination takes less time than FLINT's characteristic polynomial."""
 
 
 @dataclass(frozen=True)
@@ -181,8 +185,39 @@ def determinant(terms: Sequence[Any]) -> list[Any]:
                 B[i, k * n + j] = -X[i, j]
     for i in range(n * (d - 1)):
         B[n + i, i] = arb(1)
-    powers, scale = B.charpoly(), A.det()
+    powers, scale = characteristic(B), A.det()
     return [scale * powers[n * d - a] for a in range(n * d + 1)]
+
+
+def characteristic(A: Any) -> Any:
+    """The characteristic polynomial of a matrix of balls. Raises Unproven.
+
+    Large real ones by elimination to Hessenberg's form, n³ operations, and not FLINT's n⁴: at n = 34 and 50 it took a
+    third and a fifth of the time and left no fewer bits of the low coefficients.
+    """
+    n = A.nrows()
+    if n < LARGE or not isinstance(A, arb_mat):
+        return A.charpoly()
+    H = np.array(A.tolist(), dtype=object)
+    for k in range(n - 2):
+        if all(v == 0 for v in H[k + 1 :, k]):
+            continue
+        pivot = max(range(k + 1, n), key=lambda i: (not H[i, k].contains(0), abs(H[i, k]).mid()))
+        H[[k + 1, pivot]] = H[[pivot, k + 1]]
+        H[:, [k + 1, pivot]] = H[:, [pivot, k + 1]]
+        if H[k + 1, k].contains(0):
+            raise Unproven("a matrix could not be eliminated")
+        factors = H[k + 2 :, k] / H[k + 1, k]
+        H[k + 2 :, k + 1 :] -= factors[:, None] * H[k + 1, k + 1 :]
+        H[:, k + 1] += H[:, k + 2 :] @ factors
+    found = [arb_poly([1])]  # of the leading minors; what is below the subdiagonal is eliminated
+    for k in range(n):
+        minor, product = arb_poly([-H[k, k], 1]) * found[k], arb(1)
+        for i in range(k - 1, -1, -1):
+            product = product * H[i + 1, i]
+            minor -= product * H[i, k] * found[i]
+        found.append(minor)
+    return found[n]
 
 
 def _first_order(terms: Sequence[arb_mat], C: Sequence[arb_mat]) -> list[arb]:

@@ -91,6 +91,9 @@ class Printer(PythonCodePrinter):  # type: ignore[misc]
     def _print_Pi(self, e: Expr) -> str:
         return "np.pi"
 
+    def _print_Exp1(self, e: Expr) -> str:
+        return f"{self.prefix}exp(1)"
+
     def _print_Symbol(self, e: Symbol) -> str:
         name = str(e.name)
         if name.endswith("_i"):
