@@ -118,6 +118,8 @@ def _kernel_of(path: Path, source: bytes, basis: str) -> ModuleType:
         made = Path(new) / "kernel"
         made.mkdir(mode=0o700)
         _generate(path, basis, made)
+        if path.read_bytes() != source:  # what was derived is perhaps not what was read before
+            raise InputError(f"{path}: was changed while its kernel was derived; run it again")
         manifest = json.loads((made / MANIFEST).read_text(encoding="utf-8"))
         (made / MANIFEST).write_text(json.dumps({**manifest, "key": key}, indent=2) + "\n", encoding="utf-8")
         emitted = _emitted(made, key)
