@@ -173,7 +173,7 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        if not hasattr(column.kernel, "forms"):
+        if not any(hasattr(column.kernel, part) for part in ("forms", "equations")):
             raise InputError(
                 f"{column.name}: is assembled from tables in floats, of which nothing can be proven; state the column "
                 "in a file, such as with Piecewise"
@@ -212,7 +212,7 @@ class _Asked:
     @property
     def itself(self) -> Any:
         """The beam itself at what is asked. Raises NoSeries."""
-        from freebeam_derive.certify.beam import Beam, NoSeries
+        from freebeam_derive.certify.beam import Beam
         from freebeam_derive.certify.exact_system import ExactSystem
 
         dampings = self.exact["alpha"], self.exact["beta"]
@@ -220,11 +220,10 @@ class _Asked:
             beam = Beam(self.column.kernel, self.own)
             beam.damping(*dampings)
             return beam
-        if "kappa" in self.exact:
-            raise NoSeries(
-                f"{self.column.name}: limits of vanishing damping are enclosed for the textbook's columns alone"
-            )
-        return ExactSystem(self.column.kernel, self.own, *dampings)
+        vanishing = "kappa" in self.exact
+        if vanishing:
+            dampings = Fraction(1), self.exact["kappa"]
+        return ExactSystem(self.column.kernel, self.own, *dampings, vanishing)
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""

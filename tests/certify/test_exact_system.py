@@ -18,7 +18,6 @@ from flint import acb, arb
 from sympy import Expr, Rational, Symbol, cos, cosh, exp, pi, sin, sinh, sqrt, tan
 
 import freebeam as fb
-from freebeam import proofs
 from freebeam.cli import main
 from freebeam_derive import emit, pipeline, statement, verify
 from freebeam_derive.bases import segments
@@ -33,7 +32,7 @@ from freebeam_sym.columns import Column as RuntimeColumn
 from freebeam_sym.columns import column as runtime_column
 from tests.derive.test_language import FOLLOWER, HALF, beck, turning, ziegler
 from tests.reference.values import ISSUE, OWN, Value
-from tests.stated import STATED, stated
+from tests.stated import STATED, file_of, stated
 
 NONE = Fraction(0)
 c = Symbol("c", real=True)
@@ -381,13 +380,56 @@ def test_the_command_line_proves_any_column(
     assert not json.loads(capsys.readouterr().out)["unproven"]
 
 
-def test_a_limit_of_vanishing_damping_is_refused() -> None:
-    column = RuntimeColumn(emitted(beck()))
-    asked = proofs._Asked.of(column, 8, {}, kappa=10, alpha=0, beta=0)
-    with pytest.raises(
-        fb.InputError, match=r"limits of vanishing damping are enclosed for the textbook's columns alone"
-    ):
-        proofs._enclosed(asked, (20.0, 11.0), "flutter", 10)
+def test_a_function_of_x_is_proven_from_the_front_door_too() -> None:
+    """Of tables in floats nothing is; a column of functions of x is no such."""
+    found = fb.exact_load(fb.column("exponential-taper"), digits=12, modes=12)
+    assert found.kind == "flutter" and found.proof["crossing"] and found.load is not None
+    series = fb.critical_load(fb.column("exponential-taper"), 12).load
+    assert float(found.load[0]) == pytest.approx(series, rel=1e-8)
+
+
+# ------------------------------------------------------------ limits of vanishing damping
+
+
+@pytest.mark.parametrize(("name", "kappa"), [("free-free", 0), ("beck", 10)])
+def test_a_limit_is_that_which_power_series_enclose(name: str, kappa: int) -> None:
+    near = fb.critical_load(runtime_column(name), kappa=kappa)
+    assert near.load and near.frequency
+    start = near.load, near.frequency
+    textbook = beam_itself.flutter_limit(Beam(runtime_column(name).kernel), Fraction(kappa), start, 20)
+    system = ExactSystem(of_textbook(name), None, Fraction(1), Fraction(kappa), vanishing=True)
+    found = beam_itself.flutter_limit(system, Fraction(kappa), start, 20)
+    assert found.load.overlaps(textbook.load) and found.frequency.overlaps(textbook.frequency)
+    assert found.load.rad() < found.load * 1e-20
+
+
+def test_links_with_vanishing_dampers_flutter_at_41_28ths() -> None:
+    """Ziegler's double pendulum, masses 2 : 1, equal dampers that vanish."""
+    system = ExactSystem(emitted(ziegler()), None, Fraction(1), Fraction(0), vanishing=True)
+    found = beam_itself.flutter_limit(system, Fraction(0), (1.4643, 0.7), 40)
+    with precision(300):
+        assert found.load.contains(arb(41) / 28)
+
+
+def test_small_damping_tends_to_the_limit_by_its_square(tmp_path: Path) -> None:
+    """Of a cracked column with a point mass, exactly at α and β = 10 α."""
+    own = "(own(k, 10.0), own(mu, 0.5))"
+    changes = {"V": STATED["crack"][0]["V"], "T": "T + mu * at(y.diff(t), 1) ** 2 / 2", "parameters": own}
+    column = fb.column(file_of(tmp_path, "cracked", changes | {"dW_nc": "follower + internal + external"}))
+    limit = fb.exact_load(column, kappa=10, digits=15, modes=10)
+    assert limit.load is not None and limit.kind == "flutter" and limit.proof["crossing"] and not limit.proof["first"]
+    at_limit, off = float(limit.load[0]), []
+    for alpha_ in (Fraction(1, 10_000), Fraction(1, 20_000)):
+        found = fb.exact_load(column, alpha_, 10 * alpha_, digits=15, modes=10).load
+        assert found is not None
+        off.append(float(found[0]) - at_limit)
+    assert off[0] / off[1] == pytest.approx(4, rel=0.01)
+
+
+def test_a_damper_that_stays_has_no_limit() -> None:
+    for kernel, reason in ((of_literature("tip damper")[0], "stays"), (of_literature("beck")[0], "no damping that")):
+        with pytest.raises(NoSeries, match=reason):
+            ExactSystem(kernel, None, Fraction(1), Fraction(1), vanishing=True)
 
 
 # ------------------------------------------------------------ what is refused

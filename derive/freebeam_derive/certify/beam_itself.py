@@ -73,8 +73,8 @@ class Problem(ABC):
     """
 
     sought: str
-    of_value: tuple[Order, ...]
-    of_slopes: tuple[Order, ...]
+    of_value: tuple[Any, ...]
+    of_slopes: tuple[Any, ...]
 
     def __init__(self, beam: Itself) -> None:
         self.beam = beam
@@ -200,6 +200,28 @@ class VanishingDamping(Onset):
         slope = -t[1, 0] / t[0, 1]
         bend = -2 * (t[2, 0] + t[1, 1] * slope + t[0, 2] * slope * slope) / t[0, 1]
         _sign(bend, "the growth rate falls with the load there, a restabilisation")
+
+
+class VanishingRates(Onset):
+    """(P, s) with F = ∂F/∂w = 0: the same of any column. w is the damping times λ, and λ = iω + ε F_w / (2 F_s)."""
+
+    sought = VanishingDamping.sought
+    of_value = ((0, 0, 0), (0, 0, 1))
+    of_slopes = (*of_value, (1, 0, 0), (0, 1, 0), (1, 0, 1), (0, 1, 1))
+
+    def equations(self, x: list[arb], t: dict[Any, Any]) -> list[arb]:
+        return [t[0, 0, 0], t[0, 0, 1]]
+
+    def matrix(self, x: list[arb], t: dict[Any, Any]) -> list[list[arb]]:
+        return [[t[1, 0, 0], t[0, 1, 0]], [t[1, 0, 1], t[0, 1, 1]]]
+
+    def onset(self, x: list[arb], t: dict[Any, Any]) -> None:
+        """The growth rate rises through zero: (F_wP + F_ws s') / F_s > 0."""
+        if t[0, 1, 0].contains(0):
+            raise Unproven("the eigenvalue is not known to be simple")
+        slope = -t[1, 0, 0] / t[0, 1, 0]
+        rises = (t[1, 0, 1] + t[0, 1, 1] * slope) / t[0, 1, 0]
+        _sign(rises, "the growth rate falls with the load there, a restabilisation")
 
 
 class Static(Onset):
@@ -400,9 +422,11 @@ def flutter_damped(beam: Itself, alpha: Exact, beta: Exact, near: tuple[float, f
     return _onset(Damped(beam, alpha, beta), near, digits)
 
 
-def flutter_limit(beam: Beam, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
-    """The limit of the onset of flutter as α → 0⁺ at β = κα. near: load and frequency. Raises Unproven, NoOnset."""
-    return _onset(VanishingDamping(beam, kappa), (near[0], near[1] ** 2), digits)
+def flutter_limit(beam: Itself, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
+    """The limit of the onset of flutter as α → 0⁺ at β = κα; of any column, that its system was made with. near: load
+    and frequency. Raises Unproven, NoOnset."""
+    problem = VanishingDamping(beam, kappa) if isinstance(beam, Beam) else VanishingRates(beam)
+    return _onset(problem, (near[0], near[1] ** 2), digits)
 
 
 def divergence(beam: Itself, near: float, digits: int) -> ExactCrossing:

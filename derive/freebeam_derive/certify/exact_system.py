@@ -4,7 +4,8 @@ All unknowns as e^(λt) turn the equations of motion into ordinary differential 
 (taylor_steps.py) carry the fields and their derivatives below the order of their equations, z, from the left end of
 each segment to its right end, and to places that are seen from elsewhere. Unknowns are z at the left ends and the
 coordinates; F is the determinant of all conditions on them, those of ends and breaks and the equations of the
-coordinates. Its zeros are the eigenvalues. It is a function of s = −λ² where no rate enters, else of s = −λ.
+coordinates. Its zeros are the eigenvalues. It is a function of s = −λ² where no rate enters, else of s = −λ; where
+damping vanishes, of s = −λ² and of w, the damping times λ, of which the first order counts.
 """
 
 from __future__ import annotations
@@ -17,26 +18,32 @@ import flint
 from flint import acb, arb
 
 from freebeam_derive.certify.balls import Exact, array, exact, one, parameters, precision
-from freebeam_derive.certify.beam import NoSeries, Order, Taylor
+from freebeam_derive.certify.beam import NoSeries, Taylor
 from freebeam_derive.certify.taylor_steps import Jet, Jets, Segment, Term
 
 
 class _Tables(NamedTuple):
-    """equations: those of each segment. conditions: (unknown, p, m, k, place) -> factor of P^k (−s)^m."""
+    """equations: those of each segment. conditions: (unknown, p, m, d, k, place) -> factor of P^k (−s)^m w^d."""
 
     equations: tuple[list[Term], ...]
-    conditions: tuple[dict[tuple[str, int, int, int, Any], arb], ...]
+    conditions: tuple[dict[tuple[str, int, int, int, int, Any], arb], ...]
 
 
 class ExactSystem:
     """A column's characteristic function, at whatever precision is in force when it is asked.
 
     kernel: an emitted module of a column beyond the textbook's. own: the column's own parameters as rational numbers,
-    defaults where left out. Raises NoSeries, and ValueError for unknown parameters.
+    defaults where left out. vanishing: alpha and beta are the direction of a damping that vanishes. Raises NoSeries,
+    and ValueError for unknown parameters.
     """
 
     def __init__(
-        self, kernel: Any, own: Mapping[str, Fraction] | None = None, alpha: Exact | int = 0, beta: Exact | int = 0
+        self,
+        kernel: Any,
+        own: Mapping[str, Fraction] | None = None,
+        alpha: Exact | int = 0,
+        beta: Exact | int = 0,
+        vanishing: bool = False,
     ) -> None:
         self.kernel = kernel
         self.name: str = kernel.COLUMN["name"]
@@ -44,7 +51,7 @@ class ExactSystem:
             raise NoSeries(f"{self.name}: {reason}")
         self.rigid: int = kernel.COLUMN["rigid"]
         self.own = parameters(kernel, own)
-        self.dampings = alpha, beta
+        self.dampings, self.vanishing = (alpha, beta), vanishing
         self.breaks, self.sensors = self._fractions(kernel.places), self._fractions(kernel.sensors)
         self.sizes = {name: 2 * joined for name, (joined, _, _) in kernel.FIELDS.items()}
         self.width = sum(self.sizes.values())
@@ -53,11 +60,13 @@ class ExactSystem:
         before = (len(self.breaks) - 1) * self.width  # what is unknown at the left ends of the segments
         self.columns = {name: before + n for n, name in enumerate(kernel.COORDINATES)}
         self._known: dict[int, _Tables] = {}
-        with precision(64):
-            equations, conditions = self._stated()
-        rates = {r for table in equations for (*_, r, _), factor in table.items() if _some(factor)}
-        rates |= {r for row in conditions for (_, _, r, _, _), factor in row.items() if _some(factor)}
-        self._damped = any(r % 2 for r in rates)
+        self._damped = self._rated(self.dampings)
+        if vanishing:
+            if self._rated((0, 0)):
+                raise NoSeries(f"{self.name}: a damper or a gyroscopic term stays when alpha and beta vanish")
+            if not self._damped:
+                raise NoSeries(f"{self.name}: has no damping that could vanish")
+            self._damped = False
 
     def _fractions(self, places: Any) -> tuple[Fraction, ...]:
         try:
@@ -71,10 +80,18 @@ class ExactSystem:
 
     # ---------------------------------------------------------------- what the kernel says
 
-    def _stated(self) -> tuple[Any, Any]:
+    def _rated(self, dampings: tuple[Exact | int, Exact | int]) -> bool:
+        """Whether odd rates enter at such dampings."""
+        with precision(64):
+            equations, conditions = self._stated(dampings)
+        rates = {r for table in equations for (*_, r, _), factor in table.items() if _some(factor)}
+        rates |= {r for row in conditions for (_, _, r, _, _), factor in row.items() if _some(factor)}
+        return any(r % 2 for r in rates)
+
+    def _stated(self, dampings: tuple[Exact | int, Exact | int]) -> tuple[Any, Any]:
         """Equations and conditions as the kernel has them, of balls at the precision in force."""
         own = {name: exact(value) for name, value in self.own.items()}
-        given = (*map(exact, self.dampings), arb(1))
+        given = (*map(exact, dampings), arb(1))
         try:
             return self.kernel.equations(*given, **own), self.kernel.conditions(*given, **own)
         except (TypeError, AttributeError) as error:
@@ -83,12 +100,12 @@ class ExactSystem:
     def _tables(self) -> _Tables:
         bits = flint.ctx.prec
         if bits not in self._known:
-            equations, conditions = self._stated()
+            equations, conditions = self._stated(self.dampings)
             numbers = {name: n for n, name in enumerate(self.sizes)}
             self._known[bits] = _Tables(
                 tuple(
                     [
-                        Term(numbers[row], numbers[of], p, self._power(r), k, self._factor(factor))
+                        Term(numbers[row], numbers[of], p, self._power(r), k, self._factor(factor), self._shares(r))
                         for (row, of, p, r, k), factor in table.items()
                         if _some(factor)
                     ]
@@ -96,7 +113,7 @@ class ExactSystem:
                 ),
                 tuple(
                     {
-                        (name, p, self._power(r), k, place): self._ball(factor)
+                        (name, p, self._power(r), self._shares(r), k, place): self._ball(factor)
                         for (name, p, r, k, place), factor in row.items()
                         if _some(factor)
                     }
@@ -106,8 +123,12 @@ class ExactSystem:
         return self._known[bits]
 
     def _power(self, r: int) -> int:
-        """m of λ^r = (−s)^m."""
+        """m of λ^r = (−s)^m, or of (−s)^m λ where damping vanishes."""
         return r if self._damped else r // 2
+
+    def _shares(self, r: int) -> int:
+        """d of λ^r = (−s)^m w^d."""
+        return r % 2 if self.vanishing else 0
 
     def _factor(self, factor: Any) -> Any:
         return factor if callable(factor) else [self._ball(value) for value in factor]
@@ -139,10 +160,10 @@ class ExactSystem:
         t = self.taylor(arb(1) / 3, arb(0), tuple((0, j) for j in range(most + 1)))
         return next((j for j in range(most) if not t[0, j].contains(0)), most)
 
-    def taylor(self, P: Any, s: Any, orders: Sequence[Order]) -> Taylor:
+    def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Taylor:
         """Coefficients of F(P + u, s + v) in powers of u and v: (i, j) -> ball of ∂^{i+j}F/∂P^i∂s^j / (i! j!).
 
-        orders: with each all lower ones. Raises Unproven.
+        orders: with each all lower ones; of three numbers, the last is that of w. Raises Unproven.
         """
         tables = self._tables()
         real = not isinstance(P, acb) and not isinstance(s, acb)
@@ -154,10 +175,11 @@ class ExactSystem:
         rows = [self._row(condition, carried, jets) for condition in tables.conditions]
         if len(rows) != (len(self.breaks) - 1) * self.width + len(self.columns):
             raise NoSeries(f"{self.name}: its conditions do not determine its motion")
-        F = jets.determinant(rows)
-        return {
-            order: value.real if real and not smooth else value for order, value in zip(jets.orders, F, strict=True)
-        }
+        F: list[Any] = jets.determinant(rows)
+        if real and not smooth:
+            F = [value.real for value in F]
+        found: dict[Any, Any] = dict(zip(jets.orders, F, strict=True))
+        return found
 
     def _carried(self, number: int, segment: Segment) -> dict[Any, Any]:
         """Segment and what carries z from its left end there, for its right end and the sensors on it."""
@@ -173,8 +195,8 @@ class ExactSystem:
     def _row(self, condition: Mapping[Any, arb], carried: Mapping[Any, Any], jets: Jets) -> dict[int, Jet]:
         """A condition on the unknowns: column -> factor."""
         row: dict[int, Jet] = {}
-        for (name, p, m, k, place), factor in condition.items():
-            scale = [factor * v for v in jets.monomial(k, m)]
+        for (name, p, m, d, k, place), factor in condition.items():
+            scale = [factor * v for v in jets.monomial(k, m, d)]
             for column, value in self._value(name, p, place, carried, jets):
                 more = jets.times(value, scale)
                 row[column] = [a + b for a, b in zip(row[column], more, strict=True)] if column in row else more

@@ -25,9 +25,9 @@ from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series
 
 from freebeam_derive.certify.balls import Unproven, array, ball, exact, one, precision
 
-Order = tuple[int, int]
+Order = tuple[int, ...]
 Jet = list[Any]
-"""A polynomial in u and v, truncated: balls in the order of the `orders` of its `Jets`."""
+"""A polynomial in u and v (and w), truncated: balls in the order of the `orders` of its `Jets`."""
 
 _LEAST = 36  # a step is not below 2^-36 of its segment: there the leading coefficients are taken to vanish
 _COUPLED = (
@@ -36,13 +36,15 @@ _COUPLED = (
 
 
 class Jets:
-    """Polynomials in u and v truncated to some orders, with P + u and s + v among them.
+    """Polynomials in u and v truncated to some orders, with P + u and s + v among them; where orders are of three, in w
+    too, which stands for a damping that vanishes, times λ.
 
     orders: with each all lower ones. is_complex: whether coefficients are complex balls.
     """
 
     def __init__(self, P: Any, s: Any, orders: Sequence[Order], is_complex: bool) -> None:
-        self.orders = sorted({(0, 0), *orders}, key=lambda order: (sum(order), order))
+        none = (0,) * len(next(iter(orders), (0, 0)))
+        self.orders = sorted({none, *orders}, key=lambda order: (sum(order), order))
         self.place = {order: t for t, order in enumerate(self.orders)}
         self.P, self.s = P, s
         self.ball: Any = acb if is_complex else arb
@@ -50,23 +52,23 @@ class Jets:
         self.one: Jet = [self.ball(int(t == 0)) for t in range(len(self.orders))]
         # (a, b, t): the order a times the order b is the order t
         self.products = [
-            (a, b, self.place[i + k, j + m])
-            for a, (i, j) in enumerate(self.orders)
-            for b, (k, m) in enumerate(self.orders)
-            if (i + k, j + m) in self.place
+            (a, b, self.place[both])
+            for a, one in enumerate(self.orders)
+            for b, other in enumerate(self.orders)
+            if (both := tuple(i + k for i, k in zip(one, other, strict=True))) in self.place
         ]
         self._monomials: dict[Order, Jet] = {}
 
-    def monomial(self, k: int, m: int) -> Jet:
-        """(P + u)^k (−s − v)^m."""
-        if (k, m) not in self._monomials:
-            self._monomials[k, m] = [
+    def monomial(self, k: int, m: int, d: int = 0) -> Jet:
+        """(P + u)^k (−s − v)^m w^d; w is nothing where orders are of two."""
+        if (k, m, d) not in self._monomials:
+            self._monomials[k, m, d] = [
                 math.comb(k, i) * _power(self.P, k - i) * (math.comb(m, j) * (-1) ** j * _power(-self.s, m - j))
-                if i <= k and j <= m
+                if i <= k and j <= m and sum(of_w) == d
                 else self.ball(0)
-                for i, j in self.orders
+                for i, j, *of_w in self.orders
             ]
-        return self._monomials[k, m]
+        return self._monomials[k, m, d]
 
     def times(self, one: Jet, other: Jet) -> Jet:
         found = [self.ball(0)] * len(self.orders)
@@ -141,7 +143,7 @@ class Jets:
 
 
 class Term(NamedTuple):
-    """A term of an equation: factor(x) P^k (−s)^m times the p-th derivative of a field; row: the equation's field."""
+    """A term of an equation: factor(x) P^k (−s)^m w^d times the p-th derivative of a field; row: its own field."""
 
     row: int
     field: int
@@ -149,6 +151,7 @@ class Term(NamedTuple):
     m: int
     k: int
     factor: Any  # balls, ascending in powers of x, or a function of x
+    d: int = 0
 
 
 class Segment:
@@ -238,7 +241,7 @@ class Local:
             leads = term.p == self.segment.sizes[term.field]
             place = term.row, term.field if leads else self.segment.begin[term.field] + term.p
             entries = highest if leads else lower
-            more = [value * w for w in self.jets.monomial(term.k, term.m)]
+            more = [value * w for w in self.jets.monomial(term.k, term.m, term.d)]
             had = entries.get(place)
             entries[place] = more if had is None else [v + w for v, w in zip(had, more, strict=True)]
         count = self.segment.count
@@ -276,10 +279,10 @@ class Local:
             w = [v / max(w) for v in w]
         norm = max(_times(line, w) / v for v, line in zip(w, A, strict=True))
         apart = 1.0
-        for t, (i, j) in enumerate(self.jets.orders):
+        for t, order in enumerate(self.jets.orders):
             if t:
                 coupled = max(_times(row(t, n), w) / w[at] for at, n in top.items())
-                apart = max(apart, (_COUPLED * coupled / norm) ** (1 / (i + j)))
+                apart = max(apart, (_COUPLED * coupled / norm) ** (1 / sum(order)))
         return [round(math.log2(v)) + round(sum(o) * math.log2(apart)) for o in self.jets.orders for v in w]
 
     def _of_highest(self) -> list[int]:
