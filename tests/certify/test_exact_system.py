@@ -356,7 +356,7 @@ def test_a_spectrum_of_a_gyroscopic_column_holds_the_ritz_values() -> None:
 def test_an_exact_load_is_asked_for_as_any(tmp_path: Path) -> None:
     found = fb.exact_load(RuntimeColumn(of_literature("pflueger")[0]), digits=30, modes=12)
     assert found.load is not None and found.load[0].startswith("16.2121289424952617864363367849")
-    assert dict(found.proof) == {"crossing": True, "kind": True, "first": False, "stable_below": False}
+    assert dict(found.proof) == {"crossing": True, "kind": True, "first": True, "stable_below": True}
     assert found.inputs["mu"] == "1.0 (default)"
 
 
@@ -424,6 +424,15 @@ def test_small_damping_tends_to_the_limit_by_its_square(tmp_path: Path) -> None:
         assert found is not None
         off.append(float(found[0]) - at_limit)
     assert off[0] / off[1] == pytest.approx(4, rel=0.01)
+
+
+def test_that_a_limit_is_the_first_loss_is_not_taken_from_the_column_without_damping() -> None:
+    """Of Beck's column on segments it is proven without damping; at the lower load of the limit it is not."""
+    column = RuntimeColumn(emitted(statement.load_column(statement.columns()["beck"])))
+    undamped, limit = (fb.exact_load(column, digits=10, modes=10, **asked) for asked in ({}, {"kappa": 10}))
+    assert undamped.load and limit.load and float(limit.load[1]) < 0.9 * float(undamped.load[0])
+    assert undamped.proof["first"] and not limit.proof["first"] and not limit.proof["stable_below"]
+    assert "damping" in limit.missing
 
 
 def test_a_damper_that_stays_has_no_limit() -> None:
