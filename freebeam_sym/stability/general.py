@@ -177,7 +177,7 @@ class General:
         """The same of branches s = ω² with their damping to first order."""
         s, V, growth = self._branches(P)
         with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = 1 / s
+            inverse = np.nan_to_num(1 / s)  # a coordinate without mass has s = ∞
         rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
         off = (np.abs(inverse.imag) > np.maximum(SPLIT * np.abs(inverse), rounding)) | (s.real <= 0)
         # a pair that rounding alone keeps apart has no growth to first order

@@ -258,3 +258,16 @@ def test_counts_are_those_of_the_eigenvalues(seed: int, damping: str) -> None:
         if damping in ("none", "any"):
             assert problem.unstable(P) == expected
     assert seen == {True, False}
+
+
+def test_a_coordinate_without_mass_does_not_hide_a_flutter() -> None:
+    """Links whose follower force takes its direction from r = q: as where r is eliminated. r has s = ∞ exactly."""
+    M, E = np.array([[3.0, 1.0], [1.0, 1.0]]), np.array([[2.0, -1.0], [-1.0, 1.0]])
+    H = np.array([[-1.0, 1.0], [0.0, 0.0]])
+    with_r = [np.zeros((3, 3)) for _ in range(3)]
+    with_r[0][:2, :2], with_r[1][:2, :2] = M, E
+    with_r[1][2] = 0.0, -1.0, 1.0
+    with_r[2][0] = -1.0, 0.0, 1.0
+    found, known = (first_loss(General([X], [0 * X], [Y, Z])).crossing for X, Y, Z in (tuple(with_r), (M, E, H)))
+    assert known is not None and known.kind == "flutter" and known.load == pytest.approx(7 / 2 - 2**0.5)
+    assert found is not None and found.kind == "flutter" and found.load == pytest.approx(known.load, rel=1e-9)
