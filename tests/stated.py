@@ -8,7 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 HEAD = """
-from sympy import Piecewise, Rational, Symbol, exp, sqrt
+from sympy import Piecewise, Rational, Symbol, exp, pi, sqrt
 from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
 from freebeam_derive.statement import Column, Coordinate, Field, Parameter, at, delta, hinge, integral, jump
 

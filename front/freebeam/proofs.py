@@ -42,11 +42,12 @@ class Certified:
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None in SI units and where not all is proven. missing:
-    the step that failed, in words, where something of proof is false. evidence: of the beam itself, what `first`
-    stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one by one; reach, the
-    nondimensional load up to which all others are each alone in a strip; stretches of changes of sign; cells of load
-    and frequency.
+    taken for. certificate: the data that prove it, for a file; None in SI units and where missing says why. missing:
+    the step that failed, in words, where something of proof is false, or why there is no certificate. evidence: of the
+    beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
+    by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
+    sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
+    rests that the load alone restores, or nothing is damped.
     """
 
     load: tuple[str, str] | None
@@ -59,6 +60,7 @@ class Certified:
     certificate: Mapping[str, Any] | None = field(repr=False, default=None)
     missing: str = ""
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
+    above_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -305,6 +307,7 @@ def certified_load(
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """
     from freebeam_derive.certify import certificate
+    from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
@@ -314,6 +317,11 @@ def certified_load(
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
         frequency = _frequency(asked, enclosure.square, digits)
+    data, missing = None, ""
+    try:
+        data = certificate.write(column.kernel, enclosure) if beam is None else None
+    except Unproven as error:
+        missing = str(error)
     return Certified(
         load,
         frequency,
@@ -322,7 +330,9 @@ def certified_load(
         digits,
         asked.question,
         asked.inputs,
-        certificate.write(column.kernel, enclosure) if beam is None else None,
+        data,
+        missing=missing,
+        above_zero=enclosure.above_zero,
     )
 
 

@@ -8,13 +8,14 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from math import comb
 from typing import Any
 from unittest.mock import patch
 
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, arb_poly
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
@@ -25,7 +26,7 @@ from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import flutter_damped
 from freebeam_derive.certify.strips import Strips
 from freebeam_derive.certify.verifier_lines import Lines
-from freebeam_derive.certify.verifier_shooting import Box, Polynomials, Shooting, triangle
+from freebeam_derive.certify.verifier_shooting import Box, Part, Shooting
 from tests.front.test_proofs import run
 
 Data = dict[str, Any]
@@ -204,26 +205,73 @@ def test_both_functions_have_the_same_zeros(kernel: Any) -> None:
         shooting, beam = Shooting(ends, E, H), Beam(kernel)
         for p, s in ((3, 50), (17.5, 400), (acb(8, 1), acb(30, -7)), (acb(90), acb(5000, 300))):
             p, s = acb(p), acb(s)
-            ours = shooting.values(Polynomials(p, s, (arb(1), arb(1)), [1]))[0][0]
+            ours = Box(shooting, p, s).value(p, s)
             quotients.append(ours / beam.taylor(p, s, ((0, 0),))[0, 0])
     assert all(q.overlaps(quotients[0]) and q.rad() < 1e-25 for q in quotients) and abs(quotients[0]) > 0
 
 
 def test_a_box_holds_values_and_derivatives() -> None:
+    """Those of a point are those of the prover's function, times the number that the two differ by."""
     ends, E, H = of_kernel(beck)
     random = np.random.default_rng(2)
+    orders = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+    with flint.ctx.workprec(128):
+        shooting, beam = Shooting(ends, E, H), Beam(beck)
+        p, s = acb(arb(15, 5), arb(1, 1)), acb(arb(300, 60), arb(5, 5))
+        box, ratio = Box(shooting, p, s), None
+        for a, b in random.uniform(-0.9, 0.9, (3, 2)):
+            at = acb(15 + 5 * float(a), 1), acb(300 + 60 * float(b), 5)
+            point, theirs = Box(shooting, *at), beam.taylor(*at, orders)
+            ratio = ratio or point.value(*at) / theirs[0, 0]
+            for i, j in orders:
+                value = point.value(*at, i, j)
+                assert value.overlaps(ratio * theirs[i, j]) and value.rad() < 1e-12 * (1 + abs(value))
+                assert box.value(*at, i, j).overlaps(value)
+            assert abs(box.value(*at) - point.value(*at)) < abs(point.value(*at)) / 1000
+        with pytest.raises(ArithmeticError):
+            box.value(acb(30), acb(300))
+
+
+def test_what_the_polynomial_leaves_out_is_in_the_rest() -> None:
+    """With few bits the rest is large, and holds the difference from the value with many."""
+    ends, E, H = of_kernel(beck)
+    with flint.ctx.workprec(40):
+        coarse = Shooting(ends, E, H).on(arb(20), arb(400))
+    with flint.ctx.workprec(300):
+        whole = Shooting(ends, E, H).on(arb(20), arb(400))
+        ratios = []
+        for u, w in ((1, 1), (-1, 1), (0.5, -1), (0, 0.25)):
+            values = []
+            for one in (coarse, whole):
+                p, s = u * 20 / one.P, w * 400 / one.S
+                values.append(sum((one.C[j, k].mid() * p**j * s**k for j in range(one.C.nrows())
+                                   for k in range(one.C.ncols())), arb(0)))  # fmt: skip
+            ratios.append(abs(values[0] - values[1]) / coarse.rest)
+        assert all(r < 1 for r in ratios) and 0 < whole.rest < coarse.rest * arb(2) ** -200
+
+
+def test_a_box_holds_all_that_the_rest_could_be() -> None:
+    """F and any ε (p/P)^j (s/S)^k, with their derivatives, where the rest is ε."""
+    ends, E, H = of_kernel(beck)
     with flint.ctx.workprec(128):
         shooting = Shooting(ends, E, H)
         p, s = acb(arb(15, 5), arb(1, 1)), acb(arb(300, 60), arb(5, 5))
-        box = Box(shooting, p, s, triangle(10))
-        for a, b in random.uniform(-0.9, 0.9, (3, 2)):
-            at = acb(15 + 5 * float(a), 1), acb(300 + 60 * float(b), 5)
-            point = shooting.values(Polynomials(*at, (arb(1) / 1000, arb(1) / 1000), triangle(3)))
-            for i, j in ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)):
-                assert box.value(*at, i, j).overlaps(point[i][j] * arb(1000) ** (i + j))
-            assert abs(box.value(*at) - point[0][0]) < abs(point[0][0]) / 1000
-        with pytest.raises(ArithmeticError):
-            box.value(acb(30), acb(300))
+        exact = Box(shooting, p, s)
+        (whole,) = shooting._known.values()
+        whole.rest = epsilon = arb("1e-6")
+        box = Box(shooting, p, s)
+        for x, y in ((acb(15, 1), acb(300, 5)), (acb(18, 1), acb(350, 5))):
+            for i, j, a, b in ((0, 0, 0, 0), (0, 0, 3, 2), (1, 0, 4, 1), (0, 1, 1, 5), (1, 1, 2, 2), (2, 0, 6, 0)):
+                change = comb(a, i) * comb(b, j) * epsilon * (x / whole.P) ** (a - i) * (y / whole.S) ** (b - j)
+                change = change / (whole.P**i * whole.S**j)
+                assert box.value(x, y, i, j).contains(exact.value(x, y, i, j) + change)
+
+
+def test_coefficients_that_are_left_out_go_to_the_rest() -> None:
+    tiny = arb(2) ** -200
+    with flint.ctx.workprec(64):
+        part = Part([arb_poly([1, tiny]), arb_poly([tiny])], arb(1), tiny).short()
+        assert [row.length() for row in part.rows] == [1] and part.rest >= 3 * tiny
 
 
 def test_both_bound_the_same_norms() -> None:

@@ -9,7 +9,7 @@ import pytest
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq
 
 from freebeam_derive.certify.balls import Unproven, ball, precision
-from freebeam_derive.certify.bivariate import Bivariate, signs_on, zeros
+from freebeam_derive.certify.bivariate import Bivariate, keeps_sign, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import Boundary, expansion
 from freebeam_derive.certify.krawczyk import one_to_one
 
@@ -119,6 +119,20 @@ def test_a_sign_is_said_only_where_it_holds_throughout() -> None:
         assert signs_on([parabola], quarter, 2 - quarter) == [0]
         assert signs_on([parabola], Fraction(1), Fraction(2)) == [0]
         assert signs_on([Bivariate([arb_poly([3])]).at(arb(1))], Fraction(0), Fraction(1)) == [1]
+
+
+def test_a_sign_is_kept_on_a_strip_where_no_root_is_near() -> None:
+    """(x − 1)(x − 3), as it is and at another load, on strips with and without roots, and out to infinity."""
+    with precision(100):
+        one, other, negative = arb_poly([3, -4, 1]), 2 * arb_poly([3, -4, 1]), arb_poly([-3, 4, -1])
+        half = Fraction(1, 2)
+        for n in (2, 4):
+            high = n == 2  # of degree 4 it is nothing at infinity
+            strips = [((0, half), True), ((2 - half, 2 + half), True), ((half, 2), False), ((2, 4), False)]
+            for (low, top), kept in [*strips, ((4, None), high), ((2, None), False)]:
+                ends = Fraction(low), None if top is None else Fraction(top)
+                assert keeps_sign([one, other], *ends, n) == kept
+                assert not keeps_sign([one, negative], *ends, n)
 
 
 @pytest.mark.parametrize("roots", [[2, 3, 7], [3, 3, 5], [4, 4, 4, 1]])

@@ -471,7 +471,7 @@ def made(h: list[Any], g: list[Any] | None = None) -> verifier.Series:
     """A series of polynomials made by hand, over the powers of x, each over those of P; without damping, g None."""
     series = object.__new__(verifier.Series)
     series.h = [arb_poly(p) for p in h]
-    series.N, series.damped, series.finite = len(h) - 1, g is not None, g is not None
+    series.N, series.damped, series.odd = len(h) - 1, g is not None, False
     series.g = verifier.by_x(series.h) if g is None else [arb_poly(p) for p in g]
     return series
 

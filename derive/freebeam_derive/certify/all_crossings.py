@@ -20,11 +20,11 @@ from fractions import Fraction
 from itertools import pairwise
 from types import ModuleType
 
-from flint import arb, arb_mat, arb_poly
+from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
 from freebeam_derive.certify.first_crossing import (
     LOWEST_BITS,
     Stretch,
@@ -33,6 +33,7 @@ from freebeam_derive.certify.first_crossing import (
     holds,
     refined,
     separators_at,
+    stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
 
@@ -104,7 +105,8 @@ def survey(
     Raises Unproven with what could not be established, Inseparable where crossings are too close to each other.
     """
     say = progress or (lambda _: None)
-    bits = bits_for(question.modes, 0)
+    functions = functions_of(kernel, question.modes)
+    bits = bits_for(functions, 0)
     while True:
         with precision(bits):
             try:
@@ -114,12 +116,11 @@ def survey(
                 if 2 * bits > MOST_BITS:
                     raise
         bits *= 2
-    return _refined(kernel, question, found, digits, bits)
+    return _refined(kernel, question, found, digits, max(bits, bits_for(functions, digits)))
 
 
-def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, lowest: int) -> list[Crossing]:
+def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, bits: int) -> list[Crossing]:
     """The crossings of a survey to the digits asked for."""
-    bits = max(lowest, bits_for(question.modes, digits))
     result, unstable = [], 0
     with precision(bits):
         fine = boundary(kernel, question, bits)
@@ -153,12 +154,9 @@ class _Survey:
         self.crossings: list[_Found] = []
 
     def run(self) -> list[_Found]:
-        at_zero = separators_at(self.found, Fraction(0))
-        zero = Fraction(0)
-        if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
-            raise Unproven("the column is not known to be stable without load")
-        leading = arb_poly([row[self.found.N] for row in self.found.h.rows])
-        if 0 in signs_on([leading], zero, self.load_max):
+        zero = self._first_stable()
+        top, of = (self.found.g, self.found.between) if self.found.odd else (self.found.h, self.found.N)
+        if 0 in signs_on([arb_poly([row[of] for row in top.rows])], zero, self.load_max):
             raise Unproven("det M is not known to keep its sign, and eigenvalues may come from infinity")
         try:
             self._divergences(zero, self.load_max, 0)
@@ -173,6 +171,25 @@ class _Survey:
                     f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
                 )
         return found
+
+    def _first_stable(self) -> Fraction:
+        """The load from which on crossings are looked for: 0, or one up to which there is none where motions rest
+        at 0. Raises Unproven where the column is not known to be stable up to it."""
+        zero = Fraction(0)
+        if self.found.rests:
+            end = self.load_max
+            for _ in range(FINEST):
+                try:
+                    if stretch_over(self.found, zero, end) is not None:
+                        return end
+                except Unproven:
+                    pass
+                end /= 2
+            raise Unproven("the column is not known to be stable at small loads")
+        at_zero = separators_at(self.found, zero)
+        if at_zero is None or not holds(self.found, Stretch(zero, zero, zero, at_zero)):
+            raise Unproven("the column is not known to be stable without load")
+        return zero
 
     def _flutter(self, start: Fraction, end: Fraction) -> None:
         """Every common zero of h and g with x > 0 on a stretch."""
@@ -207,15 +224,20 @@ class _Survey:
         """
         rows = []
         for table in (self.found.h.table, self.found.g.table):
-            rows.append(bernstein(a, b, table.nrows() - 1) * table)
+            whole, n = bernstein(a, b, table.nrows() - 1) * table, table.ncols()
+            of_x = [arb_poly([whole[i, j] for j in range(n)]) for i in range(whole.nrows())]
+            ends = [of_x[0], of_x[-1]] if len(of_x) > 1 else of_x  # which fail first, most often
+            rows.append(([*ends, *of_x[1:-1]], n - 1))
         for low, high, first in self._strips((a + b) / 2, hole):
             place = self._strip([rows[first], rows[1 - first]], low, high, HALVINGS)
             if place is not None:
                 return place
         return None
 
-    def _strip(self, rows: list[arb_mat], low: Fraction, high: Fraction | None, halvings: int) -> Fraction | None:
-        if any(keeps_sign(which, low, high) for which in rows):
+    def _strip(
+        self, rows: list[tuple[list[arb_poly], int]], low: Fraction, high: Fraction | None, halvings: int
+    ) -> Fraction | None:
+        if any(keeps_sign(which, low, high, n) for which, n in rows):
             return None
         if high is None or halvings == 0:
             return low if high is None else (low + high) / 2

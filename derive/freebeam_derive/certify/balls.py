@@ -7,7 +7,7 @@ fractions, and π/4 is handed to them as a ball.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,6 +21,7 @@ from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
+from freebeam_derive.certify.numbers import Number, plain
 
 
 class Unproven(ArithmeticError):
@@ -263,11 +264,14 @@ def basis_of(kernel: ModuleType, modes: int) -> Any:
 
 def stated_exactly(kernel: ModuleType, own: Mapping[str, Fraction]) -> None:
     """Refuse a column with a factor that its kernel holds as a rounded float: what was proven would be of another."""
-    stated = {
-        f"form {name}": [v for part in parts for v in part.values()]
-        for name, parts in kernel.forms(Fraction(1), **own).items()
-    }
-    stated["damping"] = kernel.damping_factors(Fraction(1), Fraction(1), **own)
+    try:
+        stated = {
+            f"form {name}": [v for part in parts for v in part.values()]
+            for name, parts in kernel.forms(Fraction(1), **own).items()
+        }
+        stated["damping"] = kernel.damping_factors(Fraction(1), Fraction(1), **own)
+    except (AttributeError, TypeError):  # fractions have no roots
+        raise Unproven(f"{kernel.COLUMN['name']}: a factor of its forms is no fraction, but a root, say") from None
     for where, factors in stated.items():
         for factor in factors:
             if isinstance(factor, float) and not (factor * 2**20).is_integer():
@@ -291,42 +295,89 @@ def coefficients(
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
     dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. alone: C is to
-    be that of alpha and beta and no other. Raises Unproven for a column with a factor that is no polynomial in x or no
-    fraction, for damping that couples its rigid motions to the bending, for a motion that has no stiffness without
-    load, and where there is another C beside that of alpha and beta which alone is asked for.
+    be that of alpha and beta and no other. Raises Unproven for a column with a factor that is no polynomial in x, for
+    damping that couples its rigid motions to the bending, and where there is another C beside that of alpha and beta
+    which alone is asked for.
     """
     if kernel.COLUMN.get("general"):
-        return _of_any(kernel, modes, own, dampings, alone)
-    M, E, H = matrices(kernel, modes, own)
+        return ball_matrices(*matrices_of_any(kernel, modes, own, dampings, alone))
+    M_0, E, H = matrices(kernel, modes, own)
     c_M, c_E = kernel.damping_factors(*map(exact, dampings), **{name: exact(value) for name, value in own.items()})
     if alone and not arb(c_E) > 0:
         raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
-    return [M], _without_zeros([arb(c_M) * M + arb(c_E) * E]), [E, H]
+    return [M_0], _without_zeros([arb(c_M) * M_0 + arb(c_E) * E]), [E, H]
 
 
-def _of_any(
-    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool
-) -> tuple[Terms, Terms, Terms]:
-    for name, value in zip(("alpha", "beta"), dampings, strict=True):
-        if value != 0 and name in kernel.COLUMN["coupled"]:
-            raise Unproven(f"{name}: this damping couples the rigid motions of {kernel.COLUMN['name']} to its bending")
-    basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
-    given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
-    try:
-        M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
-        parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
-        R = kernel.rigid_motions(basis, **given)
-    except (AttributeError, DomainError, TypeError, ValueError) as error:
-        raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions: {error}") from None
+def matrices_of_any(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
+) -> tuple[list[Any], list[Any], list[Any]]:
+    """The same of a column beyond the textbook's, as arrays (n, n) of fractions, of balls where a factor is none.
+    Raises Unproven, as `coefficients` does."""
+    name = kernel.COLUMN["name"]
+    for damping, value in zip(("alpha", "beta"), dampings, strict=True):
+        if value != 0 and damping in kernel.COLUMN["coupled"]:
+            raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
+    M, K, parts, R = _stated(kernel, modes, own)
     T = _elastic(R, M[0])
-    if fmpq_mat((K[0] if T is None else T.T @ K[0] @ T).tolist()).det() == 0:
-        raise Unproven(f"{kernel.COLUMN['name']}: has a motion that the load alone restores; it is not stable without")
-    size = [exact(value) for value in dampings]
-    bare, of_alpha, of_beta = ([_balls(T, X) for X in terms] for terms in parts)
-    if alone and _without_zeros(bare[:]):
-        raise Unproven(f"{kernel.COLUMN['name']}: a damper or a gyroscopic term stays when alpha and beta vanish")
-    C = [b + size[0] * (x - b) + size[1] * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
-    return [_balls(T, X) for X in M], _without_zeros(C), [_balls(T, X) for X in K]
+    M, K, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, K, *parts))
+    bare, of_alpha, of_beta = parts
+    if alone and not all(v == 0 for X in bare for v in X.flat):
+        raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
+    alpha, beta = map(_size, dampings)
+    C = [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
+    return M, C, K
+
+
+def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, Any, list[Any], Any]:
+    """M, K, C without alpha and beta, of each alone, and rigid motions, of fractions; of balls where there are none."""
+    basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
+    given: dict[str, Any] = {name: fmpq(*value.as_integer_ratio()) for name, value in own.items()}
+
+    def asked() -> tuple[Any, Any, list[Any], Any]:
+        parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
+        M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
+        return M, K, parts, kernel.rigid_motions(basis, **given)
+
+    try:
+        return asked()
+    except (AttributeError, DomainError, TypeError, ValueError):
+        pass  # a root of a number, say
+    given = {name: Number(value) for name, value in given.items()}
+    basis = basis._replace(order=array([Number(k) for k in basis.order]))
+    try:
+        places = [*kernel.places(Number(1), **given), *_seen_at(kernel.forms(Number(1), **given))]
+        if any(isinstance(place, arb) for place in places):
+            raise TypeError("a place is no fraction")
+        M, K, parts, R = asked()
+        M, K, *parts = ([array_of(plain, X) for X in terms] for terms in (M, K, *parts))
+        return M, K, parts, array_of(plain, R)
+    except (AttributeError, DomainError, TypeError, ValueError) as error:
+        raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {error}") from None
+
+
+def _seen_at(forms: Mapping[str, Any]) -> Iterator[Any]:
+    """The places of the values in the forms of M, C and K."""
+    for _, points in (form for name in "MCK" for form in forms[name]):
+        for test, trial, _ in points:
+            yield from (place for _, _, place, _ in (test, trial) if place is not None)
+
+
+def array_of(change: Callable[[Any], Any], X: Any) -> Any:
+    """An array with each entry changed."""
+    found = np.empty(X.shape, dtype=object)
+    for at, value in np.ndenumerate(X):
+        found[at] = change(value)
+    return found
+
+
+def ball_matrices(M: list[Any], C: list[Any], K: list[Any]) -> tuple[Terms, Terms, Terms]:
+    """Arrays as matrices of balls at the precision in hand; highest powers of C that are nothing are left out."""
+    M, C, K = ([arb_mat([[arb(v) for v in row] for row in X.tolist()]) for X in terms] for terms in (M, C, K))
+    return M, _without_zeros(C), K
+
+
+def _size(damping: Exact) -> fmpq | arb:
+    return fmpq(*damping.as_integer_ratio()) if isinstance(damping, Fraction | int) else exact(damping)
 
 
 def _elastic(R: Any, M: Any) -> Any:
@@ -342,13 +393,12 @@ def _elastic(R: Any, M: Any) -> Any:
             left[:, other] = left[:, other] - left[:, k] * (left[row, other] / left[row, k])
     others = np.delete(np.array([[fmpq(int(i == j)) for j in range(len(R))] for i in range(len(R))]), dropped, axis=1)
     A, B = R.T @ M @ R, R.T @ M @ others
-    solved = fmpq_mat(A.tolist()).solve(fmpq_mat(B.tolist()))
+    kind: Any = arb_mat if any(isinstance(v, arb) for X in (A, B) for v in X.flat) else fmpq_mat
+    try:
+        solved = kind(A.tolist()).solve(kind(B.tolist()))
+    except ZeroDivisionError:
+        raise Unproven("rigid motions are not known to be independent and to have mass") from None
     return others - R @ np.array(solved.tolist())
-
-
-def _balls(T: Any, X: Any) -> arb_mat:
-    exactly = X if T is None else T.T @ X @ T
-    return arb_mat([[arb(v) for v in row] for row in exactly.tolist()])
 
 
 def _without_zeros(terms: list[arb_mat]) -> list[arb_mat]:

@@ -110,16 +110,27 @@ def signs_on(polynomials: Sequence[arb_poly], a: Fraction, b: Fraction) -> list[
     return [one_sign([found[i, j] for i in range(n + 1)]) for j in range(len(polynomials))]
 
 
-def keeps_sign(rows: arb_mat, low: Fraction, high: Fraction | None) -> bool:
+def keeps_sign(rows: Sequence[arb_poly], low: Fraction, high: Fraction | None, n: int) -> bool:
     """Whether a function keeps its sign for low ≤ x ≤ high, or for x ≥ low > 0 where high is None.
 
-    rows: its coefficients in x, a row for each Bernstein coefficient in the load.
+    rows: polynomials in x of degree n at most, one for each Bernstein coefficient in the load. Their own Bernstein
+    coefficients are, but for positive factors, the coefficients of (1 + t)ⁿ p((low + high t) / (1 + t)).
     """
-    n = rows.ncols() - 1
-    if high is None:  # in 1/x, from the highest power on
-        rows = arb_mat([[rows[i, n - j] for j in range(n + 1)] for i in range(rows.nrows())])
-        low, high = Fraction(0), 1 / low
-    return bool(one_sign((rows * bernstein(low, high, n).transpose()).entries()))
+    first = 0
+    start, width = (exact(low), exact(high - low)) if high is not None else (arb(0), exact(1 / low))
+    for p in rows:
+        if high is None:  # in 1/x, from the highest power on
+            p = _reversed(p, n)
+        turned = _reversed(p(arb_poly([start, width])), n)(arb_poly([1, 1]))
+        signs = {sign(turned[k]) for k in range(n + 1)}
+        if len(signs) != 1 or 0 in signs or first * signs.pop() < 0:
+            return False
+        first = first or sign(turned[0])
+    return True
+
+
+def _reversed(p: arb_poly, n: int) -> arb_poly:
+    return arb_poly([p[n - k] for k in range(n + 1)])
 
 
 # --- where to look: approximations, and no more ---------------------------------------------------------------

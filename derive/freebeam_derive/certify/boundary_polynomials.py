@@ -6,21 +6,24 @@ On λ = iω, with x = ω²,
 
 Determinants are taken at real λ, as polynomials in P, and interpolated. In the limit of vanishing damping g is of the
 first order in C, tr(adj(K − x M) C) / det M. Without damping g stands for ∂h/∂x: h and g vanish together where two
-frequencies meet.
+frequencies meet. So it does of a gyroscopic column whose determinant is even in λ. Where coordinates have no mass,
+det M is 0, and h and g are divided by another number; their degrees follow from that in λ (`structure.py`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from types import ModuleType
 from typing import Any
 
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.balls import Exact, Unproven, coefficients, parameters, precision
+from freebeam_derive.certify.balls import Exact, Unproven, ball_matrices, matrices_of_any, parameters, precision
+from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
+from freebeam_derive.certify.structure import Structure, structure
 
 
 @dataclass(frozen=True)
@@ -40,15 +43,30 @@ class Question:
 
 @dataclass(frozen=True)
 class Boundary:
-    """h and g of N functions, each a polynomial in P and x; `damped` is False where g is ∂h/∂x.
+    """h and g, polynomials in P and x, of degree N and below in x; `damped` is False where g is ∂h/∂x.
 
-    As a system of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0. none:
+    the power of P that g was divided by. Where one is not 0, what is said of the roots is said of P > 0. As a system of
+    equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
     h: Bivariate
     g: Bivariate
     damped: bool
+    odd: bool = False
+    rests: int = 0
+    none: int = 0
+
+    @property
+    def above_zero(self) -> bool:
+        """Whether what is said of stability is not said of P = 0."""
+        return self.rests > 0 or self.none > 0
+
+    @property
+    def between(self) -> int:
+        """How many roots g has where they interlace with those of h."""
+        return self.N if self.odd else self.N - 1
 
     def value(self, z: Sequence[arb]) -> list[arb]:
         """The equations at a point or over a box."""
@@ -66,40 +84,63 @@ class Boundary:
 
     def about(self, P: arb, x: arb) -> Boundary:
         """The same, P and x counted from a point."""
-        return Boundary(self.N, self.h.about(P, x), self.g.about(P, x), self.damped)
+        return replace(self, h=self.h.about(P, x), g=self.g.about(P, x))
 
 
-def expansion(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], vanishing: bool = False) -> Boundary:
-    """h and g of λ² M + λ C + K, each a polynomial in P, lists by its powers; K regular at P = 0 with λ² M for λ > 0.
+def expansion(
+    M: Sequence[arb_mat],
+    C: Sequence[arb_mat],
+    K: Sequence[arb_mat],
+    vanishing: bool = False,
+    known: Structure | None = None,
+) -> Boundary:
+    """h and g of λ² M + λ C + K, each a polynomial in P, lists by its powers; regular at P = 0 for λ > 0.
 
-    C: empty without damping; vanishing: only its direction counts. Where C is nothing at P = 0, g is divided by the
-    power of P that it holds: what is said of its roots is then said of P > 0.
+    C: empty without damping; vanishing: only its direction counts. known: what holds exactly; without it M is regular
+    and, without damping alone, odd powers of λ are none. Where C is nothing at P = 0, g is divided by the power of P
+    that it holds: what is said of its roots is then said of P > 0. Raises Unproven.
     """
-    N = M[0].nrows()
-    # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
-    # and heavy damping).
-    size = ((K[0] + M[0]).det() / M[0].det()).log() / (2 * N * arb(2).log())
-    if not size.is_finite():
-        raise Unproven("mass and elastic stiffness are not known to be positive definite")
-    step = arb(2) ** (round(float(size)) - 3)
+    n, known = M[0].nrows(), known or Structure(2 * M[0].nrows(), not C)
+    N, damped = known.degree // 2, bool(C) and not (known.even and not vanishing)
+    if N < 1:
+        raise Unproven("no motion of it has a frequency: without mass there is none")
+    regular = known.degree == 2 * n and not (C and known.even)
+    scale, step = _sizes(M, () if vanishing or regular else C, K, known.degree)
     odd: list[arb_poly] = []
-    if C and not vanishing:
-        places = [step * k for k in range(1, 2 * N + 2)]
+    if damped and not vanishing:
+        places = [step * k for k in range(1, known.degree + 2)]
         whole = _through(places, [determinant(_at(p, M, K, C)) for p in places])
         even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
     else:
-        still = [_at(step * k, M, K) for k in range(1, N + 2)]
+        still = [_at(step * k, M, K, () if vanishing else C) for k in range(1, N + 2)]
         places = [(step * k) ** 2 for k in range(1, N + 2)]
         even = _through(places, [determinant(terms) for terms in still])
-        if C:
+        if damped:
             odd = _through(places[:N], [_first_order(terms, C) for terms in still[:N]])
-    degrees = [highest_power(a, N, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
-    h = _in_square(even, [d // 2 + 1 for d in degrees], 1 / M[0].det())
-    if not C:
-        return Boundary(N, h, h.by_x, False)
+    highest = [highest_power(a, n, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
+    degrees = [min(power, known.degree) for power in highest]
+    h = _in_square(even, [d // 2 + 1 for d in degrees], scale, known, 0)
+    if not damped:
+        return Boundary(N, h, h.by_x, False, False, known.rests)
     none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
-    g = _in_square(odd, [(d + 1) // 2 for d in degrees], 1 / M[0].det())
-    return Boundary(N, h, Bivariate(g.rows[none:]), True)
+    g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
+    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none)
+
+
+def _sizes(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], degree: int) -> tuple[arb, arb]:
+    """What h and g are multiplied by, and the distance of the places where determinants are taken. Raises Unproven."""
+    whole = _at(arb(1), M, K, C)[0].det()
+    if degree == 2 * M[0].nrows():
+        scale = leading = 1 / M[0].det()
+    else:  # some coordinate has no mass: about what the determinant is over λ^degree, far out
+        far = arb(2) ** 30
+        scale, leading = 1 / whole, far**degree / _at(far, M, K, C)[0].det()
+    # An eighth of the mean frequency: of 1/8, 1 and 4 it lost the fewest bits (free-free and Beck, N = 8 and 20, light
+    # and heavy damping).
+    size = (whole * leading).log() / (degree * arb(2).log())
+    if not size.is_finite():
+        raise Unproven("mass and elastic stiffness are not known to be positive definite")
+    return scale, arb(2) ** (round(float(size)) - 3)
 
 
 def _at(p: arb, M: Sequence[arb_mat], K: Sequence[arb_mat], C: Sequence[arb_mat] = ()) -> list[arb_mat]:
@@ -165,19 +206,60 @@ def _through(places: Sequence[arb], rows: Sequence[Sequence[arb]]) -> list[arb_p
     return [arb_poly.interpolate(list(places), list(column)) for column in zip(*rows, strict=True)]
 
 
-def _in_square(factors: Sequence[arb_poly], counts: Sequence[int], scale: arb) -> Bivariate:
-    """From λ² to x = −λ², so many powers of each; those beyond cancel."""
+def _in_square(factors: Sequence[arb_poly], counts: Sequence[int], scale: arb, known: Structure, odd: int) -> Bivariate:
+    """From λ² to x = −λ², so many powers of each; those beyond cancel, and what is known to vanish does so exactly.
+    odd: how many factors λ stand before."""
+    zero = arb(0)
     return Bivariate([
-        arb_poly([(-1) ** b * scale * p[b] for b in range(count)]) for p, count in zip(factors, counts, strict=False)
+        arb_poly([
+            zero if known.vanishes(a, 2 * b + odd) else (-1) ** b * scale * p[b] for b in range(count)
+        ])
+        for a, (p, count) in enumerate(zip(factors, counts, strict=False))
     ])  # fmt: skip
+
+
+MOST_FUNCTIONS = 100
+"""Time grows as the fifth power of their number: 12 s at 50, of one core, and some ten minutes at 100."""
+
+
+def functions_of(kernel: ModuleType, modes: int) -> int:
+    """How many functions a question of a column has. Raises Unproven where they are too many for a proof."""
+    general = kernel.COLUMN.get("general")
+    count = int(kernel.basis(modes).size) - int(kernel.COLUMN["rigid"]) if general else modes
+    if count > MOST_FUNCTIONS:
+        raise Unproven(
+            f"a proof of {count} functions takes more than ten minutes by far; up to {MOST_FUNCTIONS} are feasible: "
+            f"give N = {modes * MOST_FUNCTIONS // count} or less"
+        )
+    return count
 
 
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
-    alpha, beta = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
+    dampings = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
+    known = None
     with precision(bits):
-        M, C, K = coefficients(kernel, question.modes, own, (alpha, beta), limit)
+        if kernel.COLUMN.get("general"):
+            terms = matrices_of_any(kernel, question.modes, own, dampings, limit)
+            known = _structure(terms, limit)
+            M, C, K = ball_matrices(*terms)
+        else:
+            M, C, K = coefficients_of(kernel, question.modes, own, dampings, limit)
         if limit and not C:
             raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
-        return expansion(M, C, K, limit)
+        return expansion(M, C, K, limit, known)
+
+
+def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> Structure | None:
+    """What holds exactly of matrices; None where not all of them are fractions. Raises Unproven."""
+    if any(isinstance(v, arb) for powers in terms for X in powers for v in X.flat):
+        return None
+    known = structure(*terms)
+    if limit:
+        M, _, K = terms
+        still = structure(M, [], K)
+        if still.degree != known.degree:
+            raise Unproven("damping that vanishes acts on a coordinate without mass")
+        known = replace(known, even=False)
+    return known

@@ -13,6 +13,7 @@ from types import ModuleType
 from typing import Any
 
 from flint import arb, fmpq
+from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.balls import Exact, Unproven, ends, parameters, precision
 from freebeam_derive.certify.beam_itself import ExactCrossing
@@ -132,7 +133,11 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
 def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
-    bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
+    try:
+        bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
+    except (AttributeError, DomainError, TypeError, ValueError):
+        name = kernel.COLUMN["name"]
+        raise Unproven(f"{name} has a factor that is no fraction, which a certificate cannot hold") from None
     segments = len(bare["breaks"]) - 1
     motions = []
     for motion in bare["rigid"]:

@@ -10,6 +10,10 @@ unstable just above.
 
 No damping: stability is that the roots of h alone are real, positive and simple; the crossing is a double root.
 Divergence: h(P, 0) = det K / det M = 0.
+
+Motions that the load alone restores rest at P = 0: roots of h, and of g where nothing damps them, come from x = 0
+there. Separators between them pass through P = x = 0, and signs on these and at x = 0 are those of what is left after
+division by the power of P that they hold. Stability is then said of P > 0.
 """
 
 from __future__ import annotations
@@ -17,14 +21,14 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 from types import ModuleType
 
-from flint import arb
+from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
 
 LOWEST_BITS = 160
@@ -51,7 +55,8 @@ class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
-    no crossing: proven is that the column is stable up to load_max.
+    no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
+    motion rests, or nothing is damped.
     """
 
     question: Question
@@ -61,51 +66,81 @@ class Enclosure:
     load_max: Fraction | None
     stretches: tuple[Stretch, ...]
     proof: Mapping[str, bool]
+    above_zero: bool = False
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
 
 
 def holds(found: Boundary, stretch: Stretch) -> bool:
-    """Whether the signs at the separators prove stability for all P of a stretch."""
+    """Whether the signs at the separators prove stability for all P of a stretch, P > 0 where motions rest at 0."""
     start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
-    N, separators = found.N, stretch.separators
-    if len(separators) != (2 * N - 1 if found.damped else N):
+    separators, roots = stretch.separators, found.N + (found.between if found.damped else 0)
+    if len(separators) != roots:
         return False
     lines = [(Fraction(0), Fraction(0)), *separators]
     # positive and ascending all along the stretch
-    if any(b + v * t <= a + u * t for t in (start, end) for (a, u), (b, v) in pairwise(lines)):
+    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
+    if not all(_ascend(lines, t, from_rest and t == 0) for t in (start, end)):
         return False
 
     def signs(which: Bivariate, lines: Sequence[Separator]) -> list[int]:
-        origin = exact(stretch.origin)
-        return signs_on([which.along(origin, exact(point), exact(slope)) for point, slope in lines], start, end)
+        along = [which.along(exact(stretch.origin), exact(point), exact(slope)) for point, slope in lines]
+        if from_rest:
+            along = [p if point else _without_powers(p) for p, (point, _) in zip(along, lines, strict=True)]
+        return signs_on(along, start, end)
 
     if not found.damped:
-        return signs(found.h, lines) == [(-1) ** k for k in range(N + 1)]
+        return signs(found.h, lines) == [(-1) ** k for k in range(found.N + 1)]
     # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
-    alternating = [(-1) ** ((k + 1) // 2) for k in range(2 * N)]
-    of_g = separators[: max(1, 2 * N - 2)]
+    alternating = [(-1) ** ((k + 1) // 2) for k in range(roots + 1)]
+    of_g = separators[: max(1, 2 * found.between)]
     return signs(found.h, lines) == alternating and signs(found.g, of_g) == alternating[: len(of_g)]
+
+
+def _ascend(lines: Sequence[Separator], t: Fraction, may_meet: bool) -> bool:
+    places = [point + slope * t for point, slope in lines]
+    return all(a < b or (may_meet and a == b == 0) for a, b in pairwise(places))
+
+
+def _without_powers(along: arb_poly) -> arb_poly:
+    """A polynomial divided by the power of its variable that it holds."""
+    none = next((k for k in range(along.degree() + 1) if along[k] != 0), 0)
+    return arb_poly([along[k] for k in range(none, along.degree() + 1)])
 
 
 def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
     """Points between neighbouring roots at one load, None where they do not interlace: the beam is not stable there."""
     h = real_zeros(found.h.at(exact(P)))
-    N = found.N
-    if len(h) != N or not float(h[0]) > 0:
+    if len(h) != found.N or not float(h[0]) > 0:
         return None
     merged = h
     if found.damped:
         g = real_zeros(found.g.at(exact(P)))
-        if len(g) != N - 1:
+        if len(g) != found.between:
             return None
-        merged = [r for pair in zip(h, g, strict=False) for r in pair] + [h[-1]]
+        merged = [r for pair in zip_longest(h, g) for r in pair if r is not None]
     if any(not a < b for a, b in pairwise(merged)):
         return None
     middles = [(a + b) / 2 for a, b in pairwise(merged)]
     middles.append(2 * merged[-1])
     return tuple((rational(m, 100), Fraction(0)) for m in middles)
+
+
+def stretch_over(found: Boundary, a: Fraction, b: Fraction, centre: Boundary | None = None) -> Stretch | None:
+    """A stretch that proves stability for a ≤ P ≤ b, None where none was found. Raises Unproven where it is not stable
+    in the middle."""
+    middle = _between(a, b)
+    separators = separators_at(centre or found, middle)
+    if separators is None:
+        raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
+    tried = [Stretch(a, b, middle, separators)]
+    if a == 0 and found.rests:
+        tried = [
+            Stretch(a, b, a, (*((a, point / middle) for point, _ in separators[:count]), *separators[count:]))
+            for count in range(min(2 * found.rests, len(separators)) + 1)
+        ]
+    return next((stretch for stretch in tried if holds(found, stretch)), None)
 
 
 def _between(a: Fraction, b: Fraction) -> Fraction:
@@ -126,16 +161,13 @@ def cover(
     waiting = [(start, end, 0)]
     while waiting:
         a, b, depth = waiting.pop()
-        middle = _between(a, b)
-        separators = separators_at(centre or found, middle)
-        if separators is None:
-            raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
-        stretch = Stretch(a, b, middle, separators)
-        if holds(found, stretch):
+        stretch = stretch_over(found, a, b, centre)
+        if stretch is not None:
             done.append(stretch)
             continue
         if depth == deepest:
             raise Unproven(f"stability could not be shown between the loads {float(a):.12g} and {float(b):.12g}")
+        middle = _between(a, b)
         waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
     return sorted(done, key=lambda s: s.start)
 
@@ -168,12 +200,13 @@ def _towards(
 # --- the proof ----------------------------------------------------------------------------------------------
 
 
-def bits_for(modes: int, digits: int) -> int:
+def bits_for(functions: int, digits: int) -> int:
     """Bits to begin with; where a proof fails for want of them they are doubled.
 
-    Of 12, 16, 20 a function none was doubled up to N = 28 (free-free and Beck; α = 0, 0.001 and 1; 20 digits).
+    Of 12, 16, 20 a function none was doubled up to N = 28 (free-free and Beck; α = 0, 0.001 and 1; 20 digits). 8 do for
+    18 to 50 functions on three segments, 6 do not for 50.
     """
-    return LOWEST_BITS + int(3.33 * digits) + 16 * modes
+    return LOWEST_BITS + int(3.33 * digits) + 12 * functions
 
 
 def certify(
@@ -192,7 +225,7 @@ def certify(
     Raises Unproven with what could not be established.
     """
     say = progress or (lambda _: None)
-    bits = bits_for(question.modes, digits)
+    bits = bits_for(functions_of(kernel, question.modes), digits)
     reason = ""
     while bits <= MOST_BITS:
         with precision(bits):
@@ -203,7 +236,7 @@ def certify(
                     return _certify_near(found, question, near, digits, bits)
                 proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
                 stretches = tuple(cover(found, Fraction(0), load_max))
-                return Enclosure(question, "none", None, None, load_max, stretches, proof)
+                return Enclosure(question, "none", None, None, load_max, stretches, proof, found.above_zero)
             except Unproven as error:
                 if reason == str(error):
                     raise
@@ -263,7 +296,7 @@ def _certify_near(
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
-    return Enclosure(question, kind, (low, high), square, None, stretches, proof)
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

@@ -16,16 +16,20 @@ simple; in the limit (vanishing) that this is so, and that damping of the given 
 first order.
 
 Of forms on segments (format 2) M, K and C = C_1 + alpha C_alpha + beta C_beta are polynomials in P, of forms and of a
-space in the file; undamped is where C is nothing. Where C is nothing at P = 0 alone, as in a pipe that conveys fluid,
-the theorem is one of 0 < P ≤ low, and at P = 0 all λ² are real, negative and simple. Rigid motions R are left out: it
-is checked that M, C and K take them to M_0 R for every P, and that among them λ is 0 or −c, c ≥ 0. The eigenvalues of
-the whole are these and those of the functions M_0-orthogonal to R, of which the theorem is; along R a displacement may
-grow as a power of time.
+space in the file; undamped is where C is nothing, or where the determinant is even in λ (gyroscopic terms alone). Where
+C is nothing at P = 0 alone, as in a pipe that conveys fluid, the theorem is one of 0 < P ≤ low, and at P = 0 all λ² are
+real, negative and simple. Where K is singular at P = 0 (motions that the load alone restores) it is one of 0 < P ≤ low.
+Where coordinates have no mass, eigenvalues are the finite ones, as many as the degree in λ. Rigid motions R are left
+out: it is checked that M, C and K take them to M_0 R for every P, and that among them λ is 0 or −c, c ≥ 0. The
+eigenvalues of the whole are these and those of the functions M_0-orthogonal to R, of which the theorem is; along R a
+displacement may grow as a power of time.
 
 PROOF, in full in docs/proofs.md. det(K − x M + iωC) = h(P, x) + iω g(P, x) with x = ω², polynomials of degree N in P
-and x together (N − 1 for g; of forms by powers of P of degree N in x, N − 1 for g, and as many in P as rows of M, C and
-K can have); in the limit g is the first order in C, without damping it stands for h_x. Where C is P^k times another, g
-is divided by P^k. An eigenvalue on the imaginary axis is a common root of h and g with x > 0, or a root of h at x = 0.
+and x together (N − 1 for g; of forms by powers of P as many in P as rows of M, C and K can have, and of ⌊d/2⌋ and
+⌊(d − 1)/2⌋ in x, where d is the degree in λ, found exactly by `verifier_degrees`); in the limit g is the first order in
+C, without damping it stands for h_x. Where C is P^k times another, g is divided by P^k; on lines through P = x = 0 both
+are by the power of P that they hold there. An eigenvalue on the imaginary axis is a common root of h and g with x > 0,
+or a root of h at x = 0.
 They are interpolated here from determinants of balls, and checked:
 
 (i) On stretches from 0 to low, lines on which h, and g, have alternating signs leave a root of each between neighbours
@@ -49,7 +53,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
+from functools import cache, cached_property
 from importlib import import_module
 from itertools import pairwise, product, zip_longest
 from pathlib import Path
@@ -59,6 +63,7 @@ import flint
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series, fmpz_mat
 
 from freebeam_derive.certify.decimals import read, roots, said, shown
+from freebeam_derive.certify.verifier_degrees import Degrees, degrees
 from freebeam_kernels import COLUMNS
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
@@ -231,7 +236,8 @@ class OfForms(Statement):
     """A statement of the forms in a file, of fields on segments and coordinates.
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
-    damped: C is not nothing; above_zero: but is at P = 0, and what is said is said of P > 0.
+    damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
+    said is said of P > 0.
     """
 
     breaks: tuple[Fraction, ...]
@@ -241,6 +247,7 @@ class OfForms(Statement):
     motions: int
     damped: bool
     above_zero: bool
+    gyroscopic: bool = False
 
     def __str__(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
@@ -248,6 +255,7 @@ class OfForms(Statement):
         if self.motions:
             what += f", {self.motions} rigid motion{'s' if self.motions > 1 else ''} left out"
         of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
+        of += " but for gyroscopic terms" if self.gyroscopic else ""
         if self.kappa is not None:
             of = f", in the limit of vanishing damping, alpha -> 0+ at beta = {said(self.kappa)} alpha"
         return self.proven(what + of, self.damped, self.above_zero)
@@ -256,7 +264,7 @@ class OfForms(Statement):
         return super().record() | {
             "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
             "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
-            "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped,
+            "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
             "kappa": None if self.kappa is None else said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
         }  # fmt: skip
@@ -325,20 +333,22 @@ def _of_beam(data: dict[str, Any]) -> Read:
         C = [ball(damping.of_M) * M + ball(damping.of_E) * E] if damping else []
         return System([M], C, [E, H], kappa is not None)
 
-    return stated, N, system, _stretches(data["stretches"], stated.end, N, damping is not None)
+    return stated, N, system, _stretches(data["stretches"], stated.end, 2 * N if damping else N + 1)
 
 
-def _stretches(data: Any, end: Fraction, N: int, damped: bool) -> list[Stretch]:
-    """Stretches without a gap from 0 to the end, with as many ascending lines as N functions take."""
+def _stretches(data: Any, end: Fraction, count: int, rests: bool = False) -> list[Stretch]:
+    """Stretches without a gap from 0 to the end, with so many ascending lines; rests: which may meet at P = x = 0."""
     stretches = [_stretch(stretch) for stretch in data]
     reached = Fraction(0)
     for s in stretches:
         where = f"between the loads {float(s.start):.10g} and {float(s.end):.10g}"
         require(s.start == reached < s.end, "the stretches leave a gap")
-        require(len(s.lines) == (2 * N if damped else N + 1), f"there are too few separators, or too many, {where}")
+        require(len(s.lines) == count, f"there are too few separators, or too many, {where}")
         for P in (s.start, s.end):
             places = [point + slope * (P - s.origin) for point, slope in s.lines]
-            require(all(a < b for a, b in pairwise(places)), f"the separators do not ascend {where}")
+            meet = rests and P == 0 == s.origin
+            ascend = all(a < b or (meet and a == b == 0) for a, b in pairwise(places))
+            require(ascend, f"the separators do not ascend {where}")
         reached = s.end
     require(reached == end > 0, "stability is not shown up to the load")
     return stretches
@@ -439,7 +449,7 @@ def gammas(ends: list[str], count: int) -> list[arb]:
         require(not any(c.contains(0) for c in near_0), "the characteristic determinant may vanish close to γ = 0")
         low = arb(1) / 2
         while len(found) < count:
-            found, low = found + within(low, low + arb(1) / 8, ends), low + arb(1) / 8
+            found, low = found + within(low, low + arb(1) / 2, ends), low + arb(1) / 2
     return [refined(box, ends) for box in found[:count]]
 
 
@@ -699,18 +709,25 @@ def _of_forms(data: dict[str, Any]) -> Read:
     parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
     C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
     M, C, K = reduced(space, motions, M, C, K)
-    N, damped = M[0].nrows(), bool(C)
-    require(damped or kappa is None, "there is no damping that could vanish")
+    require(bool(C) or kappa is None, "there is no damping that could vanish")
+    N, known = M[0].nrows(), degrees(M, C, K)
+    if kappa is not None:
+        same = degrees(M, [], K).highest == known.highest
+        require(same, "damping that vanishes acts on a coordinate without mass")
+    damped = bool(C) and not (known.even and kappa is None)
+    require(known.highest > 1, "no motion has a frequency")
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
-        motions=len(motions), damped=damped, above_zero=damped and nothing(C[0]),
+        motions=len(motions), damped=damped, gyroscopic=bool(C) and not damped,
+        above_zero=bool(known.resting) or (damped and nothing(C[0])),
     )  # fmt: skip
 
     def system() -> System:
         at_hand = [[arb_mat(X) for X in powers] for powers in (M, C, K)]
-        return System(at_hand[0], at_hand[1], at_hand[2], kappa is not None)
+        return System(at_hand[0], at_hand[1], at_hand[2], kappa is not None, known)
 
-    return stated, N, system, _stretches(data["stretches"], stated.end, N, damped)
+    count = known.highest if damped else known.highest // 2 + 1
+    return stated, N, system, _stretches(data["stretches"], stated.end, count, known.resting > 0)
 
 
 def _space(data: dict[str, Any]) -> Space:
@@ -808,12 +825,18 @@ Rows = list[arb_poly]  # over the powers of x, polynomials in P
 
 @dataclass(frozen=True)
 class System:
-    """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction."""
+    """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction. known: what
+    holds exactly of their determinant; of none M is regular, and K without load."""
 
     M: list[arb_mat]
     C: list[arb_mat]
     K: list[arb_mat]
     vanishing: bool
+    known: Degrees | None = None
+
+    @property
+    def degrees(self) -> Degrees:
+        return self.known or Degrees(2 * self.M[0].nrows(), not self.C, 0, True)
 
 
 class Series:
@@ -823,35 +846,61 @@ class Series:
     """
 
     def __init__(self, system: System, end: Fraction, places: list[Fraction]) -> None:
-        """places: between the eigenvalues without load, one more than functions, where determinants are taken."""
-        self.system, self.damped = system, bool(system.C)
-        self.N = N = system.M[0].nrows()
+        """places: between the roots of h at small loads, one more than these, where determinants are taken."""
+        known = system.degrees
+        self.system, self.odd, self.resting = system, bool(known.highest % 2), known.resting
+        self.damped = bool(system.C) and not (known.even and not system.vanishing)
+        self.N, self.of_g = known.highest // 2, (known.highest - 1) // 2
         self.power = next((k for k, X in enumerate(system.C) if any(v != 0 for v in X.entries())), 0)
-        count = N * max(1, *(len(terms) - 1 for terms in (system.M, system.C, system.K)))
-        loads = [end * k / count for k in range(count + 1)]
-        signs = ((-1) ** k for k in range(N + 1))
+        rows = system.M[0].nrows()
+        count = rows * max(1, *(len(terms) - 1 for terms in (system.M, system.C, system.K)))
+        loads = [end * (k + (self.resting > 0)) / count for k in range(count + 1)]  # where K is regular
+        signs = ((-1) ** k for k in range(self.N + 1))
         values = []
         for x, sign in zip(places, signs, strict=True):
             values.append([self._determinant(ball(P), ball(x)) for P in loads[:1]])
             # before the rest of the work is begun
-            require(bool(sign * values[-1][0][0] > 0), "the roots of h are not separated without load")
+            separated = self.resting > 0 or bool(sign * values[-1][0][0] * self.sign > 0)
+            require(separated, "the roots of h are not separated without load")
         for x, row in zip(places, values, strict=True):
             row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
-        degrees = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
-        tops = [highest(b, N, *degrees) for b in range(N + 1)]
+        powers = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
+        tops = [highest(b, rows, *powers) for b in range(self.N + 1)]
         self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], tops)
+        self.h = self._without(self.h, 0, 0)
         self.g = by_x(self.h)
         if self.damped:
-            tops = [degrees[1] - self.power + highest(b, N - 1, *degrees) for b in range(N)]
+            tops = [powers[1] - self.power + highest(b, rows - 1, *powers) for b in range(self.of_g + 1)]
             used = loads[min(self.power, 1) :]
             sizes = [ball(P) ** self.power for P in used]
-            rows = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values[:-1]]
-            self.g = _interpolated(places[:-1], used, rows, tops)
+            of_g = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values]
+            self.g = _interpolated(places[: self.of_g + 1], used, of_g[: self.of_g + 1], tops)
+            self.g = self._without(self.g, self.power, 1)
+
+    @cached_property
+    def sign(self) -> int:
+        """That of the determinant at λ = 1 without load, by which all is multiplied where it need not be positive."""
+        if not self.system.known:
+            return 1
+        terms = self.system.M, self.system.K, [] if self.system.vanishing else self.system.C
+        whole = sum((X[0] for X in terms if X), 0 * self.system.K[0]).det()
+        require(whole != 0, "the determinant may vanish at λ = 1 without load")
+        return 1 if whole > 0 else -1
+
+    def _without(self, which: Rows, of_load: int, of_rate: int) -> Rows:
+        """Multiplied by the sign; and what is known to have no part is exactly nothing."""
+        absent, zero = self.system.degrees.absent, arb(0)
+        return [
+            arb_poly([
+                zero if absent(a + of_load, 2 * b + of_rate) else self.sign * p[a] for a in range(p.degree() + 1)
+            ])
+            for b, p in enumerate(which)
+        ]  # fmt: skip
 
     def _determinant(self, P: arb, x: arb) -> tuple[arb, arb]:
         M, C, K = (_at_load(terms, P) for terms in (self.system.M, self.system.C, self.system.K))
         A = K - x * M
-        if not self.damped:
+        if not self.system.C:
             return A.det(), arb(0)
         if self.system.vanishing or x == 0:
             # g to first order in the damping, which at x = 0 is all of it
@@ -867,16 +916,21 @@ class Series:
         """
         start, end, origin = stretch.start, stretch.end, stretch.origin
         where = f"between the loads {float(start):.10g} and {float(end):.10g}"
-        N, (near, far) = self.N, (ball(origin - P) for P in (end, start))
+        near, far = (ball(origin - P) for P in (end, start))
         back = arb_poly([ball(origin), -1])
         h, g = ([p(back) for p in which] for which in (self.h, self.g))
+        from_rest = self.resting > 0 and start == 0 == origin
         for k, (point, slope) in enumerate(stretch.lines):
             line = arb_poly([ball(point), ball(-slope)])
             sign_h, sign_g = (-1) ** ((k + 1) // 2 if self.damped else k), (-1) ** (k // 2)
-            require(positive(sign_h * _along(h, line), near, far), f"the roots of h are not separated {where}")
-            if self.damped and 0 < k < max(2, 2 * N - 1):
-                found = positive(sign_g * _along(g, line), near, far)
-                require(found, f"the roots of g are not separated {where}")
+            each = [(h, sign_h, "h")]
+            if self.damped and 0 < k <= max(1, 2 * self.of_g):
+                each.append((g, sign_g, "g"))
+            for which, sign, name in each:
+                along = sign * _along(which, line)
+                if from_rest and point == 0:
+                    along = _divided(along)
+                require(positive(along, near, far), f"the roots of {name} are not separated {where}")
 
     def check_crossing(self, low: Fraction, high: Fraction, square: tuple[Fraction, Fraction] | None) -> None:
         """(ii) to (iv) of the proof: exactly one crossing for low ≤ P ≤ high, with ω² in `square`, or λ = 0 (None)."""
@@ -884,12 +938,13 @@ class Series:
         over = Over(start.union(end))
         h, g, h_P, g_P = self.h, self.g, by_load(self.h), by_load(self.g)
         turned_h, turned_g = h[::-1], g[::-1]  # x^N h(1/x), x^(N − 1) g(1/x)
+        leading = (g if self.odd else h)[-1:]
         if square is None:
             require(over(h_P, arb(0)) < 0, "det K does not fall throughout the load's interval")
             require(h[0](end) < 0, "det K does not change sign within the load's interval")
             over.apart(h, g, arb(0), arb(1))
             over.apart(turned_h, turned_g, arb(0), arb(1))
-            require(over(h[-1:], arb(0)) != 0, "det M may vanish within the load's interval")
+            require(over(leading, arb(0)) != 0, "det M may vanish within the load's interval")
             return
         require(over(h, arb(0)) > 0, "det K may vanish within the load's interval")
         bottom, top = map(ball, square)
@@ -901,7 +956,7 @@ class Series:
         require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         over.apart(h, g, arb(0), left)
         over.apart(turned_h, turned_g, arb(0), 1 / right)
-        require(over(h[-1:], arb(0)) != 0, "det M may vanish within the load's interval")
+        require(over(leading, arb(0)) != 0, "det M may vanish within the load's interval")
         slope = over(h_P, box) - over(h_x, box) * over(g_P, box) / over(g_x, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
         across = opposite(*(self._along_root(P, box) for P in (start, end)))
@@ -1000,6 +1055,13 @@ def _along(which: Rows, line: arb_poly) -> arb_poly:
     return total
 
 
+def _divided(along: arb_poly) -> arb_poly:
+    """A polynomial in t = −P by the power of P that it holds: its sign for P > 0 stays."""
+    none = next((k for k in range(along.degree() + 1) if along[k] != 0), 0)
+    found: arb_poly = (-1) ** none * arb_poly([along[k] for k in range(none, along.degree() + 1)])
+    return found
+
+
 def _near(polynomial: arb_poly, x: arb) -> arb:
     """The value over a ball, from the Taylor polynomial about its middle."""
     middle = arb(x.mid())
@@ -1042,9 +1104,8 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
         # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
         with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
-            places = [point + slope * (s.start - s.origin) for s in stretches[:1] for point, slope in s.lines]
             found = system()
-            series = Series(found, stated.end, [*places[::2], places[-1]] if found.C else places)
+            series = Series(found, stated.end, _places(found, stretches[0]))
             for stretch in stretches:
                 series.check_stable(stretch)
             if stated.load is not None:
@@ -1055,6 +1116,16 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:100]
         raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
+
+
+def _places(system: System, first: Stretch) -> list[Fraction]:
+    """Places between the roots of h at the start of the first stretch; at its end where some come from 0 there."""
+    known = system.degrees
+    load = first.end if known.resting else first.start
+    places = [point + slope * (load - first.origin) for point, slope in first.lines]
+    if not system.C or (known.even and not system.vanishing):
+        return places
+    return places[::2] if known.highest % 2 else [*places[::2], places[-1]]
 
 
 def verify_file(path: Path | str, others: Others | None = None) -> Statement:

@@ -26,7 +26,7 @@ from freebeam_derive.certify import verifier as v
 from freebeam_derive.certify.decimals import shown
 from freebeam_derive.certify.verifier import ball, require
 from freebeam_derive.certify.verifier_lines import Lines, check_rigid
-from freebeam_derive.certify.verifier_shooting import DEGREE, Box, Shooting, rectangle, triangle
+from freebeam_derive.certify.verifier_shooting import Box, Shooting
 
 FORMAT = "freebeam certificate 3"
 FIELDS = v.CLAIM - {"load_max"} | {"ends", "kappa", "damping", "lowest"}
@@ -183,7 +183,7 @@ class _Check:
         """Where it is, by Krawczyk's test in the box of the file; and that it is an onset."""
         P = ball(self.low).union(ball(self.high))
         if not self.flutter:
-            box = Box(self.F, P, arb(0), rectangle(self.R + 1))
+            box = Box(self.F, P, arb(0))
             R = self.R
             at = [box.value(x, arb(0), 0, R) for x in (ball(self.low), ball(self.high))]
             slope = box.value(P, arb(0), 1, R)
@@ -195,7 +195,7 @@ class _Check:
         x = square if self.stated.damping is None or self.limit else square.sqrt()
         X = [P, x]
         p, s = (side + (side - side.mid()) / 8 for side in self.place(P, x))
-        box = Box(self.F, p, s, triangle(4))
+        box = Box(self.F, p, s)
         middle = [side.mid() for side in X]
         value, J = self.system(box.value, *X)
         value = self.system(box.value, *middle)[0]
@@ -226,7 +226,7 @@ class _Check:
     def sign(self, low: arb, high: arb, s: arb) -> int:
         """Of F(P, s), at s = 0 of F / s^R, for all P of an interval."""
         R, P = self.R if s.is_zero() else 0, low.union(high)
-        value = Box(self.F, P, s, rectangle(R)).value(P, s, 0, R)
+        value = Box(self.F, P, s, R).value(P, s, 0, R)
         return 1 if value > 0 else -1 if value < 0 else 0
 
     def alternate(self, low: arb, high: arb, points: list[Fraction], moving: int | None) -> list[int]:
@@ -272,9 +272,8 @@ class _Check:
             a, b, depth = waiting.pop()
             P = a.union(b)
             s = s_ + slope * (P - P_) if self.flutter else arb(0)
-            orders = triangle(6) if self.flutter else rectangle(R)
             with flint.ctx.workprec(BITS):
-                box = Box(self.F, P, s, orders)
+                box = Box(self.F, P, s)
                 value = box.value(P, s, 1, R)
                 if self.flutter:
                     value += slope * box.value(P, s, 0, 1)
@@ -294,7 +293,7 @@ class _Check:
                 continue
             if not self.flutter and b == self.high:
                 P, R = low.union(high), self.R
-                box = Box(self.F, P, arb(0), rectangle(R))
+                box = Box(self.F, P, arb(0))
                 if not box.value(P, arb(0), 1, R).contains(0):
                     continue
             require(b - a > self.high / 2**14, "F(P, 0) is not known to differ from zero")
@@ -328,7 +327,7 @@ class _Check:
         self.boxes += 1
         require(self.boxes <= MOST_BOXES, "it would take too long to exclude other crossings")
         try:
-            box = Box(self.F, *self.place(*around), triangle(DEGREE))
+            box = Box(self.F, *self.place(*around))
         except ArithmeticError:
             count = MOST_CELLS
         while waiting and count < MOST_CELLS:
@@ -349,7 +348,7 @@ class _Check:
         if bottom and self.R:
             p, s = self.place(P, x)
             s = s.union(0 * s)  # F / s^R is in the hull of ∂^R F / ∂s^R / R! from 0 to s
-            total = Box(self.F, p, s, rectangle(self.R)).value(p, s, 0, self.R)
+            total = Box(self.F, p, s).value(p, s, 0, self.R)
             return None if not total.contains(0) else (0 if P.rad() > ball(self.high) / 64 else 1)
         X = [P, x]
         middle = [side.mid() for side in X]

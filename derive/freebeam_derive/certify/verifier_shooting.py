@@ -1,19 +1,20 @@
 """F(p, s) of the beam itself for the verifier: four solutions by power series, all conditions in one determinant.
 
-Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shares no code with the prover. Coefficients
-are polynomials in the distance from a centre. docs/theorem.md has the bound of what a series leaves out.
+Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shares no code with the prover. The series'
+coefficients are polynomials in p and s, so F is one polynomial for all boxes and a rest, which docs/theorem.md bounds;
+on a box it is that polynomial about the centre.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 from fractions import Fraction
 from itertools import combinations
 from math import comb, factorial, perm
-from typing import Any
+from typing import Any, NamedTuple
 
 import flint
-from flint import acb, acb_poly, arb, arb_poly
+from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly
 
 from freebeam_derive.certify import verifier as v
 from freebeam_derive.certify.verifier import ball, require
@@ -22,58 +23,53 @@ DEGREE = 14
 Table = dict[Any, list[Fraction]]  # place -> [part without load, the load's part]
 
 
-# --- polynomials in the distance from a centre, cut off ------------------------------------------------------------
+# --- functions of p and s ------------------------------------------------------------------------------------------
 
 
-class Polynomials:
-    """Σ c_ij u^i v^j, p = centre + units[0] u, s = centre + units[1] v, a polynomial in v for each power of u; lengths:
-    how many powers of v are kept with each, never more than with the one before."""
+class Part(NamedTuple):
+    """A function where |p| ≤ P, |s − s₀| ≤ S: Σ c_jk (p/P)^j ((s − s₀)/S)^k and at most `rest`.
 
-    def __init__(self, p: Any, s: Any, units: tuple[arb, arb], lengths: Sequence[int]) -> None:
-        complex_ = isinstance(p, acb) or isinstance(s, acb)
-        self.poly: Any = acb_poly if complex_ else arb_poly
-        self.lengths, self._p, self._units = list(lengths), p, units
-        self._s = self.poly([s, units[1]])
-        self._sizes = abs(p).upper() + units[0], abs(s).upper() + units[1]
-        self.zero = [self.poly([0])] * len(self.lengths)
+    rows: for each k a polynomial in p/P. size: no less than Σ |c_jk|.
+    """
 
-    def constant(self, value: Any) -> list[Any]:
-        return [self.poly([value]), *self.zero[1:]]
+    rows: list[arb_poly]
+    size: arb
+    rest: arb = arb(0)
 
-    def times(self, rows: list[Any], which: int) -> list[Any]:
-        """By p (0) or s (1)."""
-        if which:
-            return [(row * self._s).truncate(n) for row, n in zip(rows, self.lengths, strict=True)]
-        found = [row * self._p for row in rows]
-        moved = (row.truncate(n) * self._units[0] for row, n in zip(rows, self.lengths[1:], strict=False))
-        return [found[0], *(row + other for row, other in zip(found[1:], moved, strict=True))]
+    def plus(self, other: Part, factor: Any = 1) -> Part:
+        f = arb(factor)
+        size, rest = (a + abs(f) * b for a, b in ((self.size, other.size), (self.rest, other.rest)))
+        return Part(combined(self.rows, other.rows, f), size.upper(), rest.upper())
 
-    def product(self, a: list[Any], b: list[Any]) -> list[Any]:
-        found = []
-        for i, n in enumerate(self.lengths):
-            total = self.zero[0]
-            for k in range(i + 1):
-                total += a[k].truncate(n) * b[i - k].truncate(n)
-            found.append(total.truncate(n))
-        return found
+    def times(self, other: Part, most: int) -> Part:
+        """most: so many powers of s − s₀ are kept."""
+        rows = [arb_poly([])] * min(most, max(0, len(self.rows) + len(other.rows) - 1))
+        for i, x in enumerate(self.rows):
+            for j, y in enumerate(other.rows[: max(0, len(rows) - i)]):
+                rows[i + j] += x * y
+        (a, b), (e, g) = (self.size, other.size), (self.rest, other.rest)
+        return Part(rows, (a * b).upper(), (a * g + e * b + e * g).upper())
 
-    def norm(self, rows: list[Any]) -> arb:
-        return sum((abs(c).upper() for row in rows for c in row.coeffs()), arb(0)).upper()
-
-    def sizes(self) -> tuple[arb, arb]:
-        """Norms of p and s."""
-        return self._sizes[0].upper(), self._sizes[1].upper()
-
-    def blurred(self, rows: list[Any], error: arb) -> list[Any]:
-        """With an error of so much in every coefficient."""
-        blur = arb(0, error.upper())
-        of_all = acb(blur, blur) if self.poly is acb_poly else blur
-        return [row + self.poly([of_all] * n) for row, n in zip(rows, self.lengths, strict=True)]
+    def short(self) -> Part:
+        """Without coefficients that are too small to matter, which go to the rest."""
+        least, rest, rows = self.size * arb(2) ** (-8 - flint.ctx.prec), self.rest, []
+        for row in self.rows:
+            c = row.coeffs()
+            while c and abs(c[-1]) < least:
+                rest += abs(c.pop())
+            rows.append(arb_poly(c))
+        while rows and rows[-1].length() == 0:
+            rows.pop()
+        return Part(rows, self.size, rest.upper())
 
 
-def plus(a: list[Any], b: list[Any], factor: Any = 1) -> list[Any]:
-    scale = factor if isinstance(factor, arb) else arb(factor)
-    return [x + y * scale for x, y in zip(a, b, strict=True)]
+NOTHING = Part([], arb(0))
+
+
+def combined(a: list[arb_poly], b: list[arb_poly], factor: arb) -> list[arb_poly]:
+    """Rows of a + factor · b."""
+    both = [x + factor * y for x, y in zip(a, b, strict=False)]
+    return both + a[len(both) :] + [factor * y for y in b[len(both) :]]
 
 
 # --- the equation, its conditions, and their determinant -------------------------------------------------------------
@@ -108,111 +104,180 @@ class Shooting:
                 if (a, i) in rows:
                     _add(rows[a, i], (b, j), which, f)
         held = [{(e, d): [Fraction(1), Fraction(0)]} for e in (0, 1) for d in v.ORDERS[ends[e]] if d < 2]
-        self.conditions = [*held, *rows.values()]
+        # those of x = 0 alone are first: of them a determinant has few minors
+        self.conditions = sorted([*held, *rows.values()], key=lambda row: max(e for e, _ in row))
+        self._known: dict[tuple[int, int, int], Whole] = {}
 
-    def values(self, P: Polynomials) -> list[Any]:
-        """The coefficients of F. Raises ArithmeticError where the series could not be bounded."""
-        solutions = [self._solution(P, r) for r in range(4)]
-        rows = []
-        for condition in self.conditions:
-            row = []
-            for ends in solutions:
-                total = P.zero
-                for place, (still, load) in condition.items():
-                    value = ends[place]
-                    if still:
-                        total = plus(total, value, ball(still))
-                    if load:
-                        total = plus(total, P.times(value, 0), ball(load))
-                row.append(total)
-            rows.append(row)
-        return _determinant(P, rows)
+    def on(self, p: arb, s: arb) -> Whole:
+        """F where |p| and |s| are at most so large, and somewhat beyond, at the precision in force."""
+        P, S = (base ** math.ceil(math.log(float(size), base)) for size, base in ((p, 4), (s, 16)))
+        key = flint.ctx.prec, P, S
+        if key not in self._known:
+            self._known[key] = Whole(self, arb(P), arb(0), arb(S), 2000)
+        return self._known[key]
 
-    def _solution(self, P: Polynomials, r: int) -> dict[tuple[int, int], list[Any]]:
-        """Derivatives 0 to 3 at both ends of the solution x^r + …"""
-        bits, sizes = flint.ctx.prec, P.sizes()
-        terms = [(d, k, still, load) for (d, k), (still, load) in self.terms.items() if still or load]
-        norms = [(d, k, abs(ball(still)) + abs(ball(load)) * sizes[0]) for d, k, still, load in terms]
-        norms.append((0, 0, sizes[1]))
-        reach = max(4 + k - d for d, k, _ in norms)
-        a = [P.constant(arb(int(n == r))) for n in range(4)]
-        quiet = 0
-        while True:
-            n = len(a) - 4
-            of_still, of_load = P.zero, P.zero
-            for d, k, still, load in terms:
-                if n < k:
-                    continue
-                source, factor = a[n - k + d], perm(n - k + d, d)
-                if still:
-                    of_still = plus(of_still, source, ball(still) * factor)
-                if load:
-                    of_load = plus(of_load, source, ball(load) * factor)
-            total = plus(plus(of_still, P.times(of_load, 0)), P.times(a[n], 1), -1)
+    def at(self, p: arb, s: arb, order: int) -> Whole:
+        """F where |p| is at most so large, and so many derivatives at one s."""
+        return Whole(self, p, s, arb(1), order + 1)
+
+
+class Whole:
+    """F where |p| ≤ P and |s − s₀| ≤ S: Σ C_jk (p/P)^j ((s − s₀)/S)^k and at most `rest`. most: so many powers of
+    s − s₀ are known. Raises ArithmeticError where the series could not be bounded."""
+
+    def __init__(self, shooting: Shooting, P: arb, s: arb, S: arb, most: int) -> None:
+        self.P, self.s, self.S, self._most = P, s, S, most
+        size, bits = (abs(s) + S).upper(), flint.ctx.prec
+        if not (size < 1e10 and P < 1e5):
+            raise ArithmeticError("the power series is too long")
+        # more bits, for large terms cancel: they decide how sharp F is, no more
+        self.precision = bits + 64 + int(3 * (float(size) ** 0.25 + float(P) ** 0.5))
+        with flint.ctx.workprec(self.precision):
+            self._terms = [(d, k, ball(f), ball(g)) for (d, k), (f, g) in shooting.terms.items()]
+            self._conditions, self._ends = shooting.conditions, dict[int, list[Part]]()
+            norms = [(d, k, abs(f) + abs(g) * P) for d, k, f, g in self._terms] + [(0, 0, size)]
+            self._sizes, self._tails = _majorants(norms, bits)
+            self._by_p = arb_poly([0, P])
+            F = self._determinant().short()
+            J, self.rest = max(row.length() for row in F.rows), F.rest
+            self.C = arb_mat([[row[j] for row in F.rows] for j in range(J)])
+
+    def _determinant(self) -> Part:
+        """By minors of the first two conditions and the last two (Laplace)."""
+        total = NOTHING
+        for a, b in combinations(range(4), 2):
+            c, d = (k for k in range(4) if k not in (a, b))
+            upper = self._minor(0, 1, a, b)
+            if not upper.size.is_zero():
+                total = total.plus(upper.times(self._minor(2, 3, c, d), self._most), (-1) ** (a + b + 1))
+        return total
+
+    def _minor(self, i: int, j: int, a: int, b: int) -> Part:
+        one, other = (self._on(i, x).times(self._on(j, y), self._most) for x, y in ((a, b), (b, a)))
+        return one.plus(other, -1)
+
+    def _on(self, condition: int, r: int) -> Part:
+        """A condition on the solution x^r + …"""
+        total = NOTHING
+        for (e, d), (still, load) in self._conditions[condition].items():
+            if e == 0 and d != r:
+                continue
+            value = self._at_one(r)[d] if e else Part([arb_poly([factorial(d)])], arb(factorial(d)))
+            if still:
+                total = total.plus(value, ball(still))
+            if load:
+                total = total.plus(value.times(Part([self._by_p], self.P), self._most), ball(load))
+        return total
+
+    def _at_one(self, r: int) -> list[Part]:
+        if r not in self._ends:
+            self._ends[r] = self._solution(r)
+        return self._ends[r]
+
+    def _solution(self, r: int) -> list[Part]:
+        """Derivatives 0 to 3 at x = 1 of the solution Σ a_n x^n = x^r + …"""
+        count = len(self._sizes[r])
+        a = [[arb_poly([1])] if n == r else [] for n in range(4)]
+        for n in range(count - 4):
+            still: list[arb_poly] = []
+            load: list[arb_poly] = []
+            for d, k, f, g in self._terms:
+                if n >= k:
+                    source, factor = a[n - k + d], perm(n - k + d, d)
+                    still = still if f.is_zero() else combined(still, source, f * factor)
+                    load = load if g.is_zero() else combined(load, source, g * factor)
+            total = combined(combined(still, [row * self._by_p for row in load], arb(1)), a[n], -self.s)
+            total = combined(total, ([arb_poly([]), *a[n]] if a[n] else [])[: self._most], -self.S)
             inverse = arb(-1) / perm(n + 4, 4)
             a.append([row * inverse for row in total])
-            quiet = quiet + 1 if P.norm(a[-1]) < arb(2) ** (-bits - 8) else 0
-            # from here on each coefficient is at most half of the largest of those before, see docs/theorem.md
-            if quiet >= reach and len(a) > 12:
-                last = len(a) - 1
-                share = sum((c * 2 ** (4 + k - d) / perm(last + 1 - d, 4 - d) for d, k, c in norms), arb(0))
-                if share <= 1:
-                    break
-            if len(a) > 4000:
-                raise ArithmeticError("the power series does not end")
-        last = len(a) - 1
-        top = arb(0)
-        for i in range(reach):
-            top = top.max(P.norm(a[last - i]) * arb(2) ** -i)
-        found = {}
+        found = []
         for d in range(4):
-            found[0, d] = [row * arb(factorial(d)) for row in a[d]]
-            total = P.zero
-            for n in range(d, last + 1):
-                total = plus(total, a[n], perm(n, d))
-            rest = top * perm(last + 1, d) / 2 / (1 - arb(last + 2) / (2 * (last + 2 - d)))
-            found[1, d] = P.blurred(total, rest)
+            rows: list[arb_poly] = []
+            for n in range(d, count):
+                rows = combined(rows, a[n], arb(perm(n, d)))
+            size = sum((perm(n, d) * self._sizes[r][n] for n in range(d, count)), arb(0))
+            found.append(Part(rows, size.upper(), self._tails[r][d]).short())
         return found
+
+
+def _majorants(norms: list[tuple[int, int, arb]], bits: int) -> tuple[list[list[arb]], list[list[arb]]]:
+    """Of each of the four solutions: bounds of ‖a_n‖ up to where they are nothing, and of what all later terms add to
+    derivatives 0 to 3 at x = 1. norms: (d, k, that of the factor of x^k y^(d))."""
+    reach = max(4 + k - d for d, k, _ in norms)
+    sizes = [[arb(int(n == r)) for n in range(4)] for r in range(4)]
+    last = 3
+    while True:
+        n, last = last - 3, last + 1
+        for of_one in sizes:
+            total = sum((c * perm(n - k + d, d) * of_one[n - k + d] for d, k, c in norms if n >= k), arb(0))
+            of_one.append((total / perm(last, 4)).upper())
+        # from here on each coefficient is at most half of the largest of those before, see docs/theorem.md
+        share = sum((c * 2 ** (4 + k - d) / perm(last + 1 - d, 4 - d) for d, k, c in norms), arb(0))
+        top = [max((s[last - i] * arb(2) ** -i for i in range(min(reach, last))), key=float) for s in sizes]
+        if last > 12 and share <= 1 and all(x < arb(2) ** (-bits - 8) for x in top):
+            break
+        if last > 2000:
+            raise ArithmeticError("the power series does not end")
+    rests = [perm(last + 1, d) / 2 / (1 - arb(last + 2) / (2 * (last + 2 - d))) for d in range(4)]
+    return sizes, [[(x * rest).upper() for rest in rests] for x in top]
 
 
 def _add(table: Table, key: Any, which: int, value: Fraction) -> None:
     table.setdefault(key, [Fraction(0), Fraction(0)])[which] += value
 
 
-def _determinant(P: Polynomials, rows: list[list[list[Any]]]) -> list[Any]:
-    """Of four rows, by minors of the first two and the last two (Laplace)."""
-    total = P.zero
-    for a, b in combinations(range(4), 2):
-        c, d = (k for k in range(4) if k not in (a, b))
-        upper = plus(P.product(rows[0][a], rows[1][b]), P.product(rows[0][b], rows[1][a]), -1)
-        lower = plus(P.product(rows[2][c], rows[3][d]), P.product(rows[2][d], rows[3][c]), -1)
-        total = plus(total, P.product(upper, lower), (-1) ** (a + b + 1))
-    return total
-
-
 # --- F on a box ----------------------------------------------------------------------------------------------------
 
 
 class Box:
-    """F and its derivatives on a box of p and s: Taylor's polynomial, the last coefficients those on all of the box."""
+    """F and its derivatives on a box of p and s: its polynomial about the centre up to a degree, and what is beyond.
 
-    def __init__(self, shooting: Shooting, p: Any, s: Any, lengths: Sequence[int]) -> None:
+    order: of the derivatives by s, where s is one point.
+    """
+
+    def __init__(self, shooting: Shooting, p: Any, s: Any, order: int = 2) -> None:
         kind: Any = acb if isinstance(p, acb) or isinstance(s, acb) else arb
-        # of a rectangle powers of u alone are summed, and derivatives by s are those on all of s
-        whole = lengths[0] == lengths[-1]
-        self._box, least = (kind(p), kind(s)), arb(2) ** -10
-        self._centre = kind(p.mid()), kind(s) if whole else kind(s.mid())
-        reach = abs(p - p.mid()).upper(), abs(s - s.mid()).upper()
-        self._units = reach[0].max(least), reach[1].max(least)
-        at, over = (shooting.values(Polynomials(*place, self._units, lengths)) for place in (self._centre, self._box))
-        beyond = [*lengths[1:], 0]  # the last power of u with each power of v is what it is on the box
-        rows = [[(at if j < beyond[i] else over)[i][j] for j in range(n)] for i, n in enumerate(lengths)]
+        self._box = kind(p), kind(s)
+        self._centre = kind(p.mid()), kind(s.mid())
+        reach = [abs(side - middle).upper() for side, middle in zip(self._box, self._centre, strict=True)]
+        sizes = [abs(side).upper() for side in self._centre]
+        point = isinstance(s, arb) and s.rad().is_zero()
+        if point:
+            whole = shooting.at(sizes[0] + 2 * reach[0] + 1, s, order)
+        else:
+            whole = shooting.on(*(size + 2 * r + 1 for size, r in zip(sizes, reach, strict=True)))
+        room = [whole.P - sizes[0] - 2 * reach[0], whole.S if point else whole.S - sizes[1] - 2 * reach[1]]
+        if not all(left > 1 / 2 for left in room):
+            raise ArithmeticError("the box is too large")
+        # a side without width has any unit, small enough for the terms beyond the degree to be nothing
+        self._units = tuple(r.max(arb(2) ** -(flint.ctx.prec // 8)) for r in reach)
+        middles = self._centre[0], self._centre[1] - whole.s
+        with flint.ctx.workprec(whole.precision):
+            J, K = whole.C.nrows(), whole.C.ncols()
+            left, right = (
+                _about(middle / scale, unit / scale, n, kind)
+                for middle, unit, scale, n in zip(middles, self._units, (whole.P, whole.S), (J, K), strict=True)
+            )
+            c = left.transpose() * (acb_mat(whole.C) if kind is acb else whole.C) * right
+        entries = c.entries()
         poly: Any = acb_poly if kind is acb else arb_poly
-        # derivatives by v over j!, a polynomial in v for each power of u; of a rectangle the coefficient alone
-        self._by_s = [
-            [poly([row[j]]) if whole else poly([comb(b, j) * row[b] for b in range(j, len(row))]) for row in rows]
-            for j in range(lengths[0] if whole else 3)
+        rows = [[entries[i * K + j] for j in range(min(K, DEGREE + 1 - i))] for i in range(min(J, DEGREE + 1))]
+        # derivatives by v over j!, a polynomial in v for each power of u
+        self._by_s = [[poly([comb(b, j) * row[b] for b in range(j, len(row))]) for row in rows] for j in range(4)]
+        self._beyond = [
+            (i, j, abs(entries[i * K + j]).upper()) for i in range(J) for j in range(max(0, DEGREE + 1 - i), K)
         ]
+        self._rest, self._left_out = whole.rest, dict[tuple[int, int], arb]()
+
+    def _error(self, i: int, j: int) -> arb:
+        """What all terms beyond the degree are at most, of a derivative; and the rest, by Cauchy's estimate from twice
+        the units: at most Σ C(a, i) C(b, j) rest / 2^(a+b) = 4 rest."""
+        if (i, j) not in self._left_out:
+            total = 4 * self._rest
+            for a, b, size in self._beyond:
+                total += comb(a, i) * comb(b, j) * size
+            self._left_out[i, j] = total.upper()
+        return self._left_out[i, j]
 
     def value(self, p: Any, s: Any, i: int = 0, j: int = 0) -> Any:
         """∂^{i+j} F / ∂p^i ∂s^j / (i! j!). Raises ArithmeticError outside of the box."""
@@ -222,12 +287,16 @@ class Box:
         total = 0 * u
         for a in range(len(self._by_s[j]) - 1, i - 1, -1):
             total = total * u + self._by_s[j][a](w) * comb(a, i)
+        error = arb(0, self._error(i, j))
+        total += acb(error, error) if isinstance(total, acb) else error
         return total / (self._units[0] ** i * self._units[1] ** j)
 
 
-def rectangle(of_s: int) -> list[int]:
-    return [of_s + 1] * 7
-
-
-def triangle(degree: int) -> list[int]:
-    return [degree + 1 - i for i in range(degree + 1)]
+def _about(middle: Any, unit: arb, count: int, kind: Any) -> Any:
+    """Rows by the powers of x, columns by those of u, of x = middle + unit u."""
+    powers, units = [kind(1)], [arb(1)]
+    for _ in range(count - 1):
+        powers.append(powers[-1] * middle)
+        units.append(units[-1] * unit)
+    flat = [comb(j, a) * powers[j - a] * units[a] if a <= j else 0 for j in range(count) for a in range(count)]
+    return (acb_mat if kind is acb else arb_mat)(count, count, flat)

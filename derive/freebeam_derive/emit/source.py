@@ -12,6 +12,7 @@ from collections.abc import Callable
 from typing import Any
 
 from sympy import (
+    E,
     Expr,
     Inverse,
     Lambda,
@@ -20,10 +21,12 @@ from sympy import (
     S,
     Symbol,
     cse,
+    exp,
     factor,
     fraction,
     horner,
     numbered_symbols,
+    pi,
     sympify,
     together,
 )
@@ -172,8 +175,13 @@ def literal(value: Any) -> str:
 def exact(expression: Expr) -> str:
     """Code in which a fraction or a root that no float holds is made from `one`, a number of the caller's kind."""
     kept = (1, *EXACT)
-    found = expression.replace(_of_number, lambda e: e.func(_of_one(e.args[0]), *e.args[1:]))
+    found = _functions_of_one(expression)
     return code(found.replace(lambda e: e.is_Rational and e.q not in kept, lambda e: Symbol("one") * e))
+
+
+def _functions_of_one(expression: Expr) -> Expr:
+    """The expression with the roots and other functions of rational numbers taken of such of the caller's kind."""
+    return expression.replace(_of_number, lambda e: e.func(_of_one(e.args[0]), *e.args[1:]))
 
 
 def _of_number(e: Expr) -> bool:
@@ -222,8 +230,10 @@ def times(text: str, factor_: Expr, say: Callable[[Expr], str] = code) -> str:
 
 
 def scalar(expression: Expr) -> str:
-    """An expression in the column's parameters as a number of the kind of `one`, exact in exact numbers."""
-    return times("one", expression)
+    """An expression in the column's parameters as a number of the kind of `one`, exact in exact numbers; a root or
+    another function of a number that is none is as good as `one` can be."""
+    known = sympify(expression).subs(pi, 4 * Symbol("_atan(one)")).subs(E, exp(Symbol("one")))
+    return times("one", _functions_of_one(known))
 
 
 def value(given: Value) -> str:

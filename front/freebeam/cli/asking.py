@@ -82,7 +82,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         found = self.compute()
         if self.certificate and found.proven is not None:
             missing = found.proven.missing
-            refuse(missing, f"{self.certificate}: is not written, for not all of it is proven: {missing}")
+            why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
+            refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             unserved = found.proven.certificate is None
             refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof by frequency gaps")
             with written(self.certificate, self.force) as file:
@@ -229,9 +230,14 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             rows += [["kind", proven.kind]] if proven.kind != kind else []
             rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
         rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
+        above = " (at loads above 0)" if proven.above_zero else ""
         if not proven.load:
-            return [*rows, ["proven is", f"stable {none.removeprefix('none ')}"]]
-        shown = [name.replace("_", " ") for name, yes in proven.proof.items() if yes]
+            return [*rows, ["proven is", f"stable {none.removeprefix('none ')}{above}"]]
+        shown = [
+            name.replace("_", " ") + (above if name == "stable_below" else "")
+            for name, yes in proven.proof.items()
+            if yes
+        ]
         missing = [name.replace("_", " ") for name, yes in proven.proof.items() if not yes]
         if missing and proven.missing:
             missing[-1] += f": {proven.missing}"
@@ -256,6 +262,8 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     """What a proof adds to the record, and what it changes there."""
     added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
+    if not exact:
+        added |= {"above_zero": proven.above_zero}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
     if proven.load and proven.frequency and not exact:

@@ -1,0 +1,100 @@
+"""What holds exactly of det(λ² M + λ C + K) of fractions: balls cannot tell a zero from a small number.
+
+A coordinate without mass lowers the degree in λ. With μ = 1/λ the determinant is λ^(2n) det(M + μ C + μ² K), and a
+matrix polynomial A(μ) whose determinant vanishes at μ = 0 has there a zero of an order that is at least the number of
+independent v(μ) = v_0 + … + v_k μ^k with A(μ) v(μ) = O(μ^(k+1)). Those that serve every power of the load are counted.
+
+A gyroscopic column without damping has no odd powers of λ: transposed, or with the signs of some coordinates changed,
+its matrices are those of −λ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from flint import fmpq, fmpq_mat
+
+LONGEST_CHAIN = 4
+"""Powers of μ looked at, and one: a degree that is taken too high is not used up by roots, and nothing is proven."""
+Rational = Any
+"""An array of fractions, (n, n)."""
+
+
+@dataclass(frozen=True)
+class Structure:
+    """degree: the highest power of λ at most. even: there are no odd ones. rests: how many motions K has no stiffness
+    for at P = 0; left_alone: C does not act on them there, or nothing of C acts along them."""
+
+    degree: int
+    even: bool
+    rests: int = 0
+    left_alone: bool = False
+
+    def vanishes(self, a: int, power: int) -> bool:
+        """Whether P^a λ^power has no part in the determinant, because of the motions that rest at P = 0.
+
+        Each takes a row whose terms are all of the first order in P and λ; left alone by C, of the second in λ or
+        first in P, where the rest of its row is.
+        """
+        return 2 * a + power < 2 * self.rests if self.left_alone else a + power < self.rests
+
+
+def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> Structure:
+    """Of matrices by powers of the load; C empty without damping."""
+    C = list(C) if any(v != 0 for X in C for v in X.flat) else []
+    right, left = null_space(K[0]), null_space(K[0].T)
+    alone = not C or any(not any(v != 0 for v in X.flat) for X in (C[0] @ right, left.T @ C[0]))
+    even, most = not C or is_even(M, C, K), degree(M, C, K)
+    return Structure(most - most % 2 if even else most, even, right.shape[1], alone)
+
+
+def null_space(A: Rational) -> Rational:
+    """Vectors that a matrix takes to nothing, as columns."""
+    whole, rank = fmpq_mat(A.tolist()).rref()
+    n = A.shape[1]
+    leading = [next(j for j in range(n) if whole[i, j] != 0) for i in range(rank)]
+    free = [j for j in range(n) if j not in leading]
+    found = np.full((n, len(free)), fmpq(0), dtype=object)
+    for k, j in enumerate(free):
+        found[j, k] = fmpq(1)
+        for i, pivot in enumerate(leading):
+            found[pivot, k] = -whole[i, j]
+    return found
+
+
+def degree(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> int:
+    """The highest power of λ at most; 0 or less where the determinant vanishes altogether."""
+    n, powers = len(M[0]), max(len(M), len(C), len(K))
+    if fmpq_mat(M[0].tolist()).det() != 0:
+        return 2 * n
+    none = np.full((n, n), fmpq(0), dtype=object)
+    A = [np.concatenate([X[a] if a < len(X) else none for a in range(powers)]) for X in (M, C, K)]
+    order = 0
+    for k in range(LONGEST_CHAIN):
+        rows = [[A[j - i] if 0 <= j - i < 3 else 0 * A[0] for i in range(k + 1)] for j in range(k + 1)]
+        more = n * (k + 1) - fmpq_mat(np.block(rows).tolist()).rank()
+        if more == order:
+            break
+        order = more
+    return 2 * n - order
+
+
+def is_even(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> bool:
+    """Whether the determinant is known to have no odd powers of λ."""
+    if all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C):
+        return True
+    like, unlike = (sum((X != 0) | (X != 0).T for X in terms).astype(bool) for terms in ((*M, *K), C))
+    signs = np.zeros(len(M[0]), dtype=int)
+    for first in range(len(signs)):
+        waiting, signs[first] = ([], signs[first]) if signs[first] else ([first], 1)
+        while waiting:
+            i = waiting.pop()
+            for linked, sign in ((like[i], signs[i]), (unlike[i], -signs[i])):
+                waiting += np.flatnonzero(linked & (signs == 0)).tolist()
+                signs[linked & (signs == 0)] = sign
+                if (signs[linked] != sign).any():
+                    return False
+    return True
