@@ -171,7 +171,8 @@ class General:
         theta, V = np.linalg.eig(self._inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
-        return rate, V[self.size :].astype(complex), _growth(np.asarray(theta, complex), self._threshold)
+        rounding = np.inf if not self._threshold else _rounding(np.asarray(V, complex))
+        return rate, V[self.size :].astype(complex), _growth(np.asarray(theta, complex), self._threshold, rounding)
 
     def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
         """The same of branches s = ω² with their damping to first order."""
@@ -186,7 +187,7 @@ class General:
 
     @cached_property
     def _threshold(self) -> float:
-        """SPLIT where eigenvalues stay on the axis though C is not zero, else nothing."""
+        """SPLIT where eigenvalues stay on the axis though C is not zero, but for those known better; else nothing."""
         return 0.0 if self._operator is not None else SPLIT
 
     @property
@@ -200,7 +201,9 @@ class General:
         try:
             if light:
                 return int((self._first_order(load)[2] > 0).sum())
-            return int((_growth(np.asarray(np.linalg.eigvals(self._inverse(load)), complex), threshold) > 0).sum())
+            if threshold:
+                return int((self._bad(load)[2] > 0).sum())
+            return int((_growth(np.asarray(np.linalg.eigvals(self._inverse(load)), complex), 0.0) > 0).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
 
@@ -545,9 +548,21 @@ class _Vanishing(_Operator):
         return self._polished(mu, a, -self.problem._damping * (Y @ a) / sizes[top])
 
 
-def _growth(theta: Complex, threshold: float) -> Real:
-    """Re 1/λ by 1/λ, 0 where it is rounding or below."""
-    limit = np.maximum(threshold * np.abs(theta), GROWTH * np.abs(theta).max())
+def _rounding(V: Complex) -> Real:
+    """What rounding of a matrix moves each eigenvalue by, in units of its own rounding, from the eigenvectors: near
+    another eigenvalue it has no bound."""
+    try:
+        W = np.linalg.inv(V)
+    except np.linalg.LinAlgError:
+        return np.full(len(V), np.inf)
+    return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
+
+
+def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
+    """Re 1/λ by 1/λ, 0 where it is rounding or below: a share `threshold` of 1/λ, or less where `rounding` is."""
+    least = GROWTH * np.abs(theta).max()
+    with np.errstate(invalid="ignore"):
+        limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
 
 

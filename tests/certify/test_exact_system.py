@@ -21,7 +21,7 @@ import freebeam as fb
 from freebeam.cli import main
 from freebeam_derive import emit, pipeline, statement, verify
 from freebeam_derive.bases import segments
-from freebeam_derive.certify import beam_itself
+from freebeam_derive.certify import beam_itself, beam_stability
 from freebeam_derive.certify.balls import Unproven, ends, precision
 from freebeam_derive.certify.beam import Beam, NoSeries
 from freebeam_derive.certify.exact_system import ExactSystem, _some
@@ -383,6 +383,14 @@ def test_the_command_line_proves_any_column(
     assert not json.loads(capsys.readouterr().out)["unproven"]
 
 
+def test_a_function_of_x_is_proven_from_the_front_door_too() -> None:
+    """Of tables in floats nothing is; a column of functions of x is no such."""
+    found = fb.exact_load(fb.column("exponential-taper"), digits=12, modes=12)
+    assert found.kind == "flutter" and found.proof["crossing"] and found.load is not None
+    series = fb.critical_load(fb.column("exponential-taper"), 12).load
+    assert float(found.load[0]) == pytest.approx(series, rel=1e-8)
+
+
 # ------------------------------------------------------------ limits of vanishing damping
 
 
@@ -419,6 +427,20 @@ def test_small_damping_tends_to_the_limit_by_its_square(tmp_path: Path) -> None:
         assert found is not None
         off.append(float(found[0]) - at_limit)
     assert off[0] / off[1] == pytest.approx(4, rel=0.01)
+
+
+def test_that_a_limit_is_the_first_loss_is_not_taken_from_the_column_without_damping() -> None:
+    """Of a divergence it is proven without damping; vanishing damping may take stability before."""
+    column = beck(
+        V=integral(y.diff(x, 2) ** 2) / 2 + Rational(35, 2) * at(y, 1) ** 2,
+        dW_nc=FOLLOWER - integral(alpha * y.diff(x, 2, t) * delta(y.diff(x, 2))),
+    )
+    kernel, first = emitted(column), []
+    for system in (ExactSystem(kernel), ExactSystem(kernel, None, Fraction(1), NONE, vanishing=True)):
+        crossing = beam_itself.divergence(system, 32.0547602231, 12)
+        found, _, missing = beam_stability.complete(system, crossing, NONE, NONE)
+        first.append((found.proof.first, found.proof.stable_below, missing.partition(":")[0]))
+    assert first == [(True, True, ""), (False, False, "damping")]
 
 
 def test_a_damper_that_stays_has_no_limit() -> None:

@@ -85,7 +85,7 @@ def complete(
             if isinstance(beam, Beam):
                 evidence = _prove(beam, crossing, alpha, beta, kappa)
             else:
-                evidence = _prove_of_any(beam, crossing, alpha, beta, kappa)
+                evidence = _prove_of_any(beam, crossing, alpha, beta)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -130,11 +130,9 @@ def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) 
     return beam.damping(*dampings)
 
 
-def _prove_of_any(
-    system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None
-) -> Evidence:
+def _prove_of_any(system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact) -> Evidence:
     """The same where no modes are known in closed form: without damping, by the gaps between frequencies."""
-    if kappa is not None or not system.undamped(alpha, beta):
+    if not system.undamped(alpha, beta):
         raise OpenStep("damping: with it, high modes are known to stay stable of uniform beams alone")
     load, frequency = +crossing.load, +crossing.frequency
     try:

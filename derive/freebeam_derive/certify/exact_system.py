@@ -141,8 +141,8 @@ class ExactSystem:
     # ---------------------------------------------------------------- the characteristic function
 
     def undamped(self, alpha: Exact, beta: Exact) -> bool:
-        """Whether F is a function of −λ². The dampings are those that the system was made with."""
-        return not self._damped
+        """Whether F is a function of −λ² alone. The dampings are those that the system was made with."""
+        return not self._damped and not self.vanishing
 
     def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
         """P and s of an eigenvalue λ, their slopes in λ, and that of the first in P."""
