@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 import freebeam as fb
@@ -23,3 +24,17 @@ def test_a_column_as_it_is_stated_has_its_critical_load(name: str, reference: Re
     last = 10.0 ** -len(reference.load.partition(".")[2])  # one unit of it, be it rounded or cut off
     assert found.load == pytest.approx(float(reference.load), rel=2e-10, abs=last)
     assert found.converged and found.error is not None and found.error < 1e-8
+
+
+@pytest.mark.parametrize("damper", [9.28e-4, 1e-5])
+def test_a_damper_too_light_for_the_high_modes_is_not_overlooked(damper: float) -> None:
+    """An absorber's dashpot damps the high modes by less than rounding; the load is that at which one eigenvalue
+    passes the axis all the same."""
+    column, own = fb.column("absorber"), {"mu": 1.762, "k": 28.85, "c": damper}
+    found = fb.critical_load(column, 10, **own)
+    assert found.load is not None and found.frequency is not None
+    rates = []
+    for load in (found.load * (1 - 1e-4), found.load, found.load * (1 + 1e-4)):
+        values = fb.spectrum(column.system(10, load, **own)).elastic
+        rates.append(float(values[np.abs(values - 1j * found.frequency).argmin()].real))
+    assert rates[0] < 0 < rates[2] and abs(rates[1]) < 1e-3 * (rates[2] - rates[0])
