@@ -110,7 +110,7 @@ KEYWORDS = frozenset(
     self column modes load loads load_max kappa beam digits progress series vectors
     parameter low high log tolerance values name
     step chunks scheduler workers store convergence
-    ax color count label moments normalised part width
+    ax above color count label moments normalised part width
     amplitude frequency rigid x_F x_s
 """.split()
 )

@@ -30,6 +30,7 @@ BITS = 128
 BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; signs need no more
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
+MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps; the cone took 70
 TERMS = 6  # of Taylor's series in the load, over a stretch
 
 
@@ -253,16 +254,16 @@ class Below:
 
     def _covered(self, start: Fraction, end: Fraction) -> Iterator[Stretch]:
         """Stretches from start to end."""
-        a, width = start, end - start
+        a, width, tries = start, end - start, 0
         while a < end:
-            b = min(a + width, end)
+            b, tries = min(a + width, end), tries + 1
             separators = self._separators(float(a), float((a + b) / 2), float(b))
             if separators is not None and self._alternate(exact(a), exact(b), separators):
                 yield Stretch(a, b, separators)
                 a, width = b, 2 * width
                 continue
             width = (b - a) / 2
-            if width < (end - start) / 2**14:
+            if width < (end - start) / 2**14 or tries == MOST_TRIES:
                 raise OpenStep(
                     f"low frequencies: the {self.m} lowest are not known to be real, positive and simple between the "
                     f"loads {float(a):.10g} and {float(b):.10g}"

@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from freebeam import own
-from freebeam.proofs import exact_load
+from freebeam.proofs import enclosed_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.critical import critical_load
 
@@ -91,7 +91,7 @@ def first_loss(column: Column, case: Case, digits: int) -> Loss | None:
     if near.load is None or near.frequency is None:
         return None
     try:
-        proven = exact_load(column, digits=digits, **case.given)
+        proven = enclosed_load(column, digits=digits, **case.given)
     except InputError:  # no limits of damping, say, of a column beyond the textbook's
         width = near.uncertainty
         return Loss(_around(near.load, width), _around(near.frequency, width), near.kind, CONVERGED)
