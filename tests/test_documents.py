@@ -94,3 +94,12 @@ def test_the_numbers_of_the_theorem_are_those_of_its_proofs() -> None:
             strips = Strips(column.kernel, {key: Fraction(value) for key, value in own.items()}, 40)
             bound = float(found.load[1]) * float(strips.B.norm(strips.line(int(lowest))))
         assert float(norm) - 1e-3 < bound <= float(norm)
+
+
+def test_formulas_of_the_theorems_can_be_set() -> None:
+    """What stands between dollars is LaTeX that the documentation can print."""
+    from freebeam.lesson.mathematics import mathml
+
+    texts = [(ROOT / "docs" / name).read_text(encoding="utf-8") for name in ("theorem.md", "proofs.md")]
+    formulas = [a or b for text in texts for a, b in re.findall(r"\$\$(.+?)\$\$|\$(.+?)\$", text, flags=re.DOTALL)]
+    assert len(formulas) > 300 and all(mathml(formula) for formula in formulas)
