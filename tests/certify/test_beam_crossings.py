@@ -10,7 +10,7 @@ from typing import Any
 import mpmath
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 
 import freebeam as fb
 from freebeam.cli import main
@@ -18,7 +18,8 @@ from freebeam_derive.certify import beam_cells, beam_crossings
 from freebeam_derive.certify.all_crossings import Crossing
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.beam import Beam
-from freebeam_derive.certify.beam_cells import OpenStep
+from freebeam_derive.certify.beam_cells import Cells, OpenStep
+from freebeam_derive.certify.beam_itself import Damped
 from freebeam_derive.certify.beam_crossings import Survey
 from freebeam_derive.certify.static_touches import touches
 from freebeam_sym.checks import InputError
@@ -169,3 +170,24 @@ def test_from_the_command_line_the_list_needs_an_end(capsys: pytest.CaptureFixtu
     assert found["load_lower"].startswith("2.46740110") and found["stability"] == "lost"
     assert main([*words, "--load-max", "2", "--set", "eta=0"]) == 0
     assert "no crossing, stable up to 2" in capsys.readouterr().out
+
+
+class _LowZero(Damped):
+    """Two equations in (P, ω), P = 1 and ω (ω − a) = 0, with the zero at ω = 0 that is looked at elsewhere."""
+
+    def __init__(self, a: float) -> None:
+        self.a = arb(a)
+
+    def value(self, x: list[arb]) -> list[arb]:
+        return [x[0] - 1, x[1] * (x[1] - self.a)]
+
+    def slopes(self, x: list[arb]) -> tuple[list[arb], arb_mat, Any]:
+        return self.value(x), arb_mat([[arb(1), arb(0)], [arb(0), 2 * x[1] - self.a]]), None
+
+
+@pytest.mark.parametrize(("a", "excluded"), [(0.01, False), (5.0, True)])
+def test_a_crossing_of_low_frequency_is_not_taken_for_the_zero_at_rest(a: float, excluded: bool) -> None:
+    """A cell from ω = 0 on is left out where the imaginary part has no other zero, and there alone."""
+    cells: Any = Cells(None, 0, arb(2), [])  # type: ignore[arg-type]
+    found = cells._excluded(_LowZero(a), arb(0).union(arb(2)), arb(0).union(arb(1) / 10))
+    assert (found is None) == excluded

@@ -17,7 +17,7 @@ import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.comparison_form import ORDERS, Modes, bounds, roots
-from freebeam_derive.certify.strips import Form, NoStrips, Strips
+from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines
 
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]
 BITS = 128
@@ -184,3 +184,16 @@ def test_an_elastic_energy_besides_bending_narrows_the_reach() -> None:
         plain, other = Strips(euler, {}), Strips(sprung, {})
         assert 0 < other.reach(2) < plain.reach(2)
         assert other.T.norm(other.line(2)) > 100 / abs(other.modes.gamma[2] ** 4 - other.line(2))
+
+
+def test_a_form_on_two_lines_is_its_integral() -> None:
+    """The derivatives of lines multiplied and integrated, and their values at places, by polynomials of NumPy."""
+    draw = np.random.default_rng(3)
+    for k, p, q in ((0, 0, 0), (1, 0, 0), (2, 0, 1), (3, 1, 0), (1, 1, 1), (0, 2, 0)):
+        test, trial = (tuple(map(Fraction, draw.integers(-5, 6, 2).tolist())) for _ in range(2))
+        one, two = (np.polynomial.Polynomial(list(map(float, line))) for line in (test, trial))
+        one, two = (y.deriv(d) if d else y for y, d in ((one, p), (two, q)))
+        whole = (one * two * np.polynomial.Polynomial([0.0] * k + [1.0])).integ()
+        wanted = 3 * (whole(1.0) - whole(0.0)) + 2 * one(1.0) * two(0.0)
+        found = _of_lines([{(k, p, q): Fraction(3)}, {(1, p, 0, q): Fraction(2)}], test, trial)
+        assert float(found) == pytest.approx(wanted, rel=1e-12, abs=1e-12)

@@ -692,3 +692,16 @@ def test_a_form_of_other_powers_orders_or_ends_is_refused(along: list[Any], poin
         held = data["forms"][name]
         refused(altered(data, ("forms", name), {"along": held["along"] + along, "points": held["points"] + points}),
                 "no such power, order or end")  # fmt: skip
+
+
+@pytest.mark.parametrize(("leading", "told"), [([-1, 1], "det M may vanish"), ([1, 1], "")])
+def test_a_mass_that_vanishes_within_the_interval_is_refused(leading: list[int], told: str) -> None:
+    """h = (1 − P) + (leading) x and g = 1: det K changes sign at P = 1, and there det M does too, or does not."""
+    series: Any = object.__new__(verifier.Series)
+    series.h, series.g, series.odd = [arb_poly([1, -1]), arb_poly(leading)], [arb_poly([1])], False
+    interval = Fraction(99, 100), Fraction(101, 100)
+    if not told:
+        verifier.Series.check_crossing(series, *interval, None)
+        return
+    with pytest.raises(verifier.Refused, match=told):
+        verifier.Series.check_crossing(series, *interval, None)

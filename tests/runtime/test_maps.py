@@ -9,6 +9,7 @@ import math
 import sys
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +20,7 @@ from hypothesis import strategies as st
 import freebeam as fb
 from freebeam import cli
 from freebeam_sym.stability import grids, pencil
+from freebeam_sym.stability.boundaries import _change
 from freebeam_sym.stability.critical import settled
 from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.proportional import Proportional
@@ -607,3 +609,24 @@ def test_an_output_that_cannot_be_is_refused_before_the_map_is_computed(
             assert f"needs {package}, which is not installed: pip install 'freebeam[" in says
     assert sorted(x.name for x in tmp_path.iterdir()) == [f"folder{suffix}", f"kept{suffix}"]
     assert Path(f"kept{suffix}").read_text() == "precious"
+
+
+def test_a_patch_is_stable_below_its_critical_load_and_not_beyond() -> None:
+    """What makes a patch's load the first: its middle is looked at further below."""
+    surface = surface_of(pencil.Pencil(*fb.column("beck", "modes").matrices(6)), 1000.0)
+    surface.at(np.geomspace(1e-4, 1e-1, 40), np.full(40, 0.1))
+    for leaf in [x for x in leaves(surface._root) if x.state == "flutter"][:5]:
+        middle = [np.array([(a + b) / 2]) for a, b in zip(leaf.low, leaf.high, strict=True)]
+        load = min(
+            load
+            for load in np.linspace(5, 200, 400).tolist()
+            if (surface._eigenvalues(*middle, np.array([load])).real > 0).any()
+        )
+        assert surface._below(leaf, 0.98 * load) and not surface._below(leaf, 1.3 * load)
+
+
+def test_the_change_along_a_boundary_is_relative() -> None:
+    one, two = (SimpleNamespace(kind="flutter", load=load, frequency=2.0) for load in (100.0, 80.0))
+    assert _change(one, two) == pytest.approx(0.2) == _change(two, one)  # type: ignore[arg-type]
+    other = SimpleNamespace(kind="divergence", load=100.0, frequency=2.0)
+    assert _change(one, one) == 0 and _change(one, other) == math.inf  # type: ignore[arg-type]
