@@ -19,8 +19,8 @@ from freebeam_derive.certify.all_crossings import Crossing
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
-from freebeam_derive.certify.beam_itself import Damped
 from freebeam_derive.certify.beam_crossings import Survey
+from freebeam_derive.certify.beam_itself import Damped
 from freebeam_derive.certify.static_touches import touches
 from freebeam_sym.checks import InputError
 
