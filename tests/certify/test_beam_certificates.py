@@ -9,6 +9,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from math import comb
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -23,7 +24,7 @@ import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import beam_stability, verifier, verifier_of_beam
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
-from freebeam_derive.certify.beam_itself import flutter_damped
+from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped
 from freebeam_derive.certify.strips import Strips
 from freebeam_derive.certify.verifier_lines import Lines
 from freebeam_derive.certify.verifier_shooting import Box, Part, Shooting
@@ -311,3 +312,25 @@ def test_damping_must_be_what_the_certificate_says() -> None:
     with_alpha = certificate("Beck, damped")
     refused(with_alpha | {"load": shifted(with_alpha["load"], "1.0001")}, "no crossing in the interval")
     refused(with_alpha | {"lowest": 2}, "not known to be free|too few points")
+
+
+@pytest.mark.parametrize("kind", ["undamped", "damped", "limit"])
+def test_both_have_the_same_equations_of_a_crossing(kind: str) -> None:
+    """The verifier's two equations and their derivatives, of the prover's F, against the prover's own."""
+    beam, alpha, beta = Beam(beck), Fraction(1, 50), Fraction(3, 10)
+    damping = verifier.Damping(beta, alpha, kind == "limit") if kind != "undamped" else None
+    check: Any = object.__new__(verifier_of_beam._Check)
+    check.alpha, check.beta, check.limit = (alpha, beta, kind == "limit") if damping else (0, 0, False)
+    check.stated = SimpleNamespace(damping=damping)
+    problem: Any = {
+        "undamped": lambda: Coalescence(beam),
+        "damped": lambda: Damped(beam, alpha, beta),
+        "limit": lambda: VanishingDamping(beam, beta / alpha),
+    }[kind]()
+    x = [arb(15), arb(8 if kind == "damped" else 90)]
+    with precision(128):
+        theirs, matrix, _ = problem.slopes(x)
+        orders = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
+        ours, J = check.system(lambda p, s, i, j: beam.taylor(p, s, orders)[i, j], *x)
+        for one, two in [*zip(ours, theirs, strict=True), *((J[i][j], matrix[i, j]) for i in (0, 1) for j in (0, 1))]:
+            assert one.overlaps(two) and one.rad() < 1e-20 * abs(one)
