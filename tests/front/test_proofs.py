@@ -412,13 +412,10 @@ def test_certificates_of_any_column_are_written_and_verified(
     [
         ["--digits", "0"],
         ["--digits", "10001"],
-        ["--exact"],
-        ["--certificate", "x.json"],
         ["--kappa", "1"],
         ["--alpha", "0+", "--beta", "0.1"],
         ["--digits", "9", "--exact", "--load-max", "20"],
-        ["--all"],
-        ["--digits", "9", "--exact", "--all"],
+        ["--exact", "--all"],
         ["--exact", "--truncation", "--digits", "9"],
         ["--digits", "9", "--all", "--load-max", "-5"],
         ["--digits", "9", "--certificate", "x", "--bending-stiffness", "1", "--mass-per-length", "1", "--length", "1"],
@@ -428,3 +425,10 @@ def test_certificates_of_any_column_are_written_and_verified(
 def test_nonsense_is_refused_in_one_line(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
     status, out, err = run(capsys, "critical", "--modes", "3", *arguments)
     assert status == 2 and not out and err.count("\n") == 1
+
+
+@pytest.mark.parametrize("asked", [["--exact"], ["--all", "--load-max", "50"]])
+def test_a_proof_has_fifteen_digits_where_none_are_named(asked: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    column = "critical", "--column", "beck", "--modes", "3", "--json", *asked
+    (status, out, err), named = run(capsys, *column), run(capsys, *column, "--digits", "15")
+    assert status == 0 and not err and json.loads(out) == json.loads(named[1])

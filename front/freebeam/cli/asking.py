@@ -50,6 +50,10 @@ class Found:
     truncation: dict[str, Any] | None
 
 
+USUAL_DIGITS = 15
+"""Of a proof where none are named."""
+
+
 @command("freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
 class Critical(FileOptions, CaseOptions, SearchOptions):
     """Find the lowest load at which the column loses stability, by flutter or by divergence."""
@@ -62,14 +66,12 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     kappa: Number | None = option(
         "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.", parser=number_or_range
     )
-    digits: int | None = option("D", "Prove the critical load to D digits.")
+    digits: int | None = option("D", "Prove the critical load to D digits; 15 where a proof is asked for otherwise.")
     exact: bool = flag(
-        "With --digits: prove it of the beam itself, not of the series. One parameter may be a range then, such as "
-        "--set eta=0.6..0.7: proven for each value in it; without --digits to 1 %."
+        "Prove it of the beam itself, not of the series. One parameter may be a range then, such as "
+        "--set eta=0.6..0.7: proven for each value in it, without --digits to 1 %."
     )
-    every: bool = flag(
-        "With --digits: prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all"
-    )
+    every: bool = flag("Prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all")
     truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
     certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
     plot: Path | None = option("FILE.svg|.png|.pdf", "Draw the eigenvalues over the load; of a limit its tangent.")
@@ -103,6 +105,12 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
+    @property
+    def places(self) -> int | None:
+        """Digits of the proof that is asked for; None where none is."""
+        proof = self.exact or self.every or self.certificate is not None
+        return USUAL_DIGITS if proof and self.digits is None else self.digits
+
     def check_limit(self) -> None:
         """Refuse dampings that contradict a limit of vanishing damping. Raises InputError."""
         limit = "kappa" in self.dampings
@@ -114,8 +122,6 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         """Refuse options that contradict one another. Raises InputError."""
         self.check_limit()
         file = self.certificate
-        for name, given in (("--exact", self.exact), ("--certificate", file), ("--all", self.every)):
-            refuse(given and self.digits is None, f"{name}: belongs to a proof; give --digits, such as --digits 20")
         refuse(file and self.beam, "--certificate: is nondimensional; leave out the beam in SI units")
         refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
         listed = self.exact and self.every
@@ -161,7 +167,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         from freebeam_sym.stability.critical import answer
 
         proven, crossings, truncation = None, None, None
-        of_series, digits = (self.chosen, self.question.modes), self.digits
+        of_series, digits = (self.chosen, self.question.modes), self.places
         if digits is not None or self.truncation:
             with working("proof") as report, self.units.in_errors():
                 if digits is not None and self.exact and self.every:
@@ -360,17 +366,19 @@ class Spectrum(FileOptions, CaseOptions):
 
     load: Number = option("P", "The load P.", default=REQUIRED)
     rigid: bool = flag("Include the rigid-body functions.")
-    exact: bool = flag("With --digits: prove the eigenvalues of the beam itself, not of a series.")
-    digits: int | None = option("D", "With --exact: prove each eigenvalue to D digits.")
+    exact: bool = flag("Prove the eigenvalues of the beam itself, not of a series.")
+    digits: int | None = option("D", "With --exact: prove each eigenvalue to D digits; 15 where not given.")
     plot: Path | None = option("FILE.svg|.png|.pdf", "Draw how the first ones came there from no load: a root locus.")
 
     def run(self) -> None:
-        together = "--exact and --digits D go together here: each eigenvalue of the beam itself, to D digits"
-        refuse(self.exact != (self.digits is not None), together)
+        digits = self.digits
+        refuse(digits is not None and not self.exact, f"--digits {digits}: is for the beam itself; give --exact too")
         refuse(self.exact and self.rigid, "--rigid: leave it out with --exact, which proves the elastic spectrum alone")
         refuse(self.exact and self.beam, "SI units: leave them out with --exact, which is nondimensional")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
-        record, header, rows = self.in_floats() if self.digits is None else self.proven(self.digits)
+        record, header, rows = (
+            self.proven(USUAL_DIGITS if digits is None else digits) if self.exact else self.in_floats()
+        )
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title(load=str(self.load)))
