@@ -17,7 +17,7 @@ import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.comparison_form import ORDERS, Modes, bounds, roots
-from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines
+from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines, rigid_motions
 
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]
 BITS = 128
@@ -197,3 +197,11 @@ def test_a_form_on_two_lines_is_its_integral() -> None:
         wanted = 3 * (whole(1.0) - whole(0.0)) + 2 * one(1.0) * two(0.0)
         found = _of_lines([{(k, p, q): Fraction(3)}, {(1, p, 0, q): Fraction(2)}], test, trial)
         assert float(found) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+@pytest.mark.parametrize("kinds", [("free", "free"), ("pinned", "free"), ("free", "pinned"), ("sliding", "free")])
+def test_rigid_motions_are_orthogonal_and_of_the_mass_that_is_said(kinds: tuple[str, str]) -> None:
+    found = rigid_motions(kinds)
+    product = [{(0, 0, 0): Fraction(1)}, {}]
+    assert found and all(_of_lines(product, line, line) == mass for line, mass in found)
+    assert all(_of_lines(product, one, two) == 0 for (one, _), (two, _) in zip(found, found[1:], strict=False))
