@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import pairwise
 from types import ModuleType, SimpleNamespace
 from typing import Any
 
@@ -204,4 +205,4 @@ def test_rigid_motions_are_orthogonal_and_of_the_mass_that_is_said(kinds: tuple[
     found = rigid_motions(kinds)
     product = [{(0, 0, 0): Fraction(1)}, {}]
     assert found and all(_of_lines(product, line, line) == mass for line, mass in found)
-    assert all(_of_lines(product, one, two) == 0 for (one, _), (two, _) in zip(found, found[1:], strict=False))
+    assert all(_of_lines(product, one, two) == 0 for (one, _), (two, _) in pairwise(found))
