@@ -76,7 +76,7 @@ bench: venv
 	$(PIP) '.[bench]'
 	$(BIN)/python benchmarks/table.py
 
-# Some hours of one core: 300 small changes of the code, of which the tests should see nine in ten.
+# An hour or two of one core: 300 small changes of the code, of which the tests should see nine in ten.
 mutants: venv
 	$(PIP) '.[mutants]'
 	$(BIN)/python benchmarks/mutants.py 300 1 $(JOBS)

@@ -1,12 +1,16 @@
 """How many small changes of the code the tests see: `make mutants`, or `python benchmarks/mutants.py COUNT SEED JOBS`.
 
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
-comparisons, signs, numbers, `and` and `or`, `not`, loops. Each is put into a copy of the tree, in which the tests of
-its part are run until one fails. Those that survive are listed in build/mutants.json, with what was changed.
+comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
+the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
+run, the quickest first, until one fails; all tests of its part where it runs on import. Those that survive are listed
+in build/mutants.json, with what was changed.
 """
 
 from __future__ import annotations
 
+import ast
+import importlib
 import json
 import os
 import random
@@ -15,19 +19,22 @@ import subprocess
 import sys
 import tempfile
 import time
+from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from difflib import unified_diff
 from pathlib import Path
 from queue import Queue
 
+import coverage
+import pytest
 from cosmic_ray.ast import Visitor, get_ast
 from cosmic_ray.mutating import mutate_code
 from cosmic_ray.plugins import get_operator
 
 ROOT = Path(__file__).parents[1]
 PARTS = {
-    "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py"],
+    "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py", "tests/paper"],
     "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence,grids,surface,boundaries}.py": [
         "tests/runtime/test_critical.py",
         "tests/runtime/test_maps.py",
@@ -46,7 +53,7 @@ PARTS = {
         "tests/derive/test_segments.py",
     ],
 }
-"""What is changed, and the tests that should see it, the quickest first."""
+"""What is changed, and the tests that should see it, beside the file's own doctests."""
 ARITHMETIC = ("Add_Sub", "Sub_Add", "Mul_Div", "Div_Mul", "Mul_Add", "Pow_Mul", "FloorDiv_Mul", "Mod_Mul")
 COMPARISONS = ("Eq_NotEq", "NotEq_Eq", "Lt_LtE", "LtE_Lt", "Gt_GtE", "GtE_Gt", "Lt_Gt", "Gt_Lt", "LtE_GtE", "GtE_LtE")
 OPERATORS = (
@@ -56,8 +63,9 @@ OPERATORS = (
     *(f"core/Replace{name}" for name in ("OrWithAnd", "TrueWithFalse", "FalseWithTrue", "BreakWithContinue")),
     *(f"core/{name}" for name in ("NumberReplacer", "AddNot", "ZeroIterationForLoop")),
 )
-LIMIT = 900.0
-"""Seconds after which tests that do not end have seen the change: a search that no longer stops."""
+LIMIT = 120.0, 6.0
+"""Seconds, and multiples of the tests' own time, after which tests that do not end have seen the change: a search that
+no longer stops. Generous, for a machine with other work."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +73,8 @@ class Mutant:
     file: str
     operator: str
     occurrence: int
-    tests: tuple[str, ...]
+    part: str
+    """The key of PARTS."""
 
 
 class _Places(Visitor):
@@ -79,77 +88,171 @@ class _Places(Visitor):
         return node
 
 
-def files(pattern: str) -> list[Path]:
+class Reach:
+    """The plugin of pytest that writes down which tests reach which lines, and the seconds that each takes."""
+
+    def __init__(self, sources: list[Path]) -> None:
+        self.sources = sources
+        self.coverage = coverage.Coverage(data_file=None, include=[str(file) for file in sources], config_file=False)
+        self.seconds: dict[str, float] = {}
+
+    def pytest_sessionstart(self) -> None:
+        self.coverage.start()
+        for file in self.sources:  # what runs on import belongs to no test, whichever imports it first
+            importlib.import_module(
+                ".".join(file.relative_to(Path.cwd()).with_suffix("").parts).removeprefix("derive.")
+            )
+
+    @pytest.hookimpl(wrapper=True)
+    def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
+        self.coverage.switch_context(item.nodeid)
+        start = time.monotonic()
+        done = yield
+        self.seconds[item.nodeid] = time.monotonic() - start
+        return done
+
+    def record(self) -> dict[str, object]:
+        """The tests that reach each line of each file (null: on import), and the seconds of each test."""
+        self.coverage.stop()
+        data = self.coverage.get_data()
+        lines = {}
+        for file in self.sources:
+            reached = data.contexts_by_lineno(str(file))
+            lines[str(file.relative_to(Path.cwd()))] = {
+                line: None if "" in tests else tests for line, tests in reached.items()
+            }
+        return {"lines": lines, "seconds": self.seconds}
+
+
+def record_reach(part: str, output: str) -> int:
+    """Run the tests of a part and write what `Reach` records: in a process of its own, in a copy of the tree."""
+    plugin = Reach(files(part, Path.cwd()))
+    own = map(str, plugin.sources)
+    status = pytest.main(["-q", "-p", "no:cacheprovider", *PARTS[part], *own], plugins=[plugin])
+    Path(output).write_text(json.dumps(plugin.record()), encoding="utf-8")
+    return int(status)
+
+
+def files(pattern: str, root: Path = ROOT) -> list[Path]:
     """Files of a pattern that may hold {one,another} of names."""
     if "{" in pattern:
         head, rest = pattern.split("{")
         names, tail = rest.split("}")
-        return [file for name in names.split(",") for file in files(head + name + tail)]
-    return sorted(ROOT.glob(pattern))
+        return [file for name in names.split(",") for file in files(head + name + tail, root)]
+    return sorted(root.glob(pattern))
 
 
 def mutants() -> list[Mutant]:
     """All there are."""
     found = []
-    for pattern, tests in PARTS.items():
-        for file in files(pattern):
+    for part in PARTS:
+        for file in files(part):
             tree = get_ast(file.read_text(encoding="utf-8"))
             for name in OPERATORS:
                 places = _Places(get_operator(name)())
                 places.walk(tree)
                 here = str(file.relative_to(ROOT))
                 every = 2 if name.endswith("NumberReplacer") else 1  # of n + 1 and n − 1 the first
-                found += [Mutant(here, name, k, tuple(tests)) for k in range(0, places.count, every)]
+                found += [Mutant(here, name, k, part) for k in range(0, places.count, every)]
     return found
 
 
-def survives(mutant: Mutant, copies: Queue[Path]) -> tuple[bool, str, float]:
-    """Whether no test fails, the change, and the seconds it took."""
+def statement(source: str, line: int) -> range:
+    """Lines of the innermost statement at a line; of one that holds others, those before the first of them."""
+    lines = range(line, line + 1)
+    for node in ast.walk(ast.parse(source)):  # from the outside to the inside
+        if isinstance(node, ast.stmt) and node.lineno <= line <= (node.end_lineno or 0):
+            body = getattr(node, "body", None)
+            last = body[0].lineno - 1 if isinstance(body, list) else node.end_lineno or 0
+            if line <= last or not isinstance(body, list):
+                lines = range(node.lineno, max(last, node.lineno) + 1)
+    return lines
+
+
+def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str, dict[str, object]]]) -> list[str]:
+    """The tests that reach what is changed, the quickest first; of what runs on import the part's files."""
+    pairs = zip(before.split("\n"), after.split("\n"), strict=False)
+    changed = next(number for number, (old, new) in enumerate(pairs, 1) if old != new)
+    lines = reach[mutant.part]["lines"][mutant.file]
+    reached = [lines[str(line)] for line in statement(before, changed) if str(line) in lines]
+    if None in reached:
+        return [*PARTS[mutant.part], mutant.file]
+    return sorted({test for tests in reached for test in tests}, key=reach[mutant.part]["seconds"].__getitem__)
+
+
+def survives(
+    mutant: Mutant, copies: Queue[Path], reach: dict[str, dict[str, dict[str, object]]]
+) -> tuple[bool, str, str]:
+    """Whether no test fails, the change, and what ran for how long."""
     copy = copies.get()
     try:
         file = copy / mutant.file
         before = file.read_text(encoding="utf-8")
         after = mutate_code(before, get_operator(mutant.operator)(), mutant.occurrence)
         change = "\n".join(unified_diff(before.split("\n"), after.split("\n"), lineterm="", n=1))
+        tests = tests_of(mutant, before, after, reach)
+        if not tests:
+            return True, change, "no test reaches it"
+        seconds = reach[mutant.part]["seconds"]
+        usual = sum(seconds.get(test, 0.0) for test in tests) or sum(seconds.values())
         file.write_text(after, encoding="utf-8")
+        (copy / "build" / "tests").write_text("\n".join(tests), encoding="utf-8")
         start = time.monotonic()
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--no-header", *mutant.tests]
-        settings = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--no-header", "@build/tests"]
         try:
-            done = subprocess.run(command, cwd=copy, env=settings, capture_output=True, timeout=LIMIT, check=False)
-            alive = done.returncode == 0
+            alive = subprocess.run(command, **_settings(copy), timeout=LIMIT[0] + LIMIT[1] * usual).returncode == 0
+            ended = ""
         except subprocess.TimeoutExpired:
-            alive = False
+            alive, ended = False, ", by the limit of time"
         file.write_text(before, encoding="utf-8")
-        return alive, change, time.monotonic() - start
+        return alive, change, f"{len(tests)} tests of {usual:.0f} s in {time.monotonic() - start:.1f} s{ended}"
+    finally:
+        copies.put(copy)
+
+
+def _settings(copy: Path) -> dict[str, object]:
+    environment = {**os.environ, "OMP_NUM_THREADS": "1", "PYTHONDONTWRITEBYTECODE": "1"}
+    return {"cwd": copy, "env": environment, "capture_output": True, "check": False}
+
+
+def copy_tree(copy: Path) -> Path:
+    """What git lists, in another folder."""
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    for name in filter(None, listed.split("\n")):
+        (copy / name).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copy2(ROOT / name, copy / name)
+    (copy / "build").mkdir(exist_ok=True)
+    return copy
+
+
+def reach_of(part: str, copies: Queue[Path]) -> dict[str, dict[str, object]]:
+    """What the tests of a part reach."""
+    copy = copies.get()
+    try:
+        output = copy / "build" / "reach.json"
+        done = subprocess.run([sys.executable, __file__, "reach", part, str(output)], **_settings(copy))
+        if done.returncode:
+            raise SystemExit(f"tests of {part} fail without a change:\n{done.stdout.decode()[-3000:]}")
+        return dict(json.loads(output.read_text(encoding="utf-8")))
     finally:
         copies.put(copy)
 
 
 def main(count: int = 300, seed: int = 1, jobs: int = 2) -> int:
     chosen = random.Random(seed).sample(mutants(), count)
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True).stdout.split(
-        "\n"
-    )
-    with tempfile.TemporaryDirectory() as folder:
+    alive: list[dict[str, object]] = []
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
         copies: Queue[Path] = Queue()
         for number in range(jobs):
-            copy = Path(folder) / str(number)
-            for name in filter(None, listed):
-                (copy / name).parent.mkdir(parents=True, exist_ok=True)
-                shutil.copy2(ROOT / name, copy / name)
-            copies.put(copy)
-        alive: list[dict[str, object]] = []
-        with ThreadPoolExecutor(jobs) as pool:
-            for number, (mutant, (left, change, seconds)) in enumerate(
-                zip(chosen, pool.map(lambda mutant: survives(mutant, copies), chosen), strict=True), 1
-            ):
-                if left:
-                    alive.append({"file": mutant.file, "operator": mutant.operator, "change": change})
-                state = "survives" if left else "killed"
-                print(f"{number}/{count} {state} {seconds:5.1f} s  {mutant.file}  {mutant.operator}", flush=True)
-                if left:
-                    print(change, flush=True)
+            copies.put(copy_tree(Path(folder) / str(number)))
+        reach = dict(zip(PARTS, pool.map(lambda part: reach_of(part, copies), PARTS), strict=True))
+        results = pool.map(lambda mutant: survives(mutant, copies, reach), chosen)
+        for number, (mutant, (left, change, what)) in enumerate(zip(chosen, results, strict=True), 1):
+            state = "survives" if left else "killed"
+            print(f"{number}/{count} {state}: {what}  {mutant.file}  {mutant.operator}", flush=True)
+            if left:
+                alive.append({"file": mutant.file, "operator": mutant.operator, "change": change})
+                print(change, flush=True)
     (ROOT / "build").mkdir(exist_ok=True)
     record = {"count": count, "seed": seed, "killed": count - len(alive), "survivors": alive}
     (ROOT / "build" / "mutants.json").write_text(json.dumps(record, indent=1, ensure_ascii=False), encoding="utf-8")
@@ -158,4 +261,6 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2) -> int:
 
 
 if __name__ == "__main__":
+    if sys.argv[1:2] == ["reach"]:
+        sys.exit(record_reach(*sys.argv[2:]))
     sys.exit(main(*map(int, sys.argv[1:])))
