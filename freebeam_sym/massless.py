@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["Reduced", "reduced", "without_mass"]
+__all__ = ["Reduced", "accelerated", "reduced", "without_mass"]
 
 Array = NDArray[np.float64]
 
 SINGULAR = 1e-14
-"""Least eigenvalue of M with 1 on its diagonal, and other sizes relative to the largest, that are zero but for
-rounding. 256 polynomials on a segment leave 2e-13 of M."""
+"""Pivots of M with 1 on its diagonal, and other sizes relative to the largest, that are zero but for rounding. The
+least eigenvalue, below all pivots, is 2e-13 of 256 polynomials on a segment."""
 
 
 class Reduced(NamedTuple):
@@ -49,7 +49,11 @@ def without_mass(M: Array) -> bool:
     if not (diagonal > 0).all():
         return bool((diagonal == 0).any())
     size = np.sqrt(diagonal)
-    return bool(np.linalg.eigvalsh(M / np.outer(size, size))[0] < SINGULAR)
+    try:
+        pivots = np.diag(np.linalg.cholesky(M / np.outer(size, size))) ** 2
+    except np.linalg.LinAlgError:
+        return True
+    return bool(pivots.min() < SINGULAR)
 
 
 def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
@@ -74,6 +78,13 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
     found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
     C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
     return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))
+
+
+def accelerated(M: Array, C: Array, K: Array) -> Reduced:
+    """The same for a method that wants an acceleration of each coordinate: what breaks a relation dies away faster than
+    all that the system does by itself."""
+    fastest = np.abs(np.linalg.eigvals(reduced(M, C, K).matrix)).max(initial=1.0)
+    return reduced(M, C, K, 1.5 * float(fastest))
 
 
 def _none(M: Array) -> Array | None:

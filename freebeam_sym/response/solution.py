@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
-from freebeam_sym.massless import Reduced, reduced, without_mass
+from freebeam_sym.massless import Reduced, accelerated, reduced, without_mass
 from freebeam_sym.response.eigen import Spectrum
 from freebeam_sym.response.inputs import (
     LOST,
@@ -190,7 +190,7 @@ def state_space(
 
     free = states = None
     if without_mass(system.M):
-        found = _reduced(system, Q)
+        found = _idle(reduced(system.M, system.C, system.K), Q)
         system, Q = replace(system, M=np.eye(len(Q)), C=found.C, K=found.K), found.rows @ Q
         free, states = found.free, found.states
     rows, direct = _rows(system, outputs, x_s, Q, field, derivative)
@@ -205,15 +205,14 @@ def state_space(
 def _with_accelerations(system: System, load: Load, start: Start) -> tuple[System, Load, Start]:
     """A system with a singular M as one with M = I that moves alike, and what acts on it and starts it. Where the
     start breaks a relation of the states, what has no mass is set by it."""
-    rate = 1.5 * float(np.abs(np.linalg.eigvals(_reduced(system, load.Q).matrix)).max(initial=1.0))
-    found = _reduced(system, load.Q, rate)  # faster than all that the system does by itself
+    found = _idle(accelerated(system.M, system.C, system.K), load.Q)
     states = start.states[:, found.free] @ found.states.T
     alike = replace(system, M=np.eye(len(system.M)), C=found.C, K=found.K)
     return alike, replace(load, Q=found.rows @ load.Q), replace(start, states=states)
 
 
-def _reduced(system: System, Q: Array, rate: float = 0.0) -> Reduced:
-    found = reduced(system.M, system.C, system.K, rate)
+def _idle(found: Reduced, Q: Array) -> Reduced:
+    """The same. Raises InputError where a force Q acts on what has no mass."""
     if np.abs(found.idle @ Q).max() > 1e-12 * (np.abs(found.idle) @ np.abs(Q)).max(initial=1e-300):
         raise InputError("force_position: the force acts on what has no mass, and its rate would count")
     return found

@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, count, finite, nonnegative, reals, refusal
 from freebeam_sym.columns import Column
-from freebeam_sym.massless import reduced, without_mass
+from freebeam_sym.massless import accelerated, without_mass
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import coordinates
 from freebeam_sym.stability.maps import labels, program
@@ -131,8 +131,7 @@ def _with_accelerations(*terms: Sequence[Real]) -> tuple[Sequence[Real], Sequenc
     """
     _, B = coordinates(terms[0][0], terms[2][0])
     (M, *more), C, K = ([B.T @ X @ B for X in part] for part in terms)
-    rate = float(np.abs(np.linalg.eigvals(reduced(M, C[0], K[0]).matrix)).max(initial=1.0))
-    found = reduced(M, C[0], K[0], rate)
+    found = accelerated(M, C[0], K[0])
     loaded = [*more, *C[1:], *K[1:]]
     if more or any(np.abs(found.idle @ X).max() > 1e-12 * np.abs(X).max() for X in loaded):
         raise InputError("a load that pulsates must not act on a coordinate without mass")

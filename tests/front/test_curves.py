@@ -8,26 +8,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy as sp
 
 import freebeam as fb
 from freebeam.figures import curves
 from freebeam_derive import emit, pipeline, statement, verify
 from freebeam_derive.notation import P, alpha, beta, t, x, y
-from freebeam_derive.statement import Parameter, at, delta, integral
+from freebeam_derive.statement import at, delta, integral
 from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
+from tests.front.test_schematic import LINE, OWN, a, g
 
-a, k, g = (sp.Symbol(name, real=True) for name in ("a", "k", "g"))
-OWN = tuple(Parameter(symbol, "", value, 0.0, 1.0) for symbol, value in ((a, 0.6), (k, 1.0), (g, 0.5)))
 BECK = statement.load_column(statement.columns()["beck"])
-LINE = {
-    "T": integral(y.diff(t) ** 2) / 2,
-    "V": integral(y.diff(x, 2) ** 2) / 2,
-    "W_c": P * integral(y.diff(x) ** 2) / 2,
-    "dW_nc": -P * at(y.diff(x), 1) * at(delta(y), 1),
-    "dimensional": None,
-}
 
 
 def general(**changes: Any) -> Column:
