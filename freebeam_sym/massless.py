@@ -59,7 +59,7 @@ def without_mass(M: Array) -> bool:
 def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
     """A system with a singular M in the states that it has. What breaks a relation at first dies away as exp(−rate t).
 
-    Raises InputError where its motion is not determined.
+    Raises InputError where its motion is not determined, and where M is regular.
     """
     n = len(M)
     whole, rows = np.concatenate([M, C, K], axis=1), np.eye(n)
@@ -75,6 +75,10 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
         place = int(np.argmax(np.abs(u)))
         whole[place] = np.concatenate([c, k + rate * c, rate * k])  # (d/dt + rate) of the relation
         rows[place] = 0.0
+    if not relations:
+        raise InputError(
+            "M is not positive definite: no mass may be negative, and the trial functions must be independent"
+        )
     found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
     C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
     return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))

@@ -139,3 +139,12 @@ def test_the_multipliers_under_a_pulsating_load_are_those_of_the_states(column: 
     found = solve_ivp(rates, (0, 2 * np.pi / frequency), np.eye(size).ravel(), rtol=1e-9, atol=1e-11)
     wanted = np.linalg.eigvals(found.y[:, -1].reshape(size, size))
     assert np.abs(wanted[:, None] - multipliers).min(axis=1).max() < 1e-6
+
+
+@pytest.mark.parametrize("mass", [-5.0, -0.3])
+def test_a_negative_mass_is_refused(mass: float) -> None:
+    """With a negative entry on M's diagonal, and with none though M is indefinite."""
+    system = fb.column("pflueger").system(4, 1.0, mu=mass)
+    assert np.linalg.eigvalsh(system.M)[0] < 0
+    with pytest.raises(fb.InputError, match=r"M is (singular|not positive definite)"):
+        fb.spectrum(system)
