@@ -76,9 +76,7 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
         whole[place] = np.concatenate([c, k + rate * c, rate * k])  # (d/dt + rate) of the relation
         rows[place] = 0.0
     if not relations:
-        raise InputError(
-            "M is not positive definite: no mass may be negative, and the trial functions must be independent"
-        )
+        raise InputError("M is not positive definite: no mass may be negative, and trial functions must be independent")
     found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
     C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
     return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))
