@@ -13,22 +13,23 @@ from typing import Any
 
 import pytest
 from sympy import (
+    QQ,
     Add,
     Expr,
     Heaviside,
     Integral,
     Lambda,
+    Mul,
     Piecewise,
-    Poly,
     Rational,
     S,
     Subs,
     Symbol,
-    expand,
     integrate,
     nsimplify,
     sqrt,
 )
+from sympy.polys.rings import PolyRing
 
 from freebeam_derive import assembly, variation
 from freebeam_derive.jets import ALWAYS, beside, jets, leap, name_of, segment_of, virtual
@@ -50,6 +51,7 @@ a, b, c, k, mu, r, s = (Symbol(name, real=True) for name in ("a", "b", "c", "k",
 NUMBERS = {a: Rational(3, 10), b: Rational(1, 10), c: 2, k: 3, mu: Rational(1, 2), r: Rational(1, 5), s: 7}
 PARAMETERS = tuple(Parameter(symbol, str(symbol), float(value), 0.0, 10.0) for symbol, value in NUMBERS.items())
 NUMBERS[x_F] = Rational(1, 4)
+RING = PolyRing((x, t, P, alpha, beta), QQ)
 HALF = Rational(1, 2)
 BEAM_DAMPING = -integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
 FOLLOWER = -P * at(y.diff(x), 1) * at(delta(y), 1)
@@ -212,12 +214,29 @@ def at_motion(expression: Expr, motion: EquationOfMotion, moving: Mapping[str, A
     return expand(expression.xreplace(values).xreplace({F_0: 1 + t}).subs(NUMBERS))
 
 
+def expand(expression: Expr) -> Expr:
+    """Multiplied out: what is a polynomial, as nearly all is, in a ring, some ten times faster than by SymPy's rules."""
+    try:
+        return RING.from_expr(expression).as_expr()
+    except ValueError:
+        return expression.expand()
+
+
 def integrated(density: Expr, variable: Any, low: Expr, high: Expr) -> Expr:
-    """∫ density from low to high; of a polynomial, as nearly all are, without SymPy's search for an antiderivative."""
-    if not density.is_polynomial(variable):
-        return integrate(density, (variable, low, high))
-    primitive = Poly(density, variable).integrate()
-    return expand(primitive.eval(high) - primitive.eval(low))
+    """∫ density from low to high; of a polynomial, as nearly all are, term by term."""
+    try:
+        polynomial = RING.from_expr(density)
+    except ValueError:
+        return integrate(density.expand(), (variable, low, high))
+    which, total = RING.symbols.index(variable), S.Zero
+    terms: dict[tuple[int, ...], Expr] = {}
+    for powers, factor in polynomial.terms():
+        n = powers[which] + 1
+        rest = tuple(0 if i == which else power for i, power in enumerate(powers))
+        terms[rest] = terms.get(rest, S.Zero) + RING.domain.to_sympy(factor) * (high**n - low**n) / n
+    for rest, factor in terms.items():
+        total += factor * Mul(*(v**power for v, power in zip(RING.symbols, rest, strict=True)))
+    return total
 
 
 def over(work: Any, motion: EquationOfMotion, moving: Mapping[str, Any], moved: Mapping[str, Any]) -> Expr:
@@ -283,7 +302,7 @@ def stated(column: Column, name: str, motion: EquationOfMotion, moving: Mapping[
                     image = moved[str(function)]
                     image = Lambda((x, t), image[segment]) if isinstance(image, list) else Lambda(t, image)
                     plain = plain.replace(getattr(function, "variation", None) or delta(y).func, image)
-            total += integrated(expand(plain.doit()), x, left, right)
+            total += integrated(plain.doit(), x, left, right)
         return total
 
     whole = nsimplify(getattr(column.energies, name), rational=True).subs({F_0: 1 + t})
@@ -324,7 +343,7 @@ def test_the_weak_form_is_hamilton_s_principle_as_stated(case: tuple[Column, Equ
         energies = [stated(column, name, motion, added(factor)) for factor in (1, -1)]
         total += sign * (energies[0] - energies[1]) / 2  # exact: energies are quadratic
     weak = over(motion.weak, motion, moving, moved)
-    assert integrated(expand(total + weak), t, S.Zero, S.One) == 0
+    assert integrated(total + weak, t, S.Zero, S.One) == 0
 
 
 def test_equations_and_conditions_are_the_weak_form(case: tuple[Column, EquationOfMotion]) -> None:
@@ -334,7 +353,7 @@ def test_equations_and_conditions_are_the_weak_form(case: tuple[Column, Equation
     left = over(motion.weak, motion, moving, moved)
     for (name, segment), factor in motion.equations.items():
         bounds = [p.subs(NUMBERS) for p in motion.beam.places[segment : segment + 2]]
-        left -= integrated(expand(at_motion(factor, motion, moving, moved) * moved[name][segment]), x, *bounds)
+        left -= integrated(at_motion(factor, motion, moving, moved) * moved[name][segment], x, *bounds)
     for name, work in motion.of_coordinates.items():
         left -= over(work, motion, moving, moved) * moved[name]
     for condition in motion.conditions:
@@ -389,7 +408,7 @@ def test_forms_are_the_weak_form(case: tuple[Column, EquationOfMotion]) -> None:
                     for of, name, order in ((moved, key.test, key.p), (accelerated, key.trial, key.q))
                 )
                 bounds = places[key.segment : key.segment + 2]
-                total += P**power * integrated(expand(factor.subs(NUMBERS) * u * v), x, *bounds)
+                total += P**power * integrated(factor.subs(NUMBERS) * u * v, x, *bounds)
             for (test, seen), factor in form.points.items():
                 total += P**power * factor.subs(NUMBERS) * value(test, moved) * value(seen, accelerated)
     for seen, factor in system.force:

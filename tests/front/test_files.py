@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+from freebeam.cli import main
 from freebeam_derive.files import written
 
 LONG = ["respond", "--load", "9", "--duration", "1000", "--step", "1e-4"]
@@ -106,16 +107,15 @@ def test_replace_follows_a_link_and_keeps_it(tmp_path: Path) -> None:
     assert len([*tmp_path.iterdir()]) == 4
 
 
-def test_replace_writes_through_a_pipe(tmp_path: Path) -> None:
+def test_replace_writes_through_a_pipe(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     pipe = tmp_path / "load.json"
     os.mkfifo(pipe)
     process = start(tmp_path, "critical", "--digits", "12", "--certificate", pipe, "--force")
     assert "freebeam certificate" in pipe.read_text(encoding="utf-8")
     assert ended(process) == (0, "")
     assert pipe.is_fifo() and [*tmp_path.iterdir()] == [pipe]
-    status, err = ended(start(tmp_path, "critical", "--digits", "12", "--certificate", pipe))
-    assert status == 2
-    one_line(err, "load.json", "--force")
+    assert main(["critical", "--digits", "12", "--certificate", str(pipe)]) == 2
+    one_line(capsys.readouterr().err, "load.json", "--force")
 
 
 @contextmanager
@@ -141,27 +141,37 @@ COMMANDS = {
 
 
 @pytest.mark.parametrize("command", COMMANDS.values(), ids=COMMANDS)
-def test_a_limit_on_files_is_one_line_and_leaves_nothing(tmp_path: Path, command: list[str]) -> None:
-    # the list of fonts, which matplotlib writes once on a machine, where nothing limits it
-    subprocess.run([sys.executable, "-c", "import matplotlib.font_manager"], check=True)
+def test_a_limit_on_files_is_one_line_and_leaves_nothing(
+    tmp_path: Path, command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    import matplotlib.font_manager  # noqa: F401  its list of fonts is written once on a machine, where nothing limits it
+
+    monkeypatch.chdir(tmp_path)
     with at_most(1000):
-        process = start(tmp_path, *command, env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
-    status, err = ended(process)
+        status = main(command)
     assert status == 2
-    one_line(err, os.strerror(errno.EFBIG))
+    one_line(capsys.readouterr().err, os.strerror(errno.EFBIG))
     assert not [path for path in tmp_path.rglob("*") if path.is_file()]
 
 
+def test_the_same_where_a_process_ends(tmp_path: Path) -> None:
+    with at_most(1000):
+        process = start(tmp_path, *COMMANDS["respond"], env={**os.environ, "PYTHONDONTWRITEBYTECODE": "1"})
+    status, err = ended(process)
+    assert status == 2
+    one_line(err, os.strerror(errno.EFBIG))
+    assert not [*tmp_path.iterdir()]
+
+
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
-def test_a_full_disk_is_one_line(tmp_path: Path) -> None:
+def test_a_full_disk_is_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     with open("/dev/full", "w", encoding="utf-8") as full:
-        for command in (["columns"], ["critical", "--json"], COMMANDS["respond"][:-2], ["--help"]):
+        for command in (["critical", "--json"], ["--help"]):
             status, err = ended(start(tmp_path, *command, stdout=full))
             assert status == 2
             one_line(err, os.strerror(errno.ENOSPC))
-    status, err = ended(start(tmp_path, "critical", "--digits", "12", "--certificate", "/dev/full", "--force"))
-    assert status == 2
-    one_line(err, "/dev/full", os.strerror(errno.ENOSPC))
+    assert main(["critical", "--digits", "12", "--certificate", "/dev/full", "--force"]) == 2
+    one_line(capsys.readouterr().err, "/dev/full", os.strerror(errno.ENOSPC))
 
 
 @pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT, signal.SIGHUP])
