@@ -215,7 +215,7 @@ def at_motion(expression: Expr, motion: EquationOfMotion, moving: Mapping[str, A
 
 
 def expand(expression: Expr) -> Expr:
-    """Multiplied out: what is a polynomial, as nearly all is, in a ring, some ten times faster than by SymPy's rules."""
+    """Multiplied out: what is a polynomial, as nearly all is, in a ring, which takes a tenth of the time."""
     try:
         return RING.from_expr(expression).as_expr()
     except ValueError:

@@ -528,7 +528,7 @@ def test_what_may_end_stability_is_taken_in_the_order_of_loads(
 
 @pytest.mark.parametrize("share", [1 + 1e-6, 1.05, 1.5])
 def test_what_grows_at_a_load_is_not_given_another_load(share: float) -> None:
-    """What begins to grow close by is that crossing; from further away Newton's method would name one that it is not."""
+    """What begins to grow close by is that crossing; further away Newton's method would name one that it is not."""
     problem = Proportional(pencil("free-free", 8), 1e-3, 0.1)
     first = first_loss(problem).crossing
     assert first is not None
