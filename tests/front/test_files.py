@@ -147,6 +147,7 @@ def test_a_limit_on_files_is_one_line_and_leaves_nothing(
     import matplotlib.font_manager  # noqa: F401  its list of fonts is written once on a machine, where nothing limits it
 
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)  # which would be cut off
     with at_most(1000):
         status = main(command)
     assert status == 2
