@@ -18,7 +18,7 @@ import numpy as np
 from distributed import Client, LocalCluster
 
 import freebeam as fb
-from freebeam_sym.stability.sweeps import LOCAL
+from freebeam.maps.sweeps import LOCAL
 
 CLAIM = "a map of 2,000 × 2,000 points, N = 8, in blocks of 250 × 2,000: overhead of Dask on two workers"
 AXES: dict[str, Any] = {"alpha": np.geomspace(1e-6, 1e-1, 2000), "beta": np.geomspace(1e-2, 1, 2000)}

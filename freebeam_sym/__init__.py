@@ -4,7 +4,8 @@
     column = freebeam_sym.column("free-free")  # or the path of a kernel's file
     freebeam_sym.critical_load(column, modes=8, alpha=1e-3, beta=0.1).load
 
-`freebeam` offers all of this, and what derives, proves and draws besides.
+`freebeam` offers all of this, and besides what derives, proves and draws, and labelled maps, boundaries and loads that
+pulsate.
 
 Each name loads its module when it is first used, so that importing this package costs next to nothing.
 """
@@ -21,17 +22,13 @@ if TYPE_CHECKING:
     from freebeam_sym.question import Question
     from freebeam_sym.response import Harmonic, Response, respond, state_space
     from freebeam_sym.spectra import Branches, Spectrum, branches, eigenvalues, proportional_damping, spectrum
-    from freebeam_sym.stability.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam_sym.stability.critical import CriticalLoad, critical_load
-    from freebeam_sym.stability.maps import CriticalLoads, critical_loads, stability_map
-    from freebeam_sym.stability.pulse import PulsatingRegion, PulsatingRegions, pulse
+    from freebeam_sym.stability.grids import CriticalLoads, critical_loads
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
     "spectrum", "branches", "eigenvalues", "proportional_damping", "Spectrum", "Branches",
-    "critical_load", "CriticalLoad",
-    "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
-    "pulse", "PulsatingRegions", "PulsatingRegion",
+    "critical_load", "CriticalLoad", "critical_loads", "CriticalLoads",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -53,15 +50,8 @@ _HOMES = {
     "Branches": ("spectra", "Branches"),
     "critical_load": ("stability.critical", "critical_load"),
     "CriticalLoad": ("stability.critical", "CriticalLoad"),
-    "critical_loads": ("stability.maps", "critical_loads"),
-    "stability_map": ("stability.maps", "stability_map"),
-    "CriticalLoads": ("stability.maps", "CriticalLoads"),
-    "trace_boundary": ("stability.boundaries", "trace_boundary"),
-    "Boundary": ("stability.boundaries", "Boundary"),
-    "BoundaryEvent": ("stability.boundaries", "BoundaryEvent"),
-    "pulse": ("stability.pulse", "pulse"),
-    "PulsatingRegions": ("stability.pulse", "PulsatingRegions"),
-    "PulsatingRegion": ("stability.pulse", "PulsatingRegion"),
+    "critical_loads": ("stability.grids", "critical_loads"),
+    "CriticalLoads": ("stability.grids", "CriticalLoads"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
     "Harmonic": ("response", "Harmonic"),

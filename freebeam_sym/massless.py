@@ -14,13 +14,15 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 
-__all__ = ["Reduced", "accelerated", "reduced", "without_mass"]
+__all__ = ["Reduced", "accelerated", "indefinite", "reduced", "without_mass"]
 
 Array = NDArray[np.float64]
 
 SINGULAR = 1e-14
 """Pivots of M with 1 on its diagonal, and other sizes relative to the largest, that are zero but for rounding. The
 least eigenvalue, below all pivots, is 2e-13 of 256 polynomials on a segment."""
+NEGATIVE = 1e-12
+"""Eigenvalue of M with 1 on its diagonal, below zero by no more than rounding: 1e-15 of an entry, of 256 functions."""
 
 
 class Reduced(NamedTuple):
@@ -44,16 +46,22 @@ class Reduced(NamedTuple):
 
 
 def without_mass(M: Array) -> bool:
-    """Whether M, symmetric, is singular: some motion has no mass."""
+    """Whether M, symmetric, is singular: some motion has no mass. Raises InputError where some motion has a negative
+    one."""
     diagonal = np.diag(M)
-    if not (diagonal > 0).all():
-        return bool((diagonal == 0).any())
-    size = np.sqrt(diagonal)
+    size = np.sqrt(np.where(diagonal > 0, diagonal, 1.0))
+    scaled = M / np.outer(size, size)
     try:
-        pivots = np.diag(np.linalg.cholesky(M / np.outer(size, size))) ** 2
+        return bool(np.linalg.cholesky(scaled).diagonal().min() ** 2 < SINGULAR)
     except np.linalg.LinAlgError:
+        if not np.linalg.eigvalsh(scaled)[0] > -NEGATIVE:
+            raise indefinite() from None
         return True
-    return bool(pivots.min() < SINGULAR)
+
+
+def indefinite() -> InputError:
+    """The error that some motion has a negative mass, or none."""
+    return InputError("M is not positive definite: no mass may be negative, and trial functions must be independent")
 
 
 def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
@@ -76,7 +84,7 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
         whole[place] = np.concatenate([c, k + rate * c, rate * k])  # (d/dt + rate) of the relation
         rows[place] = 0.0
     if not relations:
-        raise InputError("M is not positive definite: no mass may be negative, and trial functions must be independent")
+        raise indefinite()
     found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
     C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
     return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))

@@ -14,11 +14,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
@@ -29,7 +29,10 @@ from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import Kind, Real
 from freebeam_sym.stability.surface import FEW, surface_of
 
-__all__ = ["KINDS", "Answers", "alike", "checked_axes", "solve", "solve_grid", "solve_points"]
+__all__ = [
+    "KINDS", "Answers", "CriticalLoads", "alike", "checked_axes", "critical_loads", "solve", "solve_grid",
+    "solve_points",
+]  # fmt: skip
 
 KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
 """What the numbers of `Answers.kind` stand for."""
@@ -71,6 +74,56 @@ def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
                 raise InputError(f"{name} = {array.max()}: {column.name} states no such damping; leave it at 0")
         found[name] = array
     return found
+
+
+@dataclass(frozen=True)
+class CriticalLoads:
+    """Critical loads over arrays, each of the shape that the parameters broadcast to; nondimensional.
+
+    `load` and `frequency`: nan where there is none up to the largest load; frequency 0 in divergence. `kind`: "none",
+    "flutter" or "divergence". `question`: what was asked, but for the arrays.
+    """
+
+    load: NDArray[np.float64]
+    frequency: NDArray[np.float64]
+    kind: NDArray[np.str_]
+    question: Question
+
+
+def critical_loads(
+    column: Column,
+    modes: int | None = None,
+    alpha: ArrayLike = 0.0,
+    beta: ArrayLike = 0.0,
+    *,
+    load_max: float = 1000.0,
+    **parameters: ArrayLike,
+) -> CriticalLoads:
+    """`critical_load` over arrays of alpha, beta and the column's own parameters, which broadcast like NumPy's.
+
+    >>> import freebeam as fb
+    >>> loads = fb.critical_loads(fb.column("beck"), alpha=[[1e-3], [1e-2]], beta=[0.1, 0.5, 1.0])
+    >>> loads.load.shape
+    (2, 3)
+
+    alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
+    parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
+    """
+    question = Question.of(column, modes, load_max=load_max)
+    values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
+    try:
+        arrays = np.broadcast_arrays(*values.values())
+    except ValueError:
+        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
+        raise InputError(f"shapes do not broadcast: {shapes}") from None
+    shape = arrays[0].shape
+    points = dict(zip(values, (x.ravel() for x in arrays), strict=True))
+    if not arrays[0].size:
+        empty = np.empty(shape)
+        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), question)
+    found = solve_points(question, points)
+    kind = np.array(KINDS)[found.kind].reshape(shape)
+    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, question)
 
 
 def solve(question: Question, alpha: Real, beta: Real) -> Answers:

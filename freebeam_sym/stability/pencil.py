@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from freebeam_sym.checks import InputError
+from freebeam_sym.massless import indefinite
 from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
 
 __all__ = ["Pencil", "diagonalise", "pencil_of"]
@@ -97,7 +98,7 @@ def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
     try:
         np.linalg.cholesky(M)
     except np.linalg.LinAlgError:
-        raise InputError("M is not positive definite: the trial functions must be independent") from None
+        raise indefinite() from None
     m, k = np.sqrt(np.diag(M)), np.diag(E)
     if (k > 0).all():
         rest_M = np.abs(M / np.outer(m, m) - np.eye(len(m))).max()

@@ -17,6 +17,8 @@ import freebeam_sym as _runtime
 if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
     from freebeam.exact_ranges import ExactPiece, ExactRange, OpenPiece, exact_range
+    from freebeam.maps.boundaries import Boundary, BoundaryEvent, trace_boundary
+    from freebeam.maps.labelled import stability_map
     from freebeam.own import column, column_names
     from freebeam.proofs import (
         Certified,
@@ -33,18 +35,15 @@ if TYPE_CHECKING:
         truncation_error,
         verify_certificate,
     )
+    from freebeam.pulsating import PulsatingRegion, PulsatingRegions, pulse
     from freebeam.vehicles import Vehicle, vehicle
     from freebeam_sym import (
-        Boundary,
-        BoundaryEvent,
         Branches,
         Column,
         CriticalLoad,
         CriticalLoads,
         Harmonic,
         InputError,
-        PulsatingRegion,
-        PulsatingRegions,
         Question,
         Response,
         Spectrum,
@@ -54,12 +53,9 @@ if TYPE_CHECKING:
         critical_loads,
         eigenvalues,
         proportional_damping,
-        pulse,
         respond,
         spectrum,
-        stability_map,
         state_space,
-        trace_boundary,
     )
 
 __all__ = [
@@ -79,13 +75,19 @@ __all__ = [
 
 # Modules of this package by the names that they give; every other name is the runtime's. No name may be that of a
 # module, because importing the module would put it in the name's place.
-_HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"], "exact_ranges": [
-    "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
-], "proofs": [
-    "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
-    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
-    "verify_certificate",
-]}  # fmt: skip
+_HOMES = {
+    "own": ["column", "column_names"],
+    "maps.labelled": ["stability_map"],
+    "maps.boundaries": ["trace_boundary", "Boundary", "BoundaryEvent"],
+    "pulsating": ["pulse", "PulsatingRegions", "PulsatingRegion"],
+    "exact_ranges": ["exact_range", "ExactRange", "ExactPiece", "OpenPiece"],
+    "proofs": [
+        "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
+        "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
+        "verify_certificate",
+    ],
+    "vehicles": ["vehicle", "Vehicle"],
+}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 
 

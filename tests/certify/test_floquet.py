@@ -10,12 +10,13 @@ import pytest
 from flint import acb, acb_mat, arb, arb_mat
 
 import freebeam as fb
+from freebeam.pulsating.growth import judged
+from freebeam.pulsating.monodromy import Pulsating, monodromy
 from freebeam_derive.certify import floquet
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.floquet import Motion, Pulsation, decide
 from freebeam_sym import question as floats
-from freebeam_sym.stability.pulse import Pulsating, judged, monodromy
 
 BECK = fb.column("beck", "legendre")
 

@@ -19,8 +19,8 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam import cli
+from freebeam.maps.boundaries import _change
 from freebeam_sym.stability import grids, pencil
-from freebeam_sym.stability.boundaries import _change
 from freebeam_sym.stability.critical import settled
 from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.proportional import Proportional
@@ -587,7 +587,7 @@ def test_an_output_that_cannot_be_is_refused_before_the_map_is_computed(
     def computed(*_: object, **__: object) -> None:
         raise AssertionError("the map was computed")
 
-    monkeypatch.setattr("freebeam_sym.stability.maps.solve_grid", computed)
+    monkeypatch.setattr("freebeam.maps.labelled.solve_grid", computed)
     monkeypatch.chdir(tmp_path)
     Path(f"kept{suffix}").write_text("precious")
     Path(f"folder{suffix}").mkdir()

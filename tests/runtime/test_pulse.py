@@ -17,8 +17,9 @@ from scipy.special import mathieu_a, mathieu_b
 
 import freebeam as fb
 from freebeam import cli
+from freebeam.pulsating.growth import KINDS, grid, judged
+from freebeam.pulsating.monodromy import Pulsating, monodromy
 from freebeam_sym.question import Question
-from freebeam_sym.stability.pulse import KINDS, Pulsating, grid, judged, monodromy
 
 EULER = fb.column("euler-pinned", "modes")
 
@@ -317,7 +318,7 @@ def test_damping_raises_the_least_amplitude() -> None:
 
 def test_the_error_that_is_told_is_of_the_size_of_the_error(monkeypatch: pytest.MonkeyPatch) -> None:
     """With a first step that is too long for the method, against a Runge-Kutta method."""
-    monkeypatch.setattr("freebeam_sym.stability.pulse.START", 1.0)
+    monkeypatch.setattr("freebeam.pulsating.monodromy.START", 1.0)
     question = asked("beck", 2)
     problem = Pulsating.of(question)
 
@@ -471,6 +472,6 @@ def test_an_interruption_leaves_nothing(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("freebeam_sym.stability.pulse.judged", interrupted)
+    monkeypatch.setattr("freebeam.pulsating.growth.judged", interrupted)
     assert cli.main([*COMMAND, *GRID, "--output", str(tmp_path / f"regions.{suffix}")]) == 130
     assert capsys.readouterr().out == "" and not [*tmp_path.iterdir()]

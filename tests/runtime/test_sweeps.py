@@ -18,8 +18,8 @@ import pytest
 import xarray
 
 import freebeam as fb
+from freebeam.maps import sweeps
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability import sweeps
 
 pytest.importorskip("distributed")
 pytest.importorskip("zarr")
@@ -276,7 +276,8 @@ def test_bad_input(options: dict[str, Any], message: str) -> None:
 @pytest.mark.parametrize("package", ["distributed", "zarr"])
 def test_what_is_not_installed_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, package: str) -> None:
     monkeypatch.setitem(sys.modules, package, None)
-    with pytest.raises(InputError, match=r'pip install "freebeam\[distributed\]"'):
+    needed = "a store needs zarr" if package == "zarr" else "chunks need Dask"
+    with pytest.raises(InputError, match=rf"{needed}, which is not installed: pip install 'freebeam\[distributed\]'"):
         mapped(scheduler="threads", store=tmp_path / "map.zarr" if package == "zarr" else None)
 
 

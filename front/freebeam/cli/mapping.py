@@ -24,8 +24,8 @@ from freebeam.cli.output import plain, print_json, print_table, working, written
 if TYPE_CHECKING:
     import xarray
 
+    from freebeam.maps.labelled import Solved
     from freebeam_sym.question import Question
-    from freebeam_sym.stability.maps import Solved
 
 MOST_PRINTED = 10_000
 """Points of a map up to which it is printed as JSON."""
@@ -119,7 +119,7 @@ class Map(FileOptions, SearchOptions):
     @cached_property
     def question_and_axes(self) -> tuple[Question, dict[str, Any]]:
         """What is mapped, and over which values, nondimensional. Raises InputError."""
-        from freebeam_sym.stability.maps import split
+        from freebeam.maps.labelled import split
 
         own, limit = self.chosen.own_parameters(dict(self.assigned)), self.limit
         fixed = {name: value for name, value in own.items() if name not in self.axes}
@@ -156,7 +156,7 @@ class Map(FileOptions, SearchOptions):
 
     def compute(self, report: Callable[[str], None]) -> Solved:
         """The map, nondimensional. Raises InputError."""
-        from freebeam_sym.stability.maps import solved
+        from freebeam.maps.labelled import solved
 
         blocks: dict[str, Any] = {"chunks": self.chunks, "workers": self.workers, "store": self.store}
         with self.units.in_errors():
@@ -200,7 +200,7 @@ class Map(FileOptions, SearchOptions):
 
     def content(self, found: Solved, arrays: dict[str, Any]) -> bytes:
         """The file that is to be written."""
-        from freebeam_sym.stability.maps import dataset
+        from freebeam.maps.labelled import dataset
 
         suffix = self.output and self.output.suffix
         if suffix == ".csv":
@@ -228,7 +228,7 @@ def _axes(ranges: Sequence[tuple[str, Sequence[str] | None]], linear: bool) -> d
     """The axes of a map, each (COUNT,), by name. Raises InputError."""
     import numpy as np
 
-    from freebeam_sym.stability.maps import counted
+    from freebeam.maps.labelled import counted
 
     read: dict[str, tuple[float, float, int]] = {}
     for name, given in ranges:

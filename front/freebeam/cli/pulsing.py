@@ -15,7 +15,7 @@ from freebeam.cli.options import REQUIRED, CaseOptions, FileOptions, Number, opt
 from freebeam.cli.output import plain, print_json, print_table, working, written
 
 if TYPE_CHECKING:
-    from freebeam_sym.stability.pulse import PulsatingRegion, PulsatingRegions
+    from freebeam.pulsating.growth import PulsatingRegion, PulsatingRegions
 
 Range = tuple[str, str, str]
 
@@ -98,7 +98,7 @@ class Pulse(FileOptions, CaseOptions):
 
     def compute(self, report: Callable[[str], None]) -> PulsatingRegions:
         """The regions, nondimensional. Raises InputError."""
-        from freebeam_sym.stability.pulse import grid
+        from freebeam.pulsating.growth import grid
 
         load, frequency = (
             self.units.into(x, v) for x, v in (("load", self.load), ("frequency", self.axes["frequency"]))
@@ -123,7 +123,7 @@ class Pulse(FileOptions, CaseOptions):
 
     def rows(self, found: PulsatingRegions) -> list[list[str]]:
         """The grid in a few lines."""
-        from freebeam_sym.stability.pulse import KINDS
+        from freebeam.pulsating.growth import KINDS
 
         rows = [["points", " x ".join(f"{len(values)} {name}" for name, values in self.axes.items())]]
         for number, kind in enumerate(KINDS):

@@ -9,14 +9,14 @@ import numpy as np
 
 from freebeam.figures.look import COLOURS, drawing
 from freebeam.figures.marks import legend, symbol
+from freebeam.pulsating.growth import KINDS, PulsatingRegions
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability.pulse import KINDS, PulsatingRegions
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from freebeam.exact_ranges import ExactRange
-    from freebeam_sym.stability.pulse import Centre
+    from freebeam.pulsating.growth import Centre
 
 __all__ = ["proven_range", "pulsating_regions"]
 

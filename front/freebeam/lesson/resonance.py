@@ -23,7 +23,7 @@ GRID = {True: (28, 10), False: (48, 12)}
 
 def pulsation(chapter: Chapter, facts: Facts) -> list[Block]:
     """Parametric resonance about twice the lowest frequency, at half the critical load."""
-    from freebeam_sym.stability import pulse
+    from freebeam.pulsating import growth as pulse
 
     segments = len(facts.column.kernel.COLUMN["breaks"]) - 1 if facts.column.general else 1
     modes = max(2 if segments > 1 else 4, int(facts.column.kernel.COLUMN.get("least", 1)))

@@ -352,7 +352,7 @@ def _moved(facts: Facts, name: str, change: float) -> float | None:
 def _map(facts: Facts) -> list[Block]:
     """Critical loads over both dampings."""
     from freebeam import figures
-    from freebeam_sym.stability.maps import critical_loads
+    from freebeam_sym.stability.grids import critical_loads
 
     alpha, beta = np.geomspace(1e-4, 1e-1, 9), np.geomspace(1e-3, 1.0, 9)
 

@@ -1,11 +1,10 @@
-"""Stability maps: critical loads over a grid of parameters as a labelled dataset, and over arrays. Section 3.2."""
+"""Stability maps: critical loads over a grid of parameters as a labelled dataset. Section 3.2."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,67 +16,17 @@ from freebeam_sym.checks import InputError, count
 from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import CONVERGED, verdict
-from freebeam_sym.stability.grids import KINDS, Answers, checked_axes, solve_grid, solve_points
+from freebeam_sym.stability.grids import KINDS, Answers, checked_axes, solve_grid
 
 if TYPE_CHECKING:
     import xarray
     from distributed import Client
 
-__all__ = ["CriticalLoads", "critical_loads", "labels", "program", "stability_map"]
+__all__ = ["Solved", "dataset", "labels", "program", "solved", "split", "stability_map"]
 
 _MEANINGS = {"alpha": "internal damping", "beta": "external damping"}
 _BYTES = 200
 """Memory that a point of a map takes while it is computed, at most."""
-
-
-@dataclass(frozen=True)
-class CriticalLoads:
-    """Critical loads over arrays, each of the shape that the parameters broadcast to; nondimensional.
-
-    `load` and `frequency`: nan where there is none up to the largest load; frequency 0 in divergence. `kind`: "none",
-    "flutter" or "divergence". `question`: what was asked, but for the arrays.
-    """
-
-    load: NDArray[np.float64]
-    frequency: NDArray[np.float64]
-    kind: NDArray[np.str_]
-    question: Question
-
-
-def critical_loads(
-    column: Column,
-    modes: int | None = None,
-    alpha: ArrayLike = 0.0,
-    beta: ArrayLike = 0.0,
-    *,
-    load_max: float = 1000.0,
-    **parameters: ArrayLike,
-) -> CriticalLoads:
-    """`critical_load` over arrays of alpha, beta and the column's own parameters, which broadcast like NumPy's.
-
-    >>> import freebeam as fb
-    >>> loads = fb.critical_loads(fb.column("beck"), alpha=[[1e-3], [1e-2]], beta=[0.1, 0.5, 1.0])
-    >>> loads.load.shape
-    (2, 3)
-
-    alpha = beta = 0 is no damping, whose flutter is the coalescence of two frequencies. Points that share their own
-    parameters share most of the work. Raises InputError for bad values and shapes that do not broadcast.
-    """
-    question = Question.of(column, modes, load_max=load_max)
-    values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
-    try:
-        arrays = np.broadcast_arrays(*values.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
-        raise InputError(f"shapes do not broadcast: {shapes}") from None
-    shape = arrays[0].shape
-    points = dict(zip(values, (x.ravel() for x in arrays), strict=True))
-    if not arrays[0].size:
-        empty = np.empty(shape)
-        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), question)
-    found = solve_points(question, points)
-    kind = np.array(KINDS)[found.kind].reshape(shape)
-    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, question)
 
 
 def stability_map(
@@ -156,7 +105,7 @@ def solved(
 ) -> Solved:
     """A map as arrays, which need no xarray; all else as in `stability_map`."""
     if chunks is not None:
-        from freebeam_sym.stability.sweeps import Sweep, chunk_sizes, run
+        from freebeam.maps.sweeps import Sweep, chunk_sizes, run
 
         values = run(Sweep(question, axes, convergence, chunk_sizes(chunks, axes)), scheduler, workers, store, step)
         answers = Answers(*(values[name] for name in Answers._fields))

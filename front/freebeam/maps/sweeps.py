@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 Block = tuple[slice, ...]
 Values = dict[str, NDArray[Any]]
 
-CURE = 'pip install "freebeam[distributed]"'
+CURE = "pip install 'freebeam[distributed]'"
 LOCAL = {
     "distributed.nanny.pre-spawn-environ.MALLOC_MMAP_THRESHOLD_": 2**25,
     "distributed.nanny.pre-spawn-environ.MALLOC_TRIM_THRESHOLD_": 2**28,
@@ -231,7 +231,7 @@ def _computed(
     try:
         distributed: Any = import_module("distributed")
     except ImportError:
-        raise InputError(f'chunks run on Dask, which is not installed: {CURE}, or scheduler="synchronous"') from None
+        raise InputError(f'chunks need Dask, which is not installed: {CURE}, or scheduler="synchronous"') from None
     with _client(scheduler, workers, len(todo)) as client, _place(client) as place:
         name = f"freebeam-map-{uuid.uuid4().hex}"
         numbers = {f"{name}-{k}": k for k in todo}
@@ -320,7 +320,7 @@ class Store:
         try:
             import zarr
         except ImportError:
-            raise InputError(f"a store needs the package zarr: {CURE}") from None
+            raise InputError(f"a store needs zarr, which is not installed: {CURE}") from None
         self.path = path
         if not path.exists():
             self._create(path, sweep, zarr)
