@@ -82,6 +82,13 @@ class Question:
         return {"alpha": self.alpha, "beta": self.beta, **self.parameters}
 
     @property
+    def direction(self) -> dict[str, float]:
+        """alpha and beta; of a limit of vanishing damping what they are in proportion to."""
+        if self.kappa is None:
+            return {"alpha": self.alpha, "beta": self.beta}
+        return {"alpha": 0.0, "beta": 1.0} if math.isinf(self.kappa) else {"alpha": 1.0, "beta": self.kappa}
+
+    @property
     def pencil(self) -> Pencil:
         """E + P H − s M of the column. Raises InputError where it is not stable without load."""
         return pencil_of(*self.column.matrices(self.modes, False, **self.parameters))
@@ -90,9 +97,7 @@ class Question:
     def factors(self) -> tuple[float, float, float | None]:
         """c_E and c_M of C = c_E E + c_M M, Eq. (12); in a limit of vanishing damping 0, 0 and the ratio c_M/c_E."""
         limit = self.kappa is not None
-        kappa = self.kappa or 0.0
-        direction = (self.alpha, self.beta) if not limit else (0.0, 1.0) if math.isinf(kappa) else (1.0, kappa)
-        c_M, c_E = self.column.damping_factors(*direction, **self.parameters)
+        c_M, c_E = self.column.damping_factors(**self.direction, **self.parameters)
         if not max(c_E, c_M) < LARGEST:  # its square times e must stay a float
             raise InputError(f"alpha = {self.alpha}, beta = {self.beta}: must be below 1e60 to be computed with")
         return (0.0, 0.0, c_M / c_E if c_E else math.inf) if limit else (c_E, c_M, None)
@@ -121,9 +126,9 @@ class Question:
         """C of a limit of vanishing damping, whose size does not count. Raises InputError where another C stays."""
         if self.kappa is None:
             return None
-        dampings = (0.0, 1.0) if math.isinf(self.kappa) else (1.0, self.kappa)
         whole, none = (
-            self.column.coefficients(self.modes, False, *d, **self.parameters).C for d in (dampings, (0.0, 0.0))
+            self.column.coefficients(self.modes, False, *d, **self.parameters).C
+            for d in (self.direction.values(), (0.0, 0.0))
         )
         if any(X.any() for X in none):
             raise InputError(

@@ -16,7 +16,7 @@ from freebeam_sym.columns import Coefficients, Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
-from freebeam_sym.stability.derivatives import load_derivative
+from freebeam_sym.stability.derivatives import crossing_derivative
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.grids import KINDS, Answers
 from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
@@ -79,21 +79,24 @@ class CriticalLoad:
     def gradient(self) -> dict[str, float]:
         """Derivatives of `load` by alpha, beta and the column's own parameters, by name: from the left and right null
         vectors at the crossing, and central differences of the matrices, of fourth order. nan where there is none:
-        where two frequencies meet and the parameter is a damping. Raises InputError where there is no load, or the
-        question is of a limit of vanishing damping.
+        by a damping where two frequencies meet or damping vanishes. Raises InputError where there is no load.
         """
-        if self.load is None or self.frequency is None or self.question.kappa is not None:
-            raise InputError("gradient: of a critical load that there is, and not of a limit of vanishing damping")
+        return {name: self.derivative(name)[0] for name in (*self.question.column.damping, *self.question.parameters)}
+
+    def derivative(self, parameter: str) -> tuple[float, float]:
+        """Derivatives of `load` and of `frequency` by alpha, beta or one of the column's own parameters, as `gradient`
+        has them. Raises InputError where there is no load."""
+        if self.load is None or self.frequency is None:
+            raise InputError("gradient: of a critical load that there is")
         q, P = self.question, self.load
+        if q.kappa is not None and parameter in ("alpha", "beta"):
+            return math.nan, math.nan
         terms = _coefficients(q, {})
-        at, rate = terms.at(P), terms.slope.at(P)
-        found = {}
-        for name in (*q.column.damping, *q.parameters):
-            try:
-                found[name] = load_derivative(self.frequency, at, rate, _change(q, name, P))
-            except InputError:
-                found[name] = math.nan
-        return found
+        change = _change(q, parameter, P)
+        try:
+            return crossing_derivative(self.frequency, terms.at(P), terms.slope.at(P), change, q.kappa is not None)
+        except InputError:
+            return math.nan, math.nan
 
     @property
     def error(self) -> float | None:
@@ -115,8 +118,9 @@ class CriticalLoad:
 
 
 def _coefficients(question: Question, values: dict[str, float]) -> Coefficients:
-    """M, C and K of a question by powers of the load, at other values of some of its parameters."""
-    given: dict[str, Any] = {**question.values, **values}
+    """M, C and K of a question by powers of the load, at other values of some of its parameters; C is the direction of
+    a damping that vanishes."""
+    given: dict[str, Any] = {**question.values, **question.direction, **values}
     return question.column.coefficients(question.modes, False, **given)
 
 

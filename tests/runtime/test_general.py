@@ -11,7 +11,7 @@ import pytest
 import freebeam_sym as fb
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.crossings import first_crossing, first_loss
-from freebeam_sym.stability.derivatives import eigenvalue_derivative, load_derivative
+from freebeam_sym.stability.derivatives import crossing_derivative, eigenvalue_derivative
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil
 
@@ -163,40 +163,44 @@ def triples(seed: int) -> tuple[Matrices, Matrices, Matrices, Matrices]:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_derivative_of_a_critical_load_by_differences(seed: int) -> None:
+def test_derivative_of_a_crossing_by_differences(seed: int) -> None:
     M, C, K, d = triples(seed)
 
-    def load(p: float) -> float:
+    def crossing(p: float) -> np.ndarray:
         system = ([X[0] + p * D, *X[1:]] for X, D in zip((M, C, K), d, strict=True))
-        crossing = first_loss(General(*system)).crossing
-        assert crossing is not None
-        return crossing.load
+        found = first_loss(General(*system)).crossing
+        assert found is not None
+        return np.array([found.load, found.frequency])
 
-    found = first_loss(General(M, C, K)).crossing
-    assert found is not None
-    at = tuple(value(X, found.load) for X in (M, C, K))
-    slope = tuple(value([(k + 1) * A for k, A in enumerate(X[1:])] or [0 * X[0]], found.load) for X in (M, C, K))
-    h = 1e-6 * min(1.0, found.load)
-    derivative = load_derivative(found.frequency, at, slope, tuple(d))
-    assert derivative == pytest.approx((load(h) - load(-h)) / (2 * h), rel=1e-4, abs=1e-6)
+    load, frequency = crossing(0.0)
+    at = tuple(value(X, load) for X in (M, C, K))
+    slope = tuple(value([(k + 1) * A for k, A in enumerate(X[1:])] or [0 * X[0]], load) for X in (M, C, K))
+    h = 1e-6 * min(1.0, load)
+    found = crossing_derivative(frequency, at, slope, tuple(d))
+    assert found == pytest.approx((crossing(h) - crossing(-h)) / (2 * h), rel=1e-4, abs=1e-6)
 
 
-def test_derivative_where_frequencies_meet() -> None:
-    """Ziegler's pendulum with a spring 1 + p at the root; damping makes the load jump and is refused."""
+@pytest.mark.parametrize("vanishing", [False, True])
+def test_derivative_where_frequencies_meet_or_damping_vanishes(vanishing: bool) -> None:
+    """Ziegler's pendulum with a spring 1 + p at the root, without damping and with one that vanishes; damping makes the
+    load jump where frequencies meet, and is refused."""
     M, E, H = ZIEGLER
     spring, zero = np.diag([1.0, 0.0]), np.zeros((2, 2))
+    C = np.array([[2.0, -1], [-1, 1]]) if vanishing else zero
 
-    def flutter(p: float) -> tuple[float, float]:
-        found = first_loss(General([M], [zero], [E + p * spring, H])).crossing
+    def flutter(p: float) -> np.ndarray:
+        found = first_loss(General([M], [C + p * C @ C], [E + p * spring, H], vanishing)).crossing
         assert found is not None
-        return found.load, found.frequency
+        return np.array([found.load, found.frequency])
 
     P, omega = flutter(0.0)
-    at, slope = (M, zero, E + P * H), (zero, zero, H)
-    expected = (flutter(1e-5)[0] - flutter(-1e-5)[0]) / 2e-5
-    assert load_derivative(omega, at, slope, (zero, zero, spring)) == pytest.approx(expected, rel=1e-7)
-    with pytest.raises(InputError, match="frequencies meet"):
-        load_derivative(omega, at, slope, (zero, spring, zero))
+    at, slope = (M, C, E + P * H), (zero, zero, H)
+    expected = (flutter(1e-5) - flutter(-1e-5)) / 2e-5
+    found = crossing_derivative(omega, at, slope, (zero, C @ C, spring), vanishing)
+    assert found == pytest.approx(expected, rel=1e-7)
+    if not vanishing:
+        with pytest.raises(InputError, match="frequencies meet"):
+            crossing_derivative(omega, at, slope, (zero, spring, zero))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -54,5 +54,21 @@ def test_textbook_columns_have_gradients_too() -> None:
         assert rate == pytest.approx((up - down) / (2 * h), rel=1e-5)
     undamped = fb.critical_load(beck, 12, eta=0.8)
     assert math.isnan(undamped.gradient["alpha"]) and math.isfinite(undamped.gradient["eta"])
-    with pytest.raises(fb.InputError, match="vanishing damping"):
-        _ = fb.critical_load(beck, 12, kappa=1.0).gradient
+
+
+@pytest.mark.parametrize("damping", [{}, {"kappa": 0.5}, {"alpha": 1e-3, "beta": 0.1}])
+@pytest.mark.parametrize(("name", "parameter", "value"), [("beck", "eta", 0.8), ("crack", "k", 4.0)])
+def test_frequencies_move_as_their_derivatives_say(
+    name: str, parameter: str, value: float, damping: dict[str, float]
+) -> None:
+    """Where frequencies meet, damping vanishes or is there; the load and the frequency by differences."""
+    column, h = fb.column(name), 1e-4 * value
+
+    def at(p: float) -> fb.CriticalLoad:
+        return fb.critical_load(column, 6, **{parameter: p}, **damping)
+
+    found, up, down = (at(value + k * h) for k in (0, 1, -1))
+    differences = [(getattr(up, x) - getattr(down, x)) / (2 * h) for x in ("load", "frequency")]
+    assert found.derivative(parameter) == pytest.approx(differences, rel=1e-5)
+    if "alpha" not in damping:
+        assert math.isnan(found.gradient["alpha"])
