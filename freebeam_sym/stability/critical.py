@@ -78,8 +78,8 @@ class CriticalLoad:
     @cached_property
     def gradient(self) -> dict[str, float]:
         """Derivatives of `load` by alpha, beta and the column's own parameters, by name: from the left and right null
-        vectors at the crossing, and central differences of the matrices, of fourth order. nan where there is none:
-        by a damping where two frequencies meet or damping vanishes. Raises InputError where there is no load.
+        vectors at the crossing, and central differences of the matrices. nan where there is none: by a damping where
+        two frequencies meet or damping vanishes. Raises InputError where there is no load.
         """
         return {name: self.derivative(name)[0] for name in (*self.question.column.damping, *self.question.parameters)}
 
@@ -134,9 +134,8 @@ def _change(question: Question, name: str, load: float) -> tuple[Real, Real, Rea
     if name in ("alpha", "beta"):  # C is linear in them
         M, C, K = (b - a for a, b in zip(moved(value), moved(value + 1), strict=True))
         return M, C, K
-    h = 1e-3 * max(abs(value), 1e-2)
-    near, far = ([b - a for a, b in zip(moved(value - s), moved(value + s), strict=True)] for s in (h, 2 * h))
-    M, C, K = ((8 * a - b) / (12 * h) for a, b in zip(near, far, strict=True))
+    h = 1e-5 * max(abs(value), 1e-2)  # the crack's place, N = 16: off by 2e-10; by 2e-8 with ten times as much
+    M, C, K = ((b - a) / (2 * h) for a, b in zip(moved(value - h), moved(value + h), strict=True))
     return M, C, K
 
 

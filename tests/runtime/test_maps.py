@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam import cli
-from freebeam.maps.boundaries import _change
+from freebeam.maps.boundaries import _change, _Tracer
+from freebeam_sym.question import Question
 from freebeam_sym.stability import grids, pencil
 from freebeam_sym.stability.critical import settled
 from freebeam_sym.stability.crossings import first_crossing
@@ -347,7 +348,6 @@ def test_points_of_a_boundary_are_first_critical_loads(damping: dict[str, float]
     """Random points against proven loads, those next to the events against the search."""
     column = fb.column("beck", "modes")
     curve = fb.trace_boundary(column, "eta", 0.2, 1.0, modes=6, **damping)
-    assert len(curve.values) > 50
     assert curve.events[0].what == "divergence to flutter"
     for k in np.random.default_rng(3).integers(0, len(curve.values), 5):
         proven = fb.certified_load(column, 6, eta=float(curve.values[k]), **damping)
@@ -363,6 +363,34 @@ def test_points_of_a_boundary_are_first_critical_loads(damping: dict[str, float]
         assert curve.load[k] == pytest.approx(one.load, rel=1e-9)
 
 
+@pytest.mark.parametrize("damping", [{}, {"kappa": 2.0}, {"alpha": 1e-3, "beta": 0.1}])
+def test_a_boundary_lies_on_the_axis_and_has_the_slope_of_its_neighbours(damping: dict[str, float]) -> None:
+    """G = K + iωC − ω²M is singular at its points, and loads found a step aside differ by the slope times the step."""
+    column = fb.column("crack")
+    curve = fb.trace_boundary(column, "k", 0.5, 20.0, modes=5, log=True, **damping)
+    own = {name: x for name, x in damping.items() if name != "kappa"}
+    assert (np.diff(curve.values) > 0).all() and not curve.events
+    for k in range(3, len(curve.values), 13):
+        spring, load, omega = curve.values[k], curve.load[k], curve.frequency[k]
+        s = column.system(5, load, **own, k=spring)
+        size = np.sqrt(np.diag(s.E))
+        G = (s.K + 1j * omega * s.C - omega**2 * s.M) / np.outer(size, size)
+        assert np.linalg.svd(G, compute_uv=False)[-1] < 1e-12
+        down, up = (fb.critical_load(column, 5, k=spring * (1 + h), **damping).load for h in (-1e-4, 1e-4))
+        assert curve.slope[k] == pytest.approx((up - down) / (2e-4 * spring), rel=1e-6)
+
+
+def test_between_points_of_a_boundary_it_is_counted_what_grows() -> None:
+    """What the tangents at two points have half-way is the first loss there, but where another branch takes over."""
+    question = Question.of(fb.column("beck", "modes"), alpha=1.0)
+    for low, high, first in ((0.2, 0.25, True), (1.0, 1.1, False)):
+        tracer = _Tracer(question, "alpha", lambda t, low=low, high=high: (low + t * (high - low), high - low), 1e-3)
+        for t in (0.0, 1.0):
+            tracer.ask(t)
+        assert tracer.confirmed(0.0, 1.0) == first
+        assert (tracer.cubic(0.0, 1.0)[0] == pytest.approx(tracer.ask(0.5).load, rel=1e-5)) == first
+
+
 @pytest.mark.parametrize("modes", [12, 20])
 def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int) -> None:
     """And the verdict: their error against the beam itself is small on either side."""
@@ -375,7 +403,7 @@ def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int
 def test_a_boundary_without_events() -> None:
     curve = fb.trace_boundary(fb.column("euler-pinned", "modes"), "beta", 0.0, 10.0, modes=3)
     assert not curve.events and np.allclose(curve.load, math.pi**2, rtol=1e-12) and (curve.frequency == 0).all()
-    assert len(curve.values) == 65  # of a straight line no interval of the 32 is halved more than once
+    assert len(curve.values) == 33  # of a straight line no interval of the 32 is cut
     curve = fb.trace_boundary(fb.column("free-free", "modes"), "alpha", 1e-6, 10.0, log=True)
     limit = fb.critical_load(fb.column("free-free", "modes"), kappa=0.0).load
     assert not curve.events and curve.load[0] == pytest.approx(limit, rel=1e-9)
