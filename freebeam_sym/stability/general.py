@@ -23,6 +23,7 @@ import numpy as np
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
+from freebeam_sym.stability.equations import newton, shifted, slope, value
 from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
 
 __all__ = ["General"]
@@ -73,7 +74,7 @@ class General:
         self._damping: float = float(np.abs(self.C).max()) if self.damped else 1.0  # its size, so that light is as any
 
     def _at(self, P: float) -> tuple[Real, Real, Real]:
-        return _value(self.M, P), _value(self.C, P), _value(self.K, P)
+        return value(self.M, P), value(self.C, P), value(self.K, P)
 
     def _vector(self, v: Real | Complex) -> Complex:
         q = (self._scale * v).astype(complex)
@@ -90,12 +91,12 @@ class General:
     def _roots(self) -> tuple[float, Complex]:
         """A load at which K is regular, and 1/(P − it) of all P with det K(P) = 0."""
         for base in (0.0, 0.01, 0.0371, 0.293):
-            shifted = _shifted(self.K, base)
-            if np.linalg.cond(shifted[0]) < 1e13:
+            near = shifted(self.K, base)
+            if np.linalg.cond(near[0]) < 1e13:
                 break
         else:
             raise InputError("K is singular at every load: rigid motions that nothing restores must be left out")
-        R, n = -np.linalg.solve(shifted[0], shifted[1:]), self.size
+        R, n = -np.linalg.solve(near[0], near[1:]), self.size
         d = len(R)
         if not d:
             return base, np.zeros(0, complex)
@@ -130,16 +131,16 @@ class General:
 
     def _least(self, P: float) -> float:
         terms = sum(abs(P) ** k * np.linalg.norm(K, 2) for k, K in enumerate(self.K))
-        return float(np.linalg.svd(_value(self.K, P), compute_uv=False)[-1] / terms)
+        return float(np.linalg.svd(value(self.K, P), compute_uv=False)[-1] / terms)
 
     def _divergence(self, load: float) -> Crossing:
         v = np.ones(self.size)
         for _ in range(3):
-            left, _, right = np.linalg.svd(_value(self.K, load))
+            left, _, right = np.linalg.svd(value(self.K, load))
             u, v = left[:, -1], right[-1]
-            slope, residual = float(u @ _value(_slope(self.K), load) @ v), float(u @ _value(self.K, load) @ v)
-            if abs(residual) < CLOSE * abs(slope * load):
-                load -= residual / slope
+            rate, residual = float(u @ value(slope(self.K), load) @ v), float(u @ value(self.K, load) @ v)
+            if abs(residual) < CLOSE * abs(rate * load):
+                load -= residual / rate
         return Crossing(float(load), 0.0, self._vector(v), "divergence")
 
     # --- counts ----------------------------------------------------------------------------------------------------
@@ -304,52 +305,18 @@ class General:
 
     def _newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
         """The flutter near (ω² = w, P, v = a + iωb), of negative frequency where ω² < 0; None where there is none.
-
-        (K − wM) a − w C b = 0, (K − wM) b + C a = 0, c·a = 1, c·b = 0, without w C b where damping
-        vanishes; b and C by the size of C."""
-        n, share = self.size, self._damping**2 * float(self.damped and not self.vanishing)
-        damping = self.C / self._damping if self.damped else self.M
-        slopes = _slope(self.M), _slope(damping), _slope(self.K)
-        c = a / (a @ a)
-        b = (b - (c @ b) * a) / self._damping
-        first, J, r = abs(w), np.zeros((2 * n + 2, 2 * n + 2)), np.zeros(2 * n + 2)
-        before, astray = math.inf, 0
-        for _ in range(25):
-            M, C, K = _value(self.M, P), _value(damping, P), _value(self.K, P)
-            dM, dC, dK = (_value(X, P) for X in slopes)
-            G, dG = K - w * M, dK - w * dM
-            J[:n, :n] = J[n : 2 * n, n : 2 * n] = G
-            J[:n, n : 2 * n], J[n : 2 * n, :n] = -share * w * C, C
-            J[: 2 * n, 2 * n] = np.concatenate([-M @ a - share * (C @ b), -M @ b])
-            J[: 2 * n, 2 * n + 1] = np.concatenate([dG @ a - share * w * (dC @ b), dG @ b + dC @ a])
-            J[2 * n, :n] = J[2 * n + 1, n : 2 * n] = c
-            r[:] = J[:, : 2 * n] @ np.concatenate([a, b])
-            r[2 * n] -= 1
-            try:
-                change = np.linalg.solve(J, r)
-            except np.linalg.LinAlgError:
-                return None
-            a, b, w, P = a - change[:n], b - change[n : 2 * n], w - float(change[2 * n]), P - float(change[-1])
-            astray = 0 if w > -1e-7 * first and P > 0 else astray + 1
-            step = abs(change[2 * n]) / (abs(w) + 1e-7 * first) + abs(change[-1] / P) if P else math.inf
-            if astray > 3 or not step < 1e6:
-                return None
-            if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
-                omega = math.sqrt(w) if w > 0 else 0.0 if w > -1e-13 * first else -1.0
-                return (
-                    Crossing(P, omega, self._vector(a + 1j * math.sqrt(share) * omega * b), "flutter")
-                    if P > 0
-                    else None
-                )
-            before = step
-        return None
+        Without damping, and where it vanishes, v = a."""
+        damping, size = (self.C / self._damping, self._damping) if self.damped else (self.M, 0.0)
+        size = 0.0 if self.vanishing else size
+        root = newton(self.M, damping, self.K, size, w, P, a, b / self._damping, abs(w))
+        return None if root is None else Crossing(root[1], root[0], self._vector(root[2]), "flutter")
 
     def rounding(self, crossing: Crossing) -> float:
         """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order: with
         the null vectors u, v of G = K + iωC − ω²M, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
         without damping uᴴG_ω v = 0, and one part is left."""
         P, omega = crossing.load, crossing.frequency
-        (M, C, K), (dM, dC, dK) = self._at(P), (_value(_slope(X), P) for X in (self.M, self.C, self.K))
+        (M, C, K), (dM, dC, dK) = self._at(P), (value(slope(X), P) for X in (self.M, self.C, self.K))
         share = 0.0 if self.vanishing else 1.0
         G = K + 1j * omega * share * C - omega**2 * M
         left, _, right = np.linalg.svd(G)
@@ -414,7 +381,7 @@ class _States(_Operator):
         V = np.concatenate([V[n:], lam * V[n:]])  # (v, λv)
         V = V / np.sqrt(np.abs((V[:n].conj() * (problem._at(P)[0] @ V[:n])).sum(axis=0)))
         self.V = np.concatenate([V[:, :k].real, V[:, :k].imag, V[:, k:].real], axis=1)
-        M, C, K = (_shifted(X, P, unit) for X in (problem.M, problem.C, problem.K))
+        M, C, K = (shifted(X, P, unit) for X in (problem.M, problem.C, problem.K))
         W = np.linalg.inv(_blocks(n, np.eye(n), M[0]) @ self.V)
         self.A, self.B = [], []
         for j in range(max(len(M), len(C), len(K))):
@@ -485,8 +452,8 @@ class _Vanishing(_Operator):
 
     def __init__(self, problem: General, P: float, unit: float, light: float = math.inf) -> None:
         self.problem, self.P, self.unit = problem, P, unit
-        M, K = _shifted(problem.M, P, unit), _shifted(problem.K, P, unit)
-        D = _shifted(problem.C / problem._damping if problem.damped else problem.M, P, unit)
+        M, K = shifted(problem.M, P, unit), shifted(problem.K, P, unit)
+        D = shifted(problem.C / problem._damping if problem.damped else problem.M, P, unit)
         inverse, V = np.linalg.eig(np.linalg.solve(K[0], M[0]))
         if np.iscomplexobj(inverse) or not (inverse > 0).all():
             raise np.linalg.LinAlgError("not stable")
@@ -564,28 +531,6 @@ def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -
     with np.errstate(invalid="ignore"):
         limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
-
-
-def _value(X: Real, P: float) -> Real:
-    """A polynomial of matrices at a load."""
-    total = X[-1]
-    for A in X[-2::-1]:
-        total = A + P * total
-    return np.asarray(total)
-
-
-def _slope(X: Real) -> Real:
-    """Derivative by the load, by powers of it."""
-    return X[1:] * np.arange(1, len(X))[:, None, None] if len(X) > 1 else np.zeros_like(X)
-
-
-def _shifted(X: Real, P: float, unit: float = 1.0) -> Real:
-    """By powers of p, where the load is P + unit·p."""
-    X = X.copy()
-    for low in range(len(X) - 1):
-        for k in range(len(X) - 2, low - 1, -1):
-            X[k] += P * X[k + 1]
-    return np.asarray(X * float(unit) ** np.arange(len(X))[:, None, None])
 
 
 def _blocks(n: int, first: Real, second: Real) -> Real:

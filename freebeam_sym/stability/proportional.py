@@ -10,7 +10,7 @@ Sturmfels 1997). The blocks of X are made of S = −ω Re(v vᴴ) = Sᵀ and Y =
 
 linear in P, and regular down to size = 0, the limit of vanishing damping. At P = 0 each pair of modes stands alone, so
 this is z = P T z, and T z costs two products of N × N matrices (`_Operator`). Arnoldi's method finds the eigenvalues
-1/P of greatest modulus (`Krylov`), Newton's method makes them exact (`newton`).
+1/P of greatest modulus (`Krylov`), Newton's method makes them exact (`equations.newton`).
 On the boundary λ = iω the equations are real and regular down to vanishing damping, so that the limit is no special
 case. Eqs. (12), (24), (25).
 """
@@ -27,10 +27,11 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
+from freebeam_sym.stability.equations import newton
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Complex, Crossing, Event, Real
 
-__all__ = ["LIGHTEST_SCAN", "Proportional", "newton"]
+__all__ = ["LIGHTEST_SCAN", "Proportional"]
 
 LIGHTEST_STATE = 1e-7
 """Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
@@ -143,18 +144,25 @@ class Proportional:
         there is none. size: of the damping that the motion belongs to, where that is another."""
         square = v @ v
         v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
-        root = newton(self, omega**2, load, v.real.copy(), v.imag / (omega * (size or self.size or 1.0)))
-        if root is None or root[1] <= 0:
-            return None
-        found = self.crossing(root)
-        return found if found.frequency > 0 else None
+        found = self.newton(omega**2, load, v.real.copy(), v.imag / (omega * (size or self.size or 1.0)))
+        return found if found is not None and found.frequency > 0 else None
 
-    def crossing(self, root: tuple[float, float, Real, Real]) -> Crossing:
-        """The flutter that a root of `newton` stands for; its frequency is −1 where ω² < 0."""
-        square, load, a, b = root
-        rounding = 1e-13 * float(self.pencil.e[0])
-        omega = 0.0 if abs(square) <= rounding else math.sqrt(square) if square > 0 else -1.0
-        return Crossing(load, omega, self.pencil.vector(a + 1j * omega * self.size * b), "flutter")
+    def newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
+        """The flutter near (ω² = w, P, v = a + iω·size·b) in the basis of the pencil, of negative frequency where
+        ω² < 0; None where there is none."""
+        p = self.pencil
+        root = newton(
+            np.eye(p.size)[None],
+            np.diag(self.shape)[None],
+            np.array([np.diag(p.e), p.H]),
+            self.size,
+            w,
+            P,
+            a,
+            b,
+            p.e[0],
+        )
+        return None if root is None else Crossing(root[1], root[0], p.vector(root[2]), "flutter")
 
     def rounding(self, crossing: Crossing) -> float:
         """By how much a crossing's load may be off, relative, for the rounding of E + P H, to first order.
@@ -177,57 +185,6 @@ class Proportional:
         else:
             moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
         return float(min(moved / load, 1.0))
-
-
-def newton(
-    problem: Proportional, w: float, P: float, a: Real, b: Real, steps: int = 25
-) -> tuple[float, float, Real, Real] | None:
-    """Root of the boundary equations near (w = ω², P, a, b), to rounding; None where the iteration does not settle.
-
-    With v = a + iω·size·b, A = diag(e − w) + P H and D = diag(shape), (A + iω·size·D) v = 0 reads
-
-        A a − w size² D b = 0,    A b + D a = 0,    c·a = 1,  c·b = 0
-
-    real, polynomial, and regular down to size = 0, where it is the limit of vanishing damping: uᵀ D a = 0 with u
-    the left null vector of A (D = I: the coalescence; D = E: the tangent rule P s′ = s).
-    """
-    pencil, D = problem.pencil, problem.shape
-    n, e = pencil.size, pencil.e
-    m, i = 2 * n, np.arange(n)
-    c = a / (a @ a)
-    x = np.concatenate([a, b - (c @ b) * a])
-    # all equations at once are (F + w G + P L) x = (0, …, 0, 1, 0), rows scaled to the size of their mode
-    F, G, L = (np.zeros((m + 2, m)) for _ in range(3))
-    scale = 1 / (e + abs(w))
-    F[i, i] = F[n + i, n + i] = scale * e
-    F[n + i, i] = scale * D
-    F[m, :n] = F[m + 1, n:] = c
-    G[i, i] = G[n + i, n + i] = -scale
-    G[i, n + i] = -scale * problem.size**2 * D
-    L[:n, :n] = L[n:m, n:] = scale[:, None] * pencil.H
-    J = np.empty((m + 2, m + 2))
-    before, astray, tiny = math.nan, 0, 1e-7 * float(e[0])  # one step alone says nothing of the next
-    for _ in range(steps):
-        J[:, :m] = F + w * G + P * L
-        r = J[:, :m] @ x
-        r[m] -= 1
-        J[:, m], J[:, m + 1] = G @ x, L @ x
-        try:
-            change = np.linalg.solve(J, r)
-        except np.linalg.LinAlgError:
-            return None
-        x = x - change[:m]
-        w, P = w - float(change[m]), P - float(change[m + 1])
-        astray = 0 if w > -tiny and P > 0 else astray + 1
-        # where ω goes to zero its square is judged beside that of mode 1
-        step = abs(change[m]) / (abs(w) + tiny) + abs(change[m + 1] / P) if P else math.inf
-        if astray > 3 or not step < 1e6:
-            return None
-        # rounding reached: the next step, by the law of the last two, would be below it, or steps no longer shrink
-        if step < 1e-9 and (step * (step / before) ** 2 < 1e-16 or step > before / 4):
-            return w, P, x[:n], x[n:]
-        before = step
-    return None
 
 
 class _Operator:
@@ -305,7 +262,5 @@ def _flutter(problem: Proportional, operator: _Operator, mu: float, z: Real) -> 
     a = vectors[:, top]
     b = -(Y @ a) / sizes[top]
     square = a @ (pencil.e * a + load * (pencil.H @ a)) / (a @ a + problem.size**2 * (a @ (problem.shape * b)))
-    root = newton(problem, float(square), load, a, b)
-    if root is None or not abs(root[1] * mu - 1) < NEAR:
-        return None
-    return problem.crossing(root)
+    found = problem.newton(float(square), load, a, b)
+    return found if found is not None and abs(found.load * mu - 1) < NEAR else None

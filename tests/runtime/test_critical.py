@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam.proofs import enclosed_load
-from freebeam_sym.stability import proportional
 from freebeam_sym.stability.arnoldi import Krylov
 from freebeam_sym.stability.convergence import digits_that_hold
 from freebeam_sym.stability.critical import _refined, critical_load
@@ -24,7 +23,7 @@ from freebeam_sym.stability.crossings import _in_order, first_crossing, first_lo
 from freebeam_sym.stability.crossings import scan as scan_for
 from freebeam_sym.stability.pencil import Pencil, diagonalise
 from freebeam_sym.stability.problem import NEAR, Crossing, Event
-from freebeam_sym.stability.proportional import ROUNDING, Proportional, _Operator, newton
+from freebeam_sym.stability.proportional import ROUNDING, Proportional, _Operator
 from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
@@ -593,14 +592,15 @@ def test_newtons_method_starts_from_the_eigenvector_itself(name: str, modes: int
     """The frequency that is read from an eigenvector of T is the flutter's, however strong the damping."""
     problem, starts = Proportional(pencil(name, modes), alpha, beta), []
 
-    def recorded(problem: Proportional, w: float, P: float, a: np.ndarray, b: np.ndarray) -> object:
-        root = newton(problem, w, P, a, b)
-        if root is not None and abs(root[1] / P - 1) < 1e-6:
-            starts.append((w, root[0]))
-        return root
+    def recorded(problem: Proportional, w: float, P: float, a: np.ndarray, b: np.ndarray) -> Crossing | None:
+        found = newton(problem, w, P, a, b)
+        if found is not None and abs(found.load / P - 1) < 1e-6:
+            starts.append((w, found.frequency**2))
+        return found
 
+    newton = Proportional.newton
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(proportional, "newton", recorded)
+        patch.setattr(Proportional, "newton", recorded)
         found = next(iter(problem.flutters(1000.0)), None)
     if found is not None and found.crossing.frequency > 0.01:
         assert starts and min(abs(start / end - 1) for start, end in starts) < 1e-4
