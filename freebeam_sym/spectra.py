@@ -1,4 +1,4 @@
-"""Eigenvalues of a system, Eqs. (24)-(26), and their branches followed along the load.
+"""Eigenvalues of a system, Eqs. (24)-(26).
 
 "Stable" means the elastic spectrum. With rigid functions the matrices are block triangular, so the elastic
 eigenvalues stay what they are, and λ = 0 joins them, defective: the free beam drifts at any load.
@@ -7,7 +7,7 @@ eigenvalues stay what they are, and λ = 0 joins them, defective: the free beam 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, computable, reals, refusal
+from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import is_column, is_system
 from freebeam_sym.massless import reduced, without_mass
 from freebeam_sym.stability.pencil import diagonalise
@@ -23,7 +23,7 @@ from freebeam_sym.stability.pencil import diagonalise
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
 
-__all__ = ["Branches", "Spectrum", "branches", "eigenvalues", "spectrum", "state_matrix"]
+__all__ = ["Spectrum", "eigenvalues", "proportional_damping", "spectrum", "state_matrix"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -38,12 +38,6 @@ AGREED = 1e-4
 """Relative difference up to which eigenvalues of two series are the same one."""
 MOST_COMPARED = 60
 """Polynomials that eigenvalues are compared with, at most: beyond, rounding grows faster than the error falls."""
-CLEAR = 0.1
-"""Share of the distance to the nearest other eigenvalue, up to which a predicted eigenvalue is taken as found."""
-MOST_STEPS = 5_000
-"""Loads between two given ones at which `branches` looks, at most; a coalescence takes some forty."""
-MOST_CUTS = 40
-"""How often `branches` halves an interval between two given loads before it takes the match as it stands."""
 
 
 def state_matrix(M: Any, C: Any, K: Any) -> Real:
@@ -92,7 +86,7 @@ class Spectrum:
         # to first order; where two meet, the root of rounding
         off = size * np.minimum(EPSILON * condition, math.sqrt(EPSILON))
         relative = np.divide(off, np.abs(found), out=np.zeros(len(found)), where=found != 0)
-        return self._of_all(relative[_order(found)])
+        return self._of_all(relative[sorting(found)])
 
     @cached_property
     def error(self) -> Real:
@@ -169,8 +163,8 @@ def spectrum(system: System) -> Spectrum:
     E, B, elastic, vectors = _elastic(system)
     eigenvalues, full = elastic, B @ vectors
     if system.rigid_count:
-        eigenvalues, full = _with_rigid(system, elastic, full)
-    order, order_e = _order(eigenvalues), _order(elastic)
+        eigenvalues, full = with_rigid(system, elastic, full)
+    order, order_e = sorting(eigenvalues), sorting(elastic)
     e = slice(system.rigid_count, None)
     reference = None if without_mass(system.M[e, e]) else _reference(E, B.T @ system.C[e, e] @ B)
     places = np.argsort(order)[order_e]
@@ -205,7 +199,7 @@ def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
     M = system.M[e, e]
     E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    values, vectors = _massless(B.T @ M @ B, C, E + load) if without_mass(M) else _eigen(C, E + load)[:2]
+    values, vectors = massless(B.T @ M @ B, C, E + load) if without_mass(M) else eigen(C, E + load)[:2]
     return E, B, values, vectors
 
 
@@ -227,7 +221,7 @@ def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
         return B.T @ E @ B, B
 
 
-def _eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]:
+def eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]:
     """λ (2n,), q̂ (n, 2n) and left vectors û (2n, n) of q̈ + C q̇ + K q = 0, any order, with û (2λ + C) q̂ = 1. Without
     damping from s = −λ², n × n: Re λ of a stable beam is then exactly 0."""
     n = len(K)
@@ -242,21 +236,11 @@ def _eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]
     return values, np.hstack([V, V]).astype(complex), left
 
 
-def _massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
+def massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
     """λ (m,) and q̂ (n, m) where M is singular."""
     found = reduced(M, C, K)
     values, W = np.linalg.eig(found.matrix)
     return values.astype(complex), (found.states[: len(M)] @ W).astype(complex)
-
-
-def _with_left(M: Real, C: Real, K: Real) -> tuple[Complex, Complex, Complex]:
-    """The same with û (m, n), û (2λM + C) q̂ = 1."""
-    values, V = _massless(M, C, K)
-    lam = values[:, None, None]
-    U = np.linalg.svd(lam**2 * M + lam * C + K)[0][:, :, -1].conj()
-    with np.errstate(divide="ignore", invalid="ignore"):
-        U = U / np.einsum("kj,kji,ik->k", U, 2 * lam * M + C, V)[:, None]
-    return values, V, U
 
 
 def _left(V: Any) -> Any:
@@ -266,16 +250,16 @@ def _left(V: Any) -> Any:
         return np.linalg.pinv(V)
 
 
-def _with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
+def with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Complex, Complex]:
     """λ (2n,) and q̂ (n, 2n) of the whole system from those of the elastic functions: these with the rigid motion that
     they drive, then the rigid block's in their order."""
     M, C, K, r = system.M, system.C, system.K, system.rigid_count
     n = len(K)
     coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
     if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
-        return _massless(M, C, K) if without_mass(M) else _eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
-    rigid, shapes, _ = _eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
-    order = _order(rigid)
+        return massless(M, C, K) if without_mass(M) else eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
+    rigid, shapes, _ = eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
+    order = sorting(rigid)
     full = np.zeros((n, len(elastic) + len(rigid)), dtype=complex)
     full[r:, : len(elastic)] = vectors
     lam = elastic[:, None, None]
@@ -290,7 +274,7 @@ def _with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Com
     return np.concatenate([elastic, rigid[order]]), full
 
 
-def _order(values: Complex) -> NDArray[np.intp]:
+def sorting(values: Complex) -> NDArray[np.intp]:
     """By |Im|, Re, Im; |Im| compared to rounding, so that a conjugate pair stays together."""
     size = np.abs(values).max(initial=0.0)
     digits = np.round(np.abs(values.imag) / (size * 1e-13)) if size > 0 else values.imag
@@ -342,7 +326,7 @@ def eigenvalues(
         rows = [_elastic(system)[2] for system in systems]
         if len({len(row) for row in rows}) > 1:
             raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
-        return np.array([row[_order(row)] for row in rows]).reshape(*arrays[0].shape, -1)
+        return np.array([row[sorting(row)] for row in rows]).reshape(*arrays[0].shape, -1)
     size = 2 * modes
     found = np.empty((n, size), dtype=complex)
     block = max(1, 2**20 // size**2)  # states at a time
@@ -357,12 +341,12 @@ def eigenvalues(
             K = E + points["load"][part, None, None] * H
             found[part] = _values(K, c_M * np.eye(modes) + c_E * E)
     for row in found:
-        row[:] = row[_order(row)]
+        row[:] = row[sorting(row)]
     return found.reshape(*arrays[0].shape, size)
 
 
 def _values(K: Real, C: Real) -> Complex:
-    """λ (m, 2n) of q̈ + C q̇ + K q = 0, each (m, n, n). Undamped ones from s = −λ², as in `_eigen`."""
+    """λ (m, 2n) of q̈ + C q̇ + K q = 0, each (m, n, n). Undamped ones from s = −λ², as in `eigen`."""
     m, n = len(K), K.shape[1]
     values = np.empty((m, 2 * n), dtype=complex)
     free = ~C.any(axis=(1, 2))
@@ -375,196 +359,3 @@ def _values(K: Real, C: Real) -> Complex:
     if len(A):
         values[~free] = np.linalg.eigvals(A)
     return values
-
-
-@dataclass(frozen=True)
-class Branches:
-    """Eigenvalues followed along the load: `loads` (m,), `eigenvalues` (m, 2n), column k the same branch at every
-    load, and `vectors` (m, n, 2n) alike, or None. Columns are numbered as `spectrum` sorts them at the first
-    load. Nondimensional."""
-
-    loads: Real
-    eigenvalues: Complex
-    vectors: Complex | None = field(repr=False, default=None)
-    errors: Callable[[], Real] | None = field(repr=False, compare=False, default=None)
-
-    @cached_property
-    def error(self) -> Real:
-        """Estimated error of each of `eigenvalues` (m, 2n) against the beam's own, relative, as `Spectrum.error` but
-        for rounding; computed when first asked for."""
-        return np.full(self.eigenvalues.shape, np.nan) if self.errors is None else self.errors()
-
-
-def branches(
-    column: Column,
-    loads: ArrayLike,
-    modes: int | None = None,
-    alpha: float = 0.0,
-    beta: float = 0.0,
-    rigid: bool = False,
-    vectors: bool = False,
-    **parameters: float,
-) -> Branches:
-    """The eigenvalues at each of `loads` (m,), any order, so arranged that each column is continuous along the load.
-
-    From each load to the next, eigenvalues are matched by the trapezoid rule with dλ/dP from left and right
-    eigenvectors, and the interval is halved where the match is not clear. Where two meet and part on other axes (an
-    undamped coalescence, a pair that becomes overdamped), no labelling is the right one; then, of the two that part,
-    the one with the greater real part, or imaginary part where real parts agree, goes on with the smaller number.
-    Raises InputError for loads that are not finite, or too far apart to follow branches from one to the next.
-    """
-    is_column(column)
-    P = np.atleast_1d(reals("loads", loads))
-    if P.ndim != 1 or not len(P):
-        raise refusal("loads", loads, "must be finite numbers, one or more, in a sequence of shape (m,)")
-    computable("loads", float(np.abs(P).max()))
-    modes = column.number(modes)
-    system = column.system(modes, 0.0, alpha, beta, rigid, **parameters)
-    follower = _Follower(system)
-    states = [follower.at(P[0])]
-    for load in P[1:]:
-        follower.left = MOST_STEPS
-        states.append(follower.follow(states[-1], follower.at(load)))
-    pairs = [(x.values, x.vectors) for x in states]
-    if system.rigid_count:
-        pairs = [_with_rigid(follower.whole(x.load), x.values, x.vectors) for x in states]
-    values, shapes = (np.array(part) for part in zip(*pairs, strict=True))
-    order = _order(values[0])
-
-    def errors() -> Real:
-        own = {name: float(value) for name, value in parameters.items()}
-        elastic = order < 2 * (len(system.M) - system.rigid_count)
-        found = np.zeros(values.shape)
-        found[:, elastic] = beam_errors(column, values[:, order[elastic]], P, modes, alpha, beta, own)
-        return found
-
-    shapes = shapes[:, :, order]
-    shapes = shapes / np.take_along_axis(shapes, np.abs(shapes).argmax(axis=1)[:, None], axis=1)
-    return Branches(P, values[:, order], shapes if vectors else None, errors)
-
-
-@dataclass(frozen=True)
-class _State:
-    """Eigenvalues at a load, each at its branch's place, with dλ/dP, and q̂ in columns."""
-
-    load: float
-    values: Complex
-    rates: Complex
-    vectors: Complex
-
-    def take(self, order: Places) -> _State:
-        return _State(self.load, self.values[order], self.rates[order], self.vectors[:, order])
-
-
-class _Follower:
-    """Follows the eigenvalues of a system's elastic functions along the load."""
-
-    def __init__(self, system: System) -> None:
-        e = slice(system.rigid_count, None)
-        self.system, self.left = system, MOST_STEPS
-        self.E, self.basis = coordinates(system.M[e, e], system.E[e, e])
-        self.M = self.basis.T @ system.M[e, e] @ self.basis if without_mass(system.M[e, e]) else None
-        column, given = system.column, (system.alpha, system.beta)
-        terms = column.coefficients(system.modes, False, *given, **system.parameters)
-        if len(terms.M) > 1:
-            raise InputError(f"{column.name}: its mass depends on the load, so that branches are not followed")
-        self.C, self.K = (tuple(self.basis.T @ X @ self.basis for X in part) for part in (terms.C, terms.K[1:]))
-
-    def whole(self, load: float) -> System:
-        """The system with its rigid functions at a load."""
-        s = self.system
-        return s.column.system(s.modes, load, s.alpha, s.beta, s.rigid, **s.parameters)
-
-    def at(self, load: float) -> _State:
-        """Eigenvalues at a load, sorted as `spectrum` sorts them."""
-        nothing = np.zeros_like(self.E)
-        C = sum((load**k * X for k, X in enumerate(self.C)), nothing)
-        K = self.E + sum((load**k * X for k, X in enumerate(self.K, 1)), nothing)
-        values, V, U = _eigen(C, K) if self.M is None else _with_left(self.M, C, K)
-        # dλ/dP = −û (λ dC/dP + dK/dP) q̂
-        slopes = [
-            sum((k * load ** (k - 1) * X for k, X in terms), nothing)
-            for terms in ([*enumerate(self.C)][1:], [*enumerate(self.K, 1)])
-        ]
-        with np.errstate(invalid="ignore"):
-            moved = np.einsum("kj,ji,ik->k", U, slopes[1], V)
-            if len(self.C) > 1:
-                moved = moved + values * np.einsum("kj,ji,ik->k", U, slopes[0], V)
-            rates = np.nan_to_num(-moved)
-        return _State(float(load), values, rates, self.basis @ V).take(_order(values))
-
-    def follow(self, a: _State, b: _State, depth: int = 0) -> _State:
-        """State b in the order of a."""
-        order = _match(a, b, last=depth >= MOST_CUTS)
-        if order is not None:
-            return b.take(order)
-        self.left -= 1
-        if self.left < 0:
-            raise InputError(
-                f"loads: from {a.load:g} on, branches cannot be told apart in {MOST_STEPS} steps to the next load; "
-                "give loads that are closer to one another"
-            )
-        middle = self.follow(a, self.at((a.load + b.load) / 2), depth + 1)
-        return self.follow(middle, b, depth + 1)
-
-
-def _match(a: _State, b: _State, last: bool) -> Places | None:
-    """For each branch the place in b that goes on with it; None where that is not clear and not the last chance."""
-    h = b.load - a.load
-    with np.errstate(over="ignore", invalid="ignore"):  # of rates without bound, where two meet
-        off = np.nan_to_num(np.abs(b.values - a.values[:, None] - h / 2 * (a.rates[:, None] + b.rates)), nan=np.inf)
-    order: Places = off.argmin(axis=1)
-    k = np.arange(len(order))
-    gap = np.minimum(_gap(a.values), _gap(b.values)[order])
-    clear = (off.argmin(axis=0)[order] == k) & (off[k, order] <= CLEAR * gap)
-    if clear.all():
-        return order
-    open_a, open_b = k[~clear], np.setdiff1d(k, order[clear])
-    parted = _parted(a, b, open_a, open_b)
-    if parted is not None:
-        order[open_a] = parted
-    elif last or h == 0:
-        from scipy.optimize import linear_sum_assignment
-
-        order[open_a] = open_b[linear_sum_assignment(np.abs(b.values[open_b] - a.values[open_a][:, None]))[1]]
-    else:
-        return None
-    return order
-
-
-def _gap(values: Complex) -> Real:
-    """Distance of each value from its nearest neighbour."""
-    gap = np.abs(values - values[:, None])
-    np.fill_diagonal(gap, np.inf)
-    return np.asarray(gap.min(axis=0))
-
-
-def _parted(a: _State, b: _State, in_a: Places, in_b: Places) -> Places | None:
-    """Places in b for the branches `in_a`, where they meet in pairs and part on other axes; None where they do not.
-
-    Then (λ₁ − λ₂)² is real and changes its sign, while λ₁ + λ₂ stays smooth.
-    """
-    if len(in_a) == 4:  # the same above the real axis and below it
-        found = np.zeros(4, dtype=np.intp)
-        for side in (1, -1):
-            here, there = a.values[in_a].imag * side > 0, b.values[in_b].imag * side > 0
-            half = _parted(a, b, in_a[here], in_b[there]) if here.sum() == 2 else None
-            if half is None:
-                return None
-            found[here] = half
-        return found
-    if len(in_a) != 2 or len(in_b) != 2:
-        return None
-    squares = np.array([(x.values[k[0]] - x.values[k[1]]) ** 2 for x, k in ((a, in_a), (b, in_b))])
-    if (np.abs(squares.imag) > 1e-6 * np.abs(squares)).any() or not np.prod(squares.real) < 0:
-        return None
-    sums = [x.values[k].sum() for x, k in ((a, in_a), (b, in_b))]
-    gap = min(
-        np.abs(np.delete(x.values, k) - total / 2).min(initial=np.inf)
-        for x, k, total in ((a, in_a, sums[0]), (b, in_b, sums[1]))
-    )
-    slope = (a.rates[in_a].sum() + b.rates[in_b].sum()) / 2
-    # away from the others by twice their own distance; a tenth of the distance to these for the mean of the two
-    if abs(sums[1] - sums[0] - (b.load - a.load) * slope) > 2 * CLEAR * gap or np.abs(squares).max() ** 0.5 > 2 * gap:
-        return None
-    return np.asarray(in_b[np.lexsort((-b.values[in_b].imag, -b.values[in_b].real))])

@@ -17,6 +17,7 @@ import freebeam_sym as _runtime
 if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
     from freebeam.exact_ranges import ExactPiece, ExactRange, OpenPiece, exact_range
+    from freebeam.loci import Branches, branches
     from freebeam.maps.boundaries import Boundary, BoundaryEvent, trace_boundary
     from freebeam.maps.labelled import stability_map
     from freebeam.own import column, column_names
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
     from freebeam.pulsating import PulsatingRegion, PulsatingRegions, pulse
     from freebeam.vehicles import Vehicle, vehicle
     from freebeam_sym import (
-        Branches,
         Column,
         CriticalLoad,
         CriticalLoads,
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
         Response,
         Spectrum,
         System,
-        branches,
         critical_load,
         critical_loads,
         eigenvalues,
@@ -77,6 +76,7 @@ __all__ = [
 # module, because importing the module would put it in the name's place.
 _HOMES = {
     "own": ["column", "column_names"],
+    "loci": ["branches", "Branches"],
     "maps.labelled": ["stability_map"],
     "maps.boundaries": ["trace_boundary", "Boundary", "BoundaryEvent"],
     "pulsating": ["pulse", "PulsatingRegions", "PulsatingRegion"],

@@ -11,7 +11,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam_sym.spectra import branches, spectrum, state_matrix
+from freebeam.loci import branches
+from freebeam_sym.spectra import spectrum, state_matrix
 
 NAMES = ("free-free", "beck", "euler-pinned")
 DAMPINGS = [(0.0, 0.0), (1e-3, 0.1), (1e-6, 0.0), (0.1, 0.0), (10.0, 0.0), (0.0, 30.0), (1e-3, 900.0)]

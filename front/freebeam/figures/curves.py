@@ -12,9 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebeam.loci import branches
 from freebeam_sym.checks import InputError, count, positive
 from freebeam_sym.question import Question
-from freebeam_sym.spectra import ROUNDING, branches, spectrum
+from freebeam_sym.spectra import ROUNDING, spectrum
 from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
