@@ -306,27 +306,22 @@ def eigenvalues(
 
     Raises InputError for bad values and for shapes that do not broadcast.
     """
-    from freebeam_sym.stability.grids import alike, checked_axes
+    from freebeam_sym.stability.grids import alike, broadcast, checked_axes
 
     is_column(column)
     modes = column.number(modes)
     P = reals("load", load)
     computable("load", float(np.abs(P).max(initial=0.0)))
     values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
-    try:
-        arrays = np.broadcast_arrays(*values.values())
-    except ValueError:
-        shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
-        raise InputError(f"shapes do not broadcast: {shapes}") from None
-    points = {name: array.ravel() for name, array in zip(values, arrays, strict=True)}
-    n = arrays[0].size
+    points, shape = broadcast(values)
+    n = len(points["load"])
     if column.general:
         each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
         systems = (column.system(modes, **each) for each in each_given)
         rows = [_elastic(system)[2] for system in systems]
         if len({len(row) for row in rows}) > 1:
             raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
-        return np.array([row[sorting(row)] for row in rows]).reshape(*arrays[0].shape, -1)
+        return np.array([row[sorting(row)] for row in rows]).reshape(*shape, -1)
     size = 2 * modes
     found = np.empty((n, size), dtype=complex)
     block = max(1, 2**20 // size**2)  # states at a time
@@ -342,7 +337,7 @@ def eigenvalues(
             found[part] = _values(K, c_M * np.eye(modes) + c_E * E)
     for row in found:
         row[:] = row[sorting(row)]
-    return found.reshape(*arrays[0].shape, size)
+    return found.reshape(*shape, size)
 
 
 def _values(K: Real, C: Real) -> Complex:

@@ -26,12 +26,12 @@ from freebeam_sym.question import Question
 from freebeam_sym.stability.continuation import continued
 from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import Kind, Real
+from freebeam_sym.stability.problem import Crossing, Kind, Real
 from freebeam_sym.stability.surface import FEW, surface_of
 
 __all__ = [
-    "KINDS", "Answers", "CriticalLoads", "alike", "checked_axes", "critical_loads", "solve", "solve_grid",
-    "solve_points",
+    "KINDS", "Answers", "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "crossed", "solve",
+    "solve_grid", "solve_points",
 ]  # fmt: skip
 
 KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
@@ -49,9 +49,21 @@ class Answers(NamedTuple):
         """The answers of some points."""
         return Answers(self.load[which], self.frequency[which], self.kind[which])
 
-    def flat(self) -> Answers:
-        """The same as arrays of one dimension."""
-        return Answers(self.load.ravel(), self.frequency.ravel(), self.kind.ravel())
+    def shaped(self, *shape: int) -> Answers:
+        """The same as arrays of another shape."""
+        return Answers(self.load.reshape(shape), self.frequency.reshape(shape), self.kind.reshape(shape))
+
+    def put(self, at: Any, found: Crossing | None) -> None:
+        """Write down the answer of a point."""
+        plain = (math.nan, math.nan, 0)
+        if found is not None:
+            plain = found.load, found.frequency, KINDS.index(found.kind)
+        self.load[at], self.frequency[at], self.kind[at] = plain
+
+    @staticmethod
+    def none(*shape: int) -> Answers:
+        """Of points where nothing is lost."""
+        return Answers(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
 
 
 def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
@@ -111,19 +123,24 @@ def critical_loads(
     """
     question = Question.of(column, modes, load_max=load_max)
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
+    points, shape = broadcast(values)
+    found = solve_points(question, points).shaped(*shape)
+    return CriticalLoads(found.load, found.frequency, np.array(KINDS)[found.kind], question)
+
+
+def broadcast(values: Mapping[str, Real]) -> tuple[dict[str, Real], tuple[int, ...]]:
+    """Arrays that broadcast, each (n,), by name, and their shape. Raises InputError where they do not."""
     try:
         arrays = np.broadcast_arrays(*values.values())
     except ValueError:
         shapes = ", ".join(f"{name} {array.shape}" for name, array in values.items())
         raise InputError(f"shapes do not broadcast: {shapes}") from None
-    shape = arrays[0].shape
-    points = dict(zip(values, (x.ravel() for x in arrays), strict=True))
-    if not arrays[0].size:
-        empty = np.empty(shape)
-        return CriticalLoads(empty, empty.copy(), np.empty(shape, dtype="<U10"), question)
-    found = solve_points(question, points)
-    kind = np.array(KINDS)[found.kind].reshape(shape)
-    return CriticalLoads(found.load.reshape(shape), found.frequency.reshape(shape), kind, question)
+    return dict(zip(values, (array.ravel() for array in arrays), strict=True)), arrays[0].shape
+
+
+def crossed(axes: Mapping[str, Real]) -> dict[str, Real]:
+    """The points of a grid of axes (n_k,), each (n_1 n_2 …,), by name, in the order of the axes."""
+    return dict(zip(axes, (mesh.ravel() for mesh in np.meshgrid(*axes.values(), indexing="ij")), strict=True))
 
 
 def solve(question: Question, alpha: Real, beta: Real) -> Answers:
@@ -134,7 +151,11 @@ def solve(question: Question, alpha: Real, beta: Real) -> Answers:
     without load.
     """
     if question.column.general:
-        return _one_by_one(question, alpha, beta)
+        answers = Answers.none(len(alpha))
+        for k, (a, b) in enumerate(zip(alpha.tolist(), beta.tolist(), strict=True)):  # each of them searched
+            problem = replace(question, alpha=a, beta=b).problem
+            answers.put(k, first_loss(problem, question.load_max).crossing)
+        return answers
     factors = question.column.kernel.damping_factors(alpha, beta, **question.parameters)
     c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in factors)
     return _of_pencil(question.pencil, c_E, c_M, question.load_max)
@@ -146,25 +167,17 @@ def solve_grid(question: Question, axes: Mapping[str, Real], step: Callable[[flo
     axes: arrays (n_k,) by name, of alpha, beta and the column's own parameters; the answers' shape is (n_1, n_2, …) in
     their order. step: told which part is done, 0 to 1. The rest as in `solve`.
     """
-    names = list(axes)
-    if question.column.general:
-        return _followed(question, axes, step)
-    dampings, others = ([x for x in names if (x in ("alpha", "beta")) == wanted] for wanted in (True, False))
-    alpha, beta = (axes.get(x, np.array([question.values[x]])) for x in ("alpha", "beta"))
-    a, b = (x.ravel() for x in np.meshgrid(alpha, beta, indexing="ij"))
-    count = [len(axes[x]) for x in others]
-    parts = []
-    for k in range(math.prod(count)):
-        here = {x: float(axes[x][i]) for x, i in zip(others, np.unravel_index(k, count), strict=True)} if count else {}
-        parts.append(solve(_with(question, here), a, b))
-        if step is not None:
-            step((k + 1) / math.prod(count))
-    # so far (own parameters, in their order; alpha; beta), the dampings that are axes at least
-    order = [*others, *(x for x in ("alpha", "beta") if x in dampings)]
-    shape = [len(axes[x]) for x in order]
-    turn = [order.index(x) for x in names]
-    load, frequency, kind = (np.stack(p).reshape(shape).transpose(turn) for p in zip(*parts, strict=True))
-    return Answers(*(np.ascontiguousarray(x) for x in (load, frequency, kind)))
+    shape = tuple(map(len, axes.values()))
+    if not question.column.general:
+        return solve_points(question, crossed(axes), step).shaped(*shape)
+    answers = Answers.none(*shape)
+
+    def ask(at: tuple[int, ...]) -> Question:
+        return _with(question, {name: float(axis[k]) for (name, axis), k in zip(axes.items(), at, strict=True)})
+
+    for at, found in continued(ask, shape, step).items():
+        answers.put(at, found)
+    return answers
 
 
 def solve_points(
@@ -174,8 +187,7 @@ def solve_points(
     are solved together."""
     n = len(next(iter(points.values())))
     alpha, beta = (points.get(x, np.full(n, question.values[x])) for x in ("alpha", "beta"))
-    answers = Answers(np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8))
-    done = 0
+    answers, done = Answers.none(n), 0
     for own, which in alike({x: points[x] for x in points if x not in ("alpha", "beta")}, n):
         found = solve(_with(question, own), alpha[which], beta[which])
         answers.load[which], answers.frequency[which], answers.kind[which] = found
@@ -185,9 +197,11 @@ def solve_points(
     return answers
 
 
-def _with(question: Question, own: Mapping[str, float]) -> Question:
-    """The question with other values of own parameters, which `checked_axes` has seen."""
-    return replace(question, parameters={**question.parameters, **own}) if own else question
+def _with(question: Question, values: Mapping[str, float]) -> Question:
+    """The question with other values of alpha, beta and own parameters, which `checked_axes` has seen."""
+    alpha, beta = (values.get(name, question.values[name]) for name in ("alpha", "beta"))
+    own = {name: values.get(name, value) for name, value in question.parameters.items()}
+    return replace(question, alpha=alpha, beta=beta, parameters=own)
 
 
 def alike(own: Mapping[str, Real], n: int) -> Iterator[tuple[dict[str, float], NDArray[np.intp]]]:
@@ -206,7 +220,8 @@ def alike(own: Mapping[str, Real], n: int) -> Iterator[tuple[dict[str, float], N
 def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answers:
     """First crossings of one pencil at damping C = alpha E + beta M, each (n,)."""
     n = len(alpha)
-    load, frequency, kind = np.full(n, np.nan), np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+    answers = Answers.none(n)
+    load, frequency, kind = answers
     if pencil.conservative:  # damping or not, divergence
         ask, same = np.arange(min(n, 1)), np.arange(n)
     else:
@@ -230,38 +245,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
             which = which[~settled]
         ask = np.append(ask, which)
     for k in ask:
-        found = first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max)
-        load[k], frequency[k], kind[k] = (np.nan, np.nan, 0) if found is None else _plain(found)
+        answers.put(k, first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max))
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]
-    return Answers(load, frequency, kind)
-
-
-def _one_by_one(question: Question, alpha: Real, beta: Real) -> Answers:
-    """First losses of a column beyond the textbook's, each of them searched."""
-    answers = [(math.nan, math.nan, 0)] * len(alpha)
-    for k, (a, b) in enumerate(zip(alpha.tolist(), beta.tolist(), strict=True)):
-        found = first_loss(replace(question, alpha=a, beta=b).problem, question.load_max).crossing
-        answers[k] = (math.nan, math.nan, 0) if found is None else _plain(found)
-    load, frequency, kind = (np.array(column) for column in zip(*answers, strict=True))
-    return Answers(load, frequency, kind.astype(np.int8))
-
-
-def _followed(question: Question, axes: Mapping[str, Real], step: Callable[[float], None] | None) -> Answers:
-    """`solve_grid` of a column beyond the textbook's."""
-    shape = tuple(map(len, axes.values()))
-
-    def ask(at: tuple[int, ...]) -> Question:
-        here = {name: float(axis[k]) for (name, axis), k in zip(axes.items(), at, strict=True)}
-        alpha, beta = here.pop("alpha", question.alpha), here.pop("beta", question.beta)
-        return replace(_with(question, here), alpha=alpha, beta=beta)
-
-    answers = Answers(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
-    for at, found in continued(ask, shape, step).items():
-        if found is not None:
-            answers.load[at], answers.frequency[at], answers.kind[at] = _plain(found)
     return answers
-
-
-def _plain(found: Any) -> tuple[float, float, int]:
-    return found.load, found.frequency, KINDS.index(found.kind)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import beam_losses, judge
-from freebeam_sym.stability.grids import Answers, solve_grid, solve_points
+from freebeam_sym.stability.grids import Answers, crossed, solve_grid, solve_points
 from freebeam_sym.stability.problem import Real
 
 __all__ = ["verdict"]
@@ -23,16 +23,15 @@ def verdict(
     polynomials, done = question.column.polynomials, 0
     if polynomials is None:
         return np.full(shape, np.nan), np.zeros(shape, dtype=bool)
-    meshes = np.meshgrid(*axes.values(), indexing="ij")
-    points = {name: mesh.ravel() for name, mesh in zip(axes, meshes, strict=True)}
+    points = crossed(axes)
 
     def ask(modes: int, which: NDArray[np.intp]) -> Answers:
         nonlocal done
         asked = question.over(polynomials, modes)
         if asked == question:
-            answers = found.flat().at(which)
+            answers = found.shaped(-1).at(which)
         elif 2 * len(which) >= size:  # what a grid's points share saves more than half of them
-            answers = solve_grid(asked, axes).flat().at(which)
+            answers = solve_grid(asked, axes).shaped(-1).at(which)
         else:
             answers = solve_points(asked, {name: x[which] for name, x in points.items()})
         done += 1
@@ -43,5 +42,5 @@ def verdict(
     beam, uncertainty = beam_losses(ask, size)
     if step is not None:
         step(1.0)
-    error, converged = judge(found.flat(), beam, uncertainty)
+    error, converged = judge(found.shaped(-1), beam, uncertainty)
     return error.reshape(shape), converged.reshape(shape)
