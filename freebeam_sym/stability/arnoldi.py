@@ -29,19 +29,20 @@ class Krylov:
         self._basis, self._h = np.empty((self.most + 1, order)), np.zeros((self.most + 1, self.most))
         self._basis[0] = start / np.linalg.norm(start)
         self.steps, self._look = 0, 16  # so many serve the paper's column at N = 8; a look costs some five steps
-        self.done = False
+        self.done, self._size = False, 0.0
 
     def _step(self) -> None:
         """One more vector of the basis."""
         k = self.steps
         Q = self._basis[: k + 1]
         w = self._apply(Q[k])
+        self._size = max(self._size, math.sqrt(w @ w))
         for _ in range(2):  # once more, so that the basis stays orthogonal to rounding
             c = Q @ w
             w = w - c @ Q
             self._h[: k + 1, k] += c
-        b = self._h[k + 1, k] = float(np.linalg.norm(w))
-        self.done = k == self.most - 1 or b < 1e-14 * np.abs(self._h[: k + 1, : k + 1]).max()
+        b = self._h[k + 1, k] = math.sqrt(w @ w)
+        self.done = k == self.most - 1 or b < 1e-14 * self._size
         self._basis[k + 1] = w / b if b else w
         self.steps += 1
 

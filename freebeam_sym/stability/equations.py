@@ -1,4 +1,4 @@
-"""Polynomials of matrices in the load, and the equations of a flutter, λ = iω, by Newton's method.
+"""Polynomials of matrices in the load, and what ends stability near a guess: divergences, λ = 0, and flutters, λ = iω.
 
 A polynomial is an array (k, n, n), its matrices by powers of the load P.
 """
@@ -6,12 +6,19 @@ A polynomial is an array (k, n, n), its matrices by powers of the load P.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from freebeam_sym.stability.problem import Complex, Real
+from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
 
-__all__ = ["newton", "shifted", "slope", "value"]
+__all__ = ["divergence", "divergences", "newton", "shifted", "slope", "value"]
+
+SINGULAR = 1e-14
+"""Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding: matrices
+are known to 2e-15 of their norms."""
 
 
 def value(X: Real, P: float) -> Real:
@@ -24,7 +31,9 @@ def value(X: Real, P: float) -> Real:
 
 def slope(X: Real) -> Real:
     """Derivative by the load, by powers of it."""
-    return X[1:] * np.arange(1, len(X))[:, None, None] if len(X) > 1 else np.zeros_like(X)
+    if len(X) <= 2:
+        return X[1:] if len(X) == 2 else np.zeros_like(X)
+    return X[1:] * np.arange(1, len(X))[:, None, None]
 
 
 def shifted(X: Real, P: float, unit: float = 1.0) -> Real:
@@ -34,6 +43,43 @@ def shifted(X: Real, P: float, unit: float = 1.0) -> Real:
         for k in range(len(X) - 2, low - 1, -1):
             X[k] += P * X[k + 1]
     return np.asarray(X * float(unit) ** np.arange(len(X))[:, None, None])
+
+
+def divergences(P: NDArray[Any], K: Real, vector: Callable[[Real], Complex]) -> tuple[Event, ...]:
+    """Events where det K(P) = 0 of candidates for P, ascending, up to the first simple root, at which stability is lost
+    if it was not before. Two roots are one event where K between them is singular but for rounding, real roots or not:
+    a touch of λ = 0. vector: what makes a motion in the column's coordinates of one in those of K."""
+    found: list[Event] = []
+    while len(P):
+        if len(P) > 1 and P[1].real < P[0].real * (1 + CLOSE):
+            touch, least = divergence(float(P[:2].real.mean()), K, vector)
+            if least <= SINGULAR:
+                found.append(Event(touch, False))
+                P = P[2:]
+                continue
+        if P[0].imag == 0:
+            crossing, least = divergence(float(P[0].real), K, vector, steps=3)
+            if least <= 100 * SINGULAR:
+                found.append(Event(crossing, True))
+                break
+        P = P[1:]
+    return tuple(found)
+
+
+def divergence(load: float, K: Real, vector: Callable[[Real], Complex], steps: int = 1) -> tuple[Crossing, float]:
+    """The crossing at ω = 0 near a load, and how singular K was there; with steps of Newton's method."""
+    norms = [float(np.linalg.norm(X, 2)) for X in K]
+    for _ in range(steps):
+        A = value(K, load)
+        left, sizes, right = np.linalg.svd(A)
+        u, v = left[:, -1], right[-1]
+        least = float(sizes[-1]) / sum(load**k * norm for k, norm in enumerate(norms))
+        rate, residual = float(u @ value(slope(K), load) @ v), float(u @ A @ v)
+        if abs(residual) < CLOSE * abs(rate * load):
+            load -= residual / rate
+        if least <= SINGULAR / 10:
+            break
+    return Crossing(load, 0.0, vector(v), "divergence"), least
 
 
 def newton(

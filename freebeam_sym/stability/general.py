@@ -23,7 +23,7 @@ import numpy as np
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
-from freebeam_sym.stability.equations import newton, shifted, slope, value
+from freebeam_sym.stability.equations import divergence, divergences, newton, shifted, slope, value
 from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
 
 __all__ = ["General"]
@@ -40,8 +40,6 @@ SPLIT = 1e-7
 STRICT = 1e-10
 """Damping ratio from which every mode must be damped at the reference load of `_States`: a point dashpot damps the
 high modes by little (120 Hermite elements with a tip damper pass), rounding damps the low modes by 1e-15."""
-SINGULAR = 1e-14
-"""Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding."""
 NOTHING = 1e-13
 """Diagonal stiffness over mass, relative to the largest, up to which it is rounding: of a rotation that a control law
 restores by way of another coordinate."""
@@ -112,36 +110,7 @@ class General:
         mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]
         P = base + 1 / mu
         P = P[(np.abs(P.imag) <= CLOSE * P.real) & (P.real > 1e-7 * np.abs(P).min(initial=np.inf)) & (P.real > 1e-9)]
-        P = P[np.argsort(P.real)]
-        found: list[Event] = []
-        while len(P):
-            if len(P) > 1 and P[1].real < P[0].real * (1 + CLOSE):
-                middle = float(P[:2].real.mean())
-                if self._least(middle) <= SINGULAR:
-                    found.append(Event(self._divergence(middle), False))
-                    P = P[2:]
-                    continue
-            if P[0].imag == 0:
-                crossing = self._divergence(float(P[0].real))
-                if self._least(crossing.load) <= 100 * SINGULAR:
-                    found.append(Event(crossing, True))
-                    break
-            P = P[1:]
-        return tuple(found)
-
-    def _least(self, P: float) -> float:
-        terms = sum(abs(P) ** k * np.linalg.norm(K, 2) for k, K in enumerate(self.K))
-        return float(np.linalg.svd(value(self.K, P), compute_uv=False)[-1] / terms)
-
-    def _divergence(self, load: float) -> Crossing:
-        v = np.ones(self.size)
-        for _ in range(3):
-            left, _, right = np.linalg.svd(value(self.K, load))
-            u, v = left[:, -1], right[-1]
-            rate, residual = float(u @ value(slope(self.K), load) @ v), float(u @ value(self.K, load) @ v)
-            if abs(residual) < CLOSE * abs(rate * load):
-                load -= residual / rate
-        return Crossing(float(load), 0.0, self._vector(v), "divergence")
+        return divergences(P[np.argsort(P.real)], self.K, self._vector)
 
     # --- counts ----------------------------------------------------------------------------------------------------
 
@@ -230,7 +199,7 @@ class General:
         try:
             rate, V, growth = self._bad(load)
         except np.linalg.LinAlgError:
-            return self._divergence(load)
+            return divergence(load, self.K, self._vector, steps=3)[0]
         worst = int(np.argmax(growth))
         omega, v = abs(float(rate[worst].imag)), V[:, worst].astype(complex)
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:

@@ -10,13 +10,10 @@ import numpy as np
 
 from freebeam_sym.checks import InputError
 from freebeam_sym.massless import indefinite
-from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
+from freebeam_sym.stability.equations import divergences
+from freebeam_sym.stability.problem import CLOSE, Complex, Event, Real
 
 __all__ = ["Pencil", "diagonalise", "pencil_of"]
-
-SINGULAR = 1e-14
-"""Least singular value of E + P H, relative to its norm (in the basis where E = I), up to which it is singular but for
-rounding: matrices are known to 2e-15 of their norms."""
 
 
 class Pencil:
@@ -51,39 +48,12 @@ class Pencil:
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
-        """Where det(E + P H) = 0 for real P > 0, ascending, with no regard to flutter before, up to the first simple
-        root, at which stability is lost if it was not before. Two roots are one event where E + P H between them is
-        singular but for rounding, real roots or not: a touch of λ = 0."""
+        """Where det(E + P H) = 0 for real P > 0, with no regard to flutter before: see `equations.divergences`."""
         R = self.relative
         mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
         mu = mu[(np.abs(mu.imag) <= CLOSE * mu.real) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
-        mu = mu[np.argsort(-mu.real)]
-        events: list[Event] = []
-        while len(mu):
-            load, pair = float(1 / mu[0].real), len(mu) > 1 and mu[1].real > (1 - CLOSE) * mu[0].real
-            if pair:
-                middle = float(2 / (mu[0].real + mu[1].real))
-                least = np.linalg.svd(np.eye(self.size) + middle * R, compute_uv=False)[-1]
-                if least <= SINGULAR * (1 + middle * self.norm):
-                    events.append(Event(self._divergence(middle), False))
-                    mu = mu[2:]
-                    continue
-            if mu[0].imag == 0:
-                events.append(Event(self._divergence(load), True))
-                break
-            mu = mu[1:]
-        return tuple(events)
-
-    def _divergence(self, load: float) -> Crossing:
-        """The crossing at ω = 0 whose load is near `load`."""
-        A = np.eye(self.size) + load * self.relative
-        left, _, right = np.linalg.svd(A)
-        u, v = left[:, -1], right[-1]
-        # one step of Newton's method: the eigenvalue of the whole pencil knew the load to the norm of H only
-        slope, residual = float(u @ self.relative @ v), float(u @ A @ v)
-        if abs(residual) < CLOSE * abs(slope * load):
-            load -= residual / slope
-        return Crossing(float(load), 0.0, self.vector(v / np.sqrt(self.e)), "divergence")
+        K, root = np.array([np.eye(self.size), R]), np.sqrt(self.e)
+        return divergences(1 / mu[np.argsort(-mu.real)], K, lambda v: self.vector(v / root))
 
     def vector(self, v: Real | Complex) -> Complex:
         """v of this basis in the column's own coordinates, largest entry 1."""
