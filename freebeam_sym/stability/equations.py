@@ -14,11 +14,13 @@ from numpy.typing import NDArray
 
 from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
 
-__all__ = ["divergence", "divergences", "newton", "shifted", "slope", "value"]
+__all__ = ["divergence", "divergences", "moved", "newton", "shifted", "slope", "value"]
 
 SINGULAR = 1e-14
 """Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding: matrices
 are known to 2e-15 of their norms."""
+ROUNDING = 1e-15
+"""Of the matrices' entries, relative to the matrices' norms."""
 
 
 def value(X: Real, P: float) -> Real:
@@ -129,3 +131,16 @@ def newton(
             return (omega, P, x[:n] + 1j * omega * size * x[n:]) if P > 0 else None
         before = step
     return None
+
+
+def moved(G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: float) -> float:
+    """By how much a load at which G = K + iωC − ω²M is singular moves at most, to first order, for a real change g of G
+    of this norm: with the null vectors u and v, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
+    without damping uᴴG_ωv = 0, and of a divergence ω stays 0: G_omega None, and one part is left."""
+    left, _, right = np.linalg.svd(G)
+    u, v = left[:, -1].conj(), right[-1].conj()
+    a = u @ G_P @ v
+    if G_omega is None:
+        return float(change / abs(a))
+    b = u @ G_omega @ v
+    return float(change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag))

@@ -23,7 +23,7 @@ import numpy as np
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
-from freebeam_sym.stability.equations import divergence, divergences, newton, shifted, slope, value
+from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
 from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
 
 __all__ = ["General"]
@@ -43,8 +43,6 @@ high modes by little (120 Hermite elements with a tip damper pass), rounding dam
 NOTHING = 1e-13
 """Diagonal stiffness over mass, relative to the largest, up to which it is rounding: of a rotation that a control law
 restores by way of another coordinate."""
-ROUNDING = 1e-15
-"""Of the matrices' entries, relative to the matrices' norms."""
 
 
 class General:
@@ -281,23 +279,14 @@ class General:
         return None if root is None else Crossing(root[1], root[0], self._vector(root[2]), "flutter")
 
     def rounding(self, crossing: Crossing) -> float:
-        """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order: with
-        the null vectors u, v of G = K + iωC − ω²M, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
-        without damping uᴴG_ω v = 0, and one part is left."""
+        """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order."""
         P, omega = crossing.load, crossing.frequency
         (M, C, K), (dM, dC, dK) = self._at(P), (value(slope(X), P) for X in (self.M, self.C, self.K))
-        share = 0.0 if self.vanishing else 1.0
-        G = K + 1j * omega * share * C - omega**2 * M
-        left, _, right = np.linalg.svd(G)
-        u, v = left[:, -1].conj(), right[-1].conj()
-        a = u @ (dK + 1j * omega * share * dC - omega**2 * dM) @ v
-        b = u @ (1j * share * C - 2 * omega * M) @ v
+        rate = 0.0 if self.vanishing else 1j
+        G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
+        G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
         change = ROUNDING * sum(P**k * float(np.linalg.norm(X, 2)) for k, X in enumerate(self.K))
-        if omega == 0 or not self.damped or self.vanishing:
-            moved = change / abs(a)
-        else:
-            moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
-        return float(min(moved / P, 1.0))
+        return min(moved(G, G_P, G_omega, change) / P, 1.0)
 
 
 class _Operator:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
-from freebeam_sym.stability.equations import newton
+from freebeam_sym.stability.equations import ROUNDING, moved, newton
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Complex, Crossing, Event, Real
 
@@ -38,8 +38,6 @@ LIGHTEST_STATE = 1e-7
 LIGHTEST_SCAN = 1e-5
 """Damping ratio of mode 1 below which boundary points are computed at this ratio first: they move by its square only,
 and Newton's method ends at the true damping. Far below it their imaginary parts are rounding."""
-ROUNDING = 1e-15
-"""Of the matrices' entries, relative to the matrices' norms."""
 
 
 @dataclass(frozen=True)
@@ -151,24 +149,12 @@ class Proportional:
         """The flutter near (ω² = w, P, v = a + iω·size·b) in the basis of the pencil, of negative frequency where
         ω² < 0; None where there is none."""
         p = self.pencil
-        root = newton(
-            np.eye(p.size)[None],
-            np.diag(self.shape)[None],
-            np.array([np.diag(p.e), p.H]),
-            self.size,
-            w,
-            P,
-            a,
-            b,
-            p.e[0],
-        )
+        M, D, K = np.eye(p.size)[None], np.diag(self.shape)[None], np.array([np.diag(p.e), p.H])
+        root = newton(M, D, K, self.size, w, P, a, b, float(p.e[0]))
         return None if root is None else Crossing(root[1], root[0], p.vector(root[2]), "flutter")
 
     def rounding(self, crossing: Crossing) -> float:
-        """By how much a crossing's load may be off, relative, for the rounding of E + P H, to first order.
-
-        With G = (E − ω² + iω C + P H) and its null vectors u and v, a change of G by g, real, changes P and ω by
-        uᴴ g v + (uᴴ H v) dP + (uᴴ G_ω v) dω = 0, of which both parts hold."""
+        """By how much a crossing's load may be off, relative, for the rounding of E + P H, to first order."""
         p, load, omega = self.pencil, crossing.load, crossing.frequency
         first = math.sqrt(p.e[0])
         size = max(self.size, LIGHTEST_SCAN * first)  # what is left of both parts as damping vanishes
@@ -176,15 +162,8 @@ class Proportional:
             omega = max(omega, 1e-3 * first)  # as well, where ω vanishes
         slope = (1j * size * self.shape - 2 * omega) / p.e
         G = np.diag(1 + omega * (1j * size * self.shape - omega) / p.e) + load * p.relative
-        left, _, right = np.linalg.svd(G)
-        u, v = left[:, -1].conj(), right[-1].conj()
-        a, b = u @ p.relative @ v, u @ (slope * v)
-        change = ROUNDING * (1 + load * p.norm)
-        if omega == 0:
-            moved = change / abs(a)
-        else:
-            moved = change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag)
-        return float(min(moved / load, 1.0))
+        off = moved(G, p.relative, np.diag(slope) if omega else None, ROUNDING * (1 + load * p.norm))
+        return min(off / load, 1.0)
 
 
 class _Operator:

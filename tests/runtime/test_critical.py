@@ -21,9 +21,10 @@ from freebeam_sym.stability.convergence import digits_that_hold
 from freebeam_sym.stability.critical import _refined, critical_load
 from freebeam_sym.stability.crossings import _in_order, first_crossing, first_loss
 from freebeam_sym.stability.crossings import scan as scan_for
+from freebeam_sym.stability.equations import ROUNDING
 from freebeam_sym.stability.pencil import Pencil, diagonalise
 from freebeam_sym.stability.problem import NEAR, Crossing, Event
-from freebeam_sym.stability.proportional import ROUNDING, Proportional, _Operator
+from freebeam_sym.stability.proportional import Proportional, _Operator
 from tests.reference.dense import Case, answer, cases, disagreement
 
 NAMES = ("free-free", "beck", "euler-pinned")
