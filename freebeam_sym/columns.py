@@ -39,7 +39,7 @@ USUAL_ELSE = 16
 """N in a basis where none is asked for and the column states another basis."""
 _MOST_POLYNOMIALS = 128  # their stiffness grows with the eighth power of N, and from 180 or so rounding decides
 _MOST_ON_A_SEGMENT = 256
-_KEPT = 64  # systems of matrices that a column remembers
+_KEPT = 256  # matrices, or lists of them, that a column remembers
 _FEW_PLACES = 8  # whose shapes are kept
 _SETTINGS = ("alpha", "beta", "basis", "kappa", "load", "load_max", "modes", "rigid")
 
@@ -270,30 +270,39 @@ class Column:
                     f"{name} = {value}: this damping couples the rigid motions of {self.name} to its bending, so that "
                     "the elastic spectrum alone does not decide stability; leave it at 0"
                 )
-        M, dampings, K = self._remembered(("general", modes, *own.values()), partial(self._built, modes, own))
-        C = _without_zeros(tuple(bare + alpha * a + beta * b for bare, a, b in zip(*dampings, strict=True)))
+
+        def part(name: str) -> tuple[Array, ...]:
+            found: tuple[Array, ...] = self._remembered(
+                (name, modes, *own.values()), partial(self._built, name, modes, own)
+            )
+            return found
+
+        shares = {"rate": 1.0, "alpha": alpha, "beta": beta}
+        rates = [[share * X for X in part(name)] for name, share in shares.items() if share]
+        C = _without_zeros(tuple(sum(terms[1:], terms[0]) for terms in zip(*rates, strict=True)))
         e = slice(None) if rigid else slice(self.rigid_count, None)
-        return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (M, C, K)))
+        return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (part("mass"), C, part("stiffness"))))
 
-    def _built(self, modes: int, own: dict[str, float]) -> tuple[Any, Any, Any]:
-        """M, the parts of C without alpha and beta, of alpha and of beta, and K, in the functions of `frame`: each by
-        powers of the load."""
-        kernel, basis, T = self.kernel, self.basis(modes), self.frame(modes, **own)
-
-        def sound(terms: tuple[Array, ...]) -> tuple[Array, ...]:
-            moved = terms if T is None else tuple(_moved(X, T) for X in terms)
-            for X in moved:
-                if not np.isfinite(X).all():
-                    given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
-                    raise InputError(f"{given}: the matrices are beyond the range of a float")
-                X.flags.writeable = False
-            return moved
-
+    def _built(self, name: str, modes: int, own: dict[str, float]) -> tuple[Array, ...]:
+        """M or K, the part of C without alpha and beta, or that of alpha or beta, by powers of the load, in the
+        functions of `frame`."""
+        kernel, basis, key = self.kernel, self.basis(modes), ("frame", modes, *own.values())
+        T = self._remembered(key, partial(self.frame, modes, **own))
         with np.errstate(all="ignore"), self._sound_places():
-            bare, a, b = (kernel.rate_terms(basis, *d, **own) for d in ((0.0, 0.0), (1.0, 0.0), (0.0, 1.0)))
-            M, K = kernel.mass_terms(basis, **own), kernel.stiffness_terms(basis, **own)
-        alone = [tuple(x - y for x, y in zip(terms, bare, strict=True)) for terms in (a, b)]
-        return sound(M), [sound(terms) for terms in (bare, *alone)], sound(K)
+            if name in ("mass", "stiffness"):
+                terms = getattr(kernel, f"{name}_terms")(basis, **own)
+            else:
+                terms = kernel.rate_terms(basis, float(name == "alpha"), float(name == "beta"), **own)
+                if name != "rate":
+                    bare = kernel.rate_terms(basis, 0.0, 0.0, **own)
+                    terms = tuple(x - y for x, y in zip(terms, bare, strict=True))
+        moved = tuple(terms) if T is None else tuple(_moved(X, T) for X in terms)
+        for X in moved:
+            if not np.isfinite(X).all():
+                given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
+                raise InputError(f"{given}: the matrices are beyond the range of a float")
+            X.flags.writeable = False
+        return moved
 
     def frame(self, modes: int, **own: float) -> Array | None:
         """The functions of a column's systems in those of its kernel, (n, n): the rigid motions first, the others
