@@ -183,11 +183,16 @@ def settled(problem: Proportional | General, load_max: float) -> FirstLoss:
         return first_loss(problem, load_max)
     if problem.size:
         return _from_surface(problem, load_max) or first_loss(problem, load_max)
-    kept, key = problem.pencil.kept, (FirstLoss, problem.kappa, load_max)
-    if key not in kept:
-        kept[key] = first_loss(problem, load_max)
-    found: FirstLoss = kept[key]
-    return found
+    kept, key = problem.pencil.kept, (FirstLoss, problem.kappa)
+    top: float
+    found: FirstLoss
+    top, found = kept.get(key, (0.0, FirstLoss(None)))
+    if found.crossing is None and top < load_max:  # else what was found up to there serves any largest load
+        found = first_loss(problem, load_max)
+        kept[key] = load_max, found
+    if found.crossing is not None and found.crossing.load <= load_max:
+        return found
+    return FirstLoss(None, tuple(touch for touch in found.touches if touch.load <= load_max))
 
 
 def _from_surface(problem: Proportional, load_max: float) -> FirstLoss | None:

@@ -232,6 +232,20 @@ def test_single_questions_and_maps_agree_in_either_order() -> None:
         assert np.abs(other.vector - one.vector).max() < 1e-6
 
 
+@pytest.mark.parametrize(("kappa", "first"), [(None, 16.05), (1.0, 10.06)])
+def test_what_is_known_up_to_one_load_serves_every_other(kappa: float | None, first: float) -> None:
+    """Beck's column touches λ = 0 at π² where half of the force follows, and flutters beyond."""
+    matrices = fb.column("beck", "legendre").matrices(12, eta=0.5)
+    shared = pencil.Pencil(*matrices)
+    for load_max in (5.0, 12.0, 100.0, 20.0, 12.0, 5.0):
+        warm = settled(Proportional(shared, kappa=kappa), load_max)
+        cold = settled(Proportional(pencil.Pencil(*matrices), kappa=kappa), load_max)
+        assert [x.load for x in warm.touches] == pytest.approx([x.load for x in cold.touches], rel=1e-12)
+        assert (warm.crossing is None) == (cold.crossing is None) == (load_max < first)
+        if warm.crossing is not None and cold.crossing is not None:
+            assert warm.crossing.load == pytest.approx(cold.crossing.load, rel=1e-12)
+
+
 def test_blocks_give_the_same_bits_in_any_order() -> None:
     column = fb.column("free-free", "modes")
     alpha, beta = np.geomspace(1e-4, 1.0, 12), np.geomspace(1e-2, 10.0, 10)
