@@ -2,12 +2,10 @@
 
 `solve` takes any number of dampings of one question. They share a pencil, and with it
 the surface of first crossings over all damping (`surface.py`), which settles most points by a series; the rest are
-searched one by one (`crossings.py`). `solve_grid` does so for every combination of axes, `solve_points` for any points.
-Of a column beyond the textbook's a grid's points are followed from a few that are searched (`continuation.py`).
+searched one by one (`crossings.py`), as all of a column beyond the textbook's. `solve_points` does so for any points.
 
 An answer hangs on the arrays of its own call alone, never on earlier calls, and nothing is drawn at random: work cut
-into the same blocks gives the same bits, in whatever order or process the blocks run. A layer that spreads a map over
-processes cuts the axes into blocks, calls `solve_grid` for each and puts the arrays side by side.
+into the same blocks gives the same bits, in whatever order or process the blocks run.
 """
 
 from __future__ import annotations
@@ -23,15 +21,14 @@ from numpy.typing import ArrayLike, NDArray
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.continuation import continued
 from freebeam_sym.stability.crossings import first_crossing, first_loss
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import Crossing, Kind, Real
 from freebeam_sym.stability.surface import FEW, surface_of
 
 __all__ = [
-    "KINDS", "Answers", "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "crossed", "solve",
-    "solve_grid", "solve_points",
+    "KINDS", "Answers", "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "solve",
+    "solve_points", "with_values",
 ]  # fmt: skip
 
 KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
@@ -138,11 +135,6 @@ def broadcast(values: Mapping[str, Real]) -> tuple[dict[str, Real], tuple[int, .
     return dict(zip(values, (array.ravel() for array in arrays), strict=True)), arrays[0].shape
 
 
-def crossed(axes: Mapping[str, Real]) -> dict[str, Real]:
-    """The points of a grid of axes (n_k,), each (n_1 n_2 …,), by name, in the order of the axes."""
-    return dict(zip(axes, (mesh.ravel() for mesh in np.meshgrid(*axes.values(), indexing="ij")), strict=True))
-
-
 def solve(question: Question, alpha: Real, beta: Real) -> Answers:
     """First loss of stability at each of n dampings, (n,), whatever those of the question. Section 3.2, Eqs. (24)-(25).
 
@@ -161,35 +153,16 @@ def solve(question: Question, alpha: Real, beta: Real) -> Answers:
     return _of_pencil(question.pencil, c_E, c_M, question.load_max)
 
 
-def solve_grid(question: Question, axes: Mapping[str, Real], step: Callable[[float], None] | None = None) -> Answers:
-    """First loss of stability at every combination of the axes, and of what the question says of all else.
-
-    axes: arrays (n_k,) by name, of alpha, beta and the column's own parameters; the answers' shape is (n_1, n_2, …) in
-    their order. step: told which part is done, 0 to 1. The rest as in `solve`.
-    """
-    shape = tuple(map(len, axes.values()))
-    if not question.column.general:
-        return solve_points(question, crossed(axes), step).shaped(*shape)
-    answers = Answers.none(*shape)
-
-    def ask(at: tuple[int, ...]) -> Question:
-        return _with(question, {name: float(axis[k]) for (name, axis), k in zip(axes.items(), at, strict=True)})
-
-    for at, found in continued(ask, shape, step).items():
-        answers.put(at, found)
-    return answers
-
-
 def solve_points(
     question: Question, points: Mapping[str, Real], step: Callable[[float], None] | None = None
 ) -> Answers:
-    """First loss of stability at points, arrays (n,) by name as in `solve_grid`; those that share their own parameters
-    are solved together."""
+    """First loss of stability at points, arrays (n,) by name, of alpha, beta and own parameters; those that
+    share their own are solved together. step: told which part is done, 0 to 1. The rest as in `solve`."""
     n = len(next(iter(points.values())))
     alpha, beta = (points.get(x, np.full(n, question.values[x])) for x in ("alpha", "beta"))
     answers, done = Answers.none(n), 0
     for own, which in alike({x: points[x] for x in points if x not in ("alpha", "beta")}, n):
-        found = solve(_with(question, own), alpha[which], beta[which])
+        found = solve(with_values(question, own), alpha[which], beta[which])
         answers.load[which], answers.frequency[which], answers.kind[which] = found
         done += len(which)
         if step is not None:
@@ -197,7 +170,7 @@ def solve_points(
     return answers
 
 
-def _with(question: Question, values: Mapping[str, float]) -> Question:
+def with_values(question: Question, values: Mapping[str, float]) -> Question:
     """The question with other values of alpha, beta and own parameters, which `checked_axes` has seen."""
     alpha, beta = (values.get(name, question.values[name]) for name in ("alpha", "beta"))
     own = {name: values.get(name, value) for name, value in question.parameters.items()}

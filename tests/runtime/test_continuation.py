@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import freebeam as fb
+from freebeam.maps import continuation
 from freebeam.maps.labelled import Solved, solved, split
-from freebeam_sym.stability import continuation
 from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.problem import Crossing

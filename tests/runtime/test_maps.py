@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 import freebeam as fb
 from freebeam import cli
 from freebeam.maps.boundaries import _change, _Tracer
+from freebeam.maps.grid import solve_grid
 from freebeam_sym.question import Question
 from freebeam_sym.stability import grids, pencil
 from freebeam_sym.stability.critical import settled
@@ -254,11 +255,11 @@ def test_blocks_give_the_same_bits_in_any_order() -> None:
     runs = []
     for order in ((0, 1, 2, 3), (3, 1, 0, 2)):
         pencil._kept.cache_clear()
-        runs.append({k: grids.solve_grid(question, blocks[k]) for k in order})
+        runs.append({k: solve_grid(question, blocks[k]) for k in order})
     for k in range(4):
         for one, other in zip(runs[0][k], runs[1][k], strict=True):
             assert one.tobytes() == other.tobytes()
-    whole = grids.solve_grid(question, {"alpha": alpha, "beta": beta})
+    whole = solve_grid(question, {"alpha": alpha, "beta": beta})
     assert np.allclose(whole.load[:6, :5], runs[0][0].load, rtol=1e-12, atol=0)
 
 

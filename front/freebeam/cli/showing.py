@@ -96,8 +96,8 @@ class Show(FileOptions, CaseOptions, SearchOptions):
         name, and loads over them. No axes where the column has none of these."""
         import numpy as np
 
+        from freebeam.maps.grid import solve_grid
         from freebeam_sym.checks import InputError
-        from freebeam_sym.stability.grids import solve_grid
 
         column = self.chosen
         count = FEW if column.general else MAP

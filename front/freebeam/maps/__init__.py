@@ -1,2 +1,2 @@
-"""Maps of critical loads: labelled.py a grid with its names, verdict.py how far it is off, sweeps.py in blocks,
-boundaries.py along one parameter."""
+"""Maps of critical loads: grid.py as arrays, labelled.py with names, verdict.py how far they are off, sweeps.py in
+blocks, boundaries.py along one parameter."""

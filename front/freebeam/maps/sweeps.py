@@ -25,11 +25,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam.maps.grid import solve_grid
 from freebeam.maps.verdict import verdict
 from freebeam_sym.checks import InputError, count, refusal
 from freebeam_sym.kernels import text_of
 from freebeam_sym.question import Question
-from freebeam_sym.stability.grids import solve_grid
 
 if TYPE_CHECKING:
     from distributed import Client
