@@ -24,7 +24,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, field
 from functools import cache, cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,7 +32,7 @@ from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import Complex, Real
 
-__all__ = ["FEW", "Surface", "leaves", "surface_of"]
+__all__ = ["FEW", "Surface", "surface_of"]
 
 NODES = 10
 MOST = 20
@@ -586,8 +585,3 @@ class Surface:
         m = len(_LEVELS)
         theta = self._eigenvalues(np.full(m, x), np.full(m, y), load * _LEVELS)
         return bool((theta.real < 0).all())
-
-
-def leaves(patch: Any) -> list[Any]:
-    """All patches that were made and not cut."""
-    return [x for part in patch.parts for x in leaves(part)] if patch.parts else [patch]

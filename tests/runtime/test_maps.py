@@ -26,7 +26,7 @@ from freebeam_sym.stability import grids, pencil
 from freebeam_sym.stability.critical import settled
 from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.proportional import Proportional
-from freebeam_sym.stability.surface import Surface, _filled, _Patch, leaves, surface_of
+from freebeam_sym.stability.surface import Surface, _filled, _Patch, surface_of
 
 KINDS = ("none", "flutter", "divergence")
 
@@ -43,6 +43,11 @@ def growing(column: fb.Column, modes: int, alpha: float, beta: float, loads: np.
     A[:, :modes, modes:] = -inverse @ M
     A[:, modes:, :modes] = np.eye(modes)
     return (np.linalg.eigvals(A).real > 1e-13 * np.linalg.norm(A, axis=(1, 2))[:, None]).sum(axis=1)
+
+
+def leaves(patch: _Patch) -> list[_Patch]:
+    """All patches that were made and not cut."""
+    return [x for part in patch.parts for x in leaves(part)] if patch.parts else [patch]
 
 
 def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:

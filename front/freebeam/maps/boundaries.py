@@ -122,19 +122,25 @@ class _Tracer:
             self.follow(middle, b, change)
 
     def straight(self, a: float, b: float) -> bool:
-        """Whether load and frequency keep to the chord from a to b, by the cubics that have the tangents there."""
+        """Whether load and frequency keep to the chord from a to b: by the cubics that have the tangents there, or by a
+        point half-way where there are none."""
         one, two = _pair(self.found[a]), _pair(self.found[b])
         moving = (one > 0) & (two > 0)
         low, high = ((b - a) * self.tangent(t) - (two - one) for t in (a, b))
         u = np.array([0.25, 0.5, 0.75])[:, None]
-        off = (u * (1 - u) * ((1 - u) * low - u * high))[:, moving] / np.maximum(one, two)[moving]
-        return bool((np.abs(off) <= self.tolerance).all())
+        off = u * (1 - u) * ((1 - u) * low - u * high)
+        if not np.isfinite(off[:, moving]).all():
+            middle = self.ask((a + b) / 2)
+            off = _pair(middle)[None] - (one + two) / 2
+            moving &= middle.kind == self.found[a].kind
+        return bool((np.abs(off[:, moving] / np.maximum(one, two)[moving]) <= self.tolerance).all())
 
     def confirmed(self, a: float, b: float) -> bool:
         """Whether the curve from a to b is the first loss of stability half-way too: nothing grows just below what it
         has there, or below the largest load, and something grows just beyond."""
-        if (a + b) / 2 in self.found:
-            return True
+        middle = self.found.get((a + b) / 2)
+        if middle is not None:
+            return middle.kind == self.found[a].kind
         problem, limit = self.at((a + b) / 2).problem, self.question.load_max
         if self.found[a].load is None:
             return not problem.unstable(limit * (1 - _SEEN))
