@@ -411,6 +411,21 @@ def test_between_points_of_a_boundary_it_is_counted_what_grows() -> None:
         assert (tracer.cubic(0.0, 1.0)[0] == pytest.approx(tracer.ask(0.5).load, rel=1e-5)) == first
 
 
+def test_closer_to_an_event_it_is_counted_at_ever_smaller_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where one branch takes over another may soon: no stretch between counts is longer than its distance from there."""
+    tracer = _Tracer(Question.of(fb.column("beck", "modes"), 4), "alpha", lambda t: (0.2 + t / 20, 0.05), 1e-3)
+    places: list[float] = []
+    monkeypatch.setattr(tracer, "counted", lambda a, b, u: places.append(a + u * (b - a)) or True)
+    for t in (0.0, 1.0):
+        tracer.ask(t)
+    for beside in (0.0, 1.0):
+        tracer.beside = {beside}
+        assert tracer.confirmed(0.0, 1.0)
+        off = np.sort(np.abs(np.array(places) - beside))
+        assert off[0] < 1e-3 and (np.diff(off) <= off[:-1]).all()
+        places.clear()
+
+
 @pytest.mark.parametrize("modes", [12, 20])
 def test_with_polynomials_divergence_gives_way_to_flutter_at_one_half(modes: int) -> None:
     """And the verdict: their error against the beam itself is small on either side."""

@@ -94,6 +94,7 @@ class _Tracer:
         self.question, self.parameter, self.value, self.tolerance = question, parameter, value, tolerance
         self.found: dict[float, CriticalLoad] = {}
         self.events: list[tuple[float, float]] = []
+        self.beside: set[float] = set()
         self._tangents: dict[float, Real] = {}
 
     def at(self, t: float) -> Question:
@@ -136,20 +137,30 @@ class _Tracer:
         return bool((np.abs(off[:, moving] / np.maximum(one, two)[moving]) <= self.tolerance).all())
 
     def confirmed(self, a: float, b: float) -> bool:
-        """Whether the curve from a to b is the first loss of stability half-way too: nothing grows just below what it
-        has there, or below the largest load, and something grows just beyond."""
+        """Whether the curve from a to b is the first loss of stability between them too: half-way, and at ever smaller
+        distances from an end that was looked for beside an event, where others may be near."""
         middle = self.found.get((a + b) / 2)
-        if middle is not None:
-            return middle.kind == self.found[a].kind
-        problem, limit = self.at((a + b) / 2).problem, self.question.load_max
+        if middle is not None and middle.kind != self.found[a].kind:
+            return False
+        halves = [0.5**k for k in range(2, 32) if 0.5**k * (b - a) > _CURVED]
+        left, right = (halves if end in self.beside else [] for end in (a, b))
+        shares = [*([0.5] if middle is None else []), *left, *(1 - u for u in right)]
+        return all(self.counted(a, b, u) for u in shares)
+
+    def counted(self, a: float, b: float, u: float) -> bool:
+        """Whether nothing grows just below what the curve from a to b has at a share u of the way, or below the largest
+        load, and something grows just beyond."""
+        problem, limit = self.at(a + u * (b - a)).problem, self.question.load_max
         if self.found[a].load is None:
             return not problem.unstable(limit * (1 - _SEEN))
-        load = float(self.cubic(a, b)[0])
+        load = float(self.cubic(a, b, u)[0])
         return not problem.unstable(load * (1 - _SEEN)) and problem.unstable(load * (1 + _SEEN)) > 0
 
-    def cubic(self, a: float, b: float) -> Real:
-        """Load and frequency half-way from a to b."""
-        return (_pair(self.found[a]) + _pair(self.found[b])) / 2 + (b - a) / 8 * (self.tangent(a) - self.tangent(b))
+    def cubic(self, a: float, b: float, u: float = 0.5) -> Real:
+        """Load and frequency at a share u of the way from a to b; on the chord where there are no tangents."""
+        one, two = _pair(self.found[a]), _pair(self.found[b])
+        low, high = (np.nan_to_num((b - a) * self.tangent(t) - (two - one)) for t in (a, b))
+        return np.asarray(one + u * (two - one) + u * (1 - u) * ((1 - u) * low - u * high))
 
     def place(self, a: float, b: float) -> None:
         """Close in on a jump or a change of kind between a and b, by where tangents have it or by halves, and follow
@@ -162,6 +173,7 @@ class _Tracer:
             if guess is not None:
                 off = max(_CLOSER * min(guess - a, b - guess), _PLACED / 4)
                 middle = guess + (off if guess - a < b - guess else -off)
+            self.beside.add(middle)
             if _alike(self.found[a], self.ask(middle), self.found[b]):
                 passed.append((a, middle))
                 a = middle
@@ -232,8 +244,9 @@ def trace_boundary(
     Points are added where load or frequency leave the straight line between their neighbours by `tolerance`, relative
     (over the logarithm of the parameter with `log`), as their derivatives say; jumps and changes of kind are placed to
     1e-10 of the range. Each point is the first loss of stability, found by itself among all: a branch cannot be
-    followed past the place where another takes over. Half-way between points eigenvalues that grow just below and just
-    beyond the curve are counted. An event and its undoing both inside one of the first 32 intervals may be missed.
+    followed past the place where another takes over. Half-way between points, and closer and closer to an event,
+    eigenvalues that grow just below and just beyond the curve are counted. An event and its undoing both inside one of
+    the first 32 intervals may be missed.
     `fixed`: the other parameters. Raises InputError for bad values.
 
     >>> import freebeam as fb
