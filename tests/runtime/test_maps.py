@@ -412,7 +412,7 @@ def test_between_points_of_a_boundary_it_is_counted_what_grows() -> None:
 
 
 def test_closer_to_an_event_it_is_counted_at_ever_smaller_distances(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where one branch takes over another may soon: no stretch between counts is longer than its distance from there."""
+    """Where one branch takes over another may soon: no gap between counts is longer than its distance from there."""
     tracer = _Tracer(Question.of(fb.column("beck", "modes"), 4), "alpha", lambda t: (0.2 + t / 20, 0.05), 1e-3)
     places: list[float] = []
     monkeypatch.setattr(tracer, "counted", lambda a, b, u: places.append(a + u * (b - a)) or True)
