@@ -166,12 +166,15 @@ def test_unknown_names_are_attribute_errors(package: ModuleType) -> None:
 
 
 def test_the_runtime_alone_runs_a_kernel_from_its_file(tmp_path: Path) -> None:
-    """What a researcher takes: one emitted file, and the runtime, without what derives."""
+    """One emitted file and the runtime, without what derives: load, map, spectrum and response."""
     kernel = tmp_path / "taken.py"
     kernel.write_bytes((HOUSES["freebeam_kernels"] / "beck_legendre.py").read_bytes())
     code = (
         f"import freebeam_sym as r; a, b = (r.critical_load(r.column(x), 16) for x in ({str(kernel)!r}, 'beck'))\n"
-        "assert a.load == b.load"
+        "assert a.load == b.load\n"
+        "column = a.question.column; system = column.system(8, 5.0, 1e-3)\n"
+        "assert r.critical_loads(column, 8, [[1e-3], [1e-2]], [0.1, 1.0]).load.shape == (2, 2)\n"
+        "assert r.spectrum(system).unstable == 0 and r.respond(system, 1.0, 0.1).y.shape == (11, 1)"
     )
     assert not modules_after(code) & {*SYMBOLIC, "freebeam", "freebeam_derive"}
     statement = ROOT / "derive" / "freebeam_derive" / "columns" / "beck.py"

@@ -85,10 +85,14 @@ class CriticalLoad:
 
     def derivative(self, parameter: str) -> tuple[float, float]:
         """Derivatives of `load` and of `frequency` by alpha, beta or one of the column's own parameters, as `gradient`
-        has them. Raises InputError where there is no load."""
-        if self.load is None or self.frequency is None:
-            raise InputError("gradient: of a critical load that there is")
+        has them. Raises InputError where there is no load, and for a parameter that the column has not."""
         q, P = self.question, self.load
+        if P is None or self.frequency is None:
+            raise InputError(
+                f"load_max = {q.load_max:g}: no load is found up to there that has a derivative; take a larger load_max"
+            )
+        if parameter not in q.values:
+            raise q.column.no_such(parameter)
         if q.kappa is not None and parameter in ("alpha", "beta"):
             return math.nan, math.nan
         terms = _coefficients(q, {})

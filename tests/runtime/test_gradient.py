@@ -72,3 +72,11 @@ def test_frequencies_move_as_their_derivatives_say(
     assert found.derivative(parameter) == pytest.approx(differences, rel=1e-5)
     if "alpha" not in damping:
         assert math.isnan(found.gradient["alpha"])
+
+
+def test_what_has_no_derivative_is_refused() -> None:
+    beck = fb.column("beck")
+    with pytest.raises(fb.InputError, match="load_max = 3: no load is found up to there"):
+        _ = fb.critical_load(beck, 4, eta=0.8, load_max=3.0).gradient
+    with pytest.raises(fb.InputError, match=r"zeta: beck has no such parameter.*; its own parameters: eta"):
+        fb.critical_load(beck, 4, eta=0.8).derivative("zeta")
