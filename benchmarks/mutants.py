@@ -35,16 +35,18 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).parents[1]
 PARTS = {
     "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py", "tests/paper"],
-    "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence,grids,surface,boundaries}.py": [
+    "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence,grids,surface}.py": [
         "tests/runtime/test_critical.py",
         "tests/runtime/test_maps.py",
     ],
-    "freebeam_sym/stability/{general,derivatives,pulse}.py": [
+    "freebeam_sym/stability/{general,derivatives,equations}.py": [
+        "tests/runtime/test_critical.py",
         "tests/runtime/test_general.py",
         "tests/runtime/test_gradient.py",
-        "tests/runtime/test_pulse.py",
         "tests/runtime/test_any_column.py",
     ],
+    "front/freebeam/maps/{grid,boundaries}.py": ["tests/runtime/test_maps.py", "tests/runtime/test_gradient.py"],
+    "front/freebeam/pulsating/*.py": ["tests/runtime/test_pulse.py"],
     "derive/freebeam_derive/{bases,emit}/*.py": [
         "tests/derive/test_kernel.py",
         "tests/derive/test_emit.py",
