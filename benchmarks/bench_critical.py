@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import freebeam as fb
+from freebeam.maps.surface import first_crossing
 from freebeam_sym.stability import pencil
-from freebeam_sym.stability.crossings import first_crossing
 
 CASES = {
     "free-free, undamped": ("free-free", 0.0, 0.0),

@@ -16,8 +16,8 @@ import pytest
 from scipy.optimize import brentq
 
 import freebeam as fb
+from freebeam.maps.surface import first_crossing
 from freebeam_sym.stability import pencil
-from freebeam_sym.stability.crossings import first_crossing
 
 CLAIM = "a map of 100 × 100 points at N = 8, α from 1e-6 to 0.1, β from 0.01 to 1"
 LARGE = "a map of 1000 × 1000 points at N = 8, the same ranges"

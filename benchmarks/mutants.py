@@ -35,7 +35,7 @@ from cosmic_ray.plugins import get_operator
 ROOT = Path(__file__).parents[1]
 PARTS = {
     "derive/freebeam_derive/certify/*.py": ["tests/certify", "tests/front/test_proofs.py", "tests/paper"],
-    "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence,grids,surface}.py": [
+    "freebeam_sym/stability/{pencil,proportional,arnoldi,crossings,critical,convergence}.py": [
         "tests/runtime/test_critical.py",
         "tests/runtime/test_maps.py",
     ],
@@ -45,6 +45,7 @@ PARTS = {
         "tests/runtime/test_gradient.py",
         "tests/runtime/test_any_column.py",
     ],
+    "front/freebeam/maps/{surface,known,arrays}.py": ["tests/runtime/test_critical.py", "tests/runtime/test_maps.py"],
     "front/freebeam/maps/{grid,boundaries}.py": ["tests/runtime/test_maps.py", "tests/runtime/test_gradient.py"],
     "front/freebeam/pulsating/*.py": ["tests/runtime/test_pulse.py"],
     "derive/freebeam_derive/{bases,emit}/*.py": [

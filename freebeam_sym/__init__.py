@@ -4,8 +4,8 @@
     column = freebeam_sym.column("free-free")  # or the path of a kernel's file
     freebeam_sym.critical_load(column, modes=8, alpha=1e-3, beta=0.1).load
 
-`freebeam` offers all of this, and besides what derives, proves and draws, and branches along the load, labelled
-maps, boundaries and loads that pulsate.
+It answers one question at a time. `freebeam` offers all of this, and besides what derives, proves and draws, and what
+asks many questions: arrays and maps of them, branches along the load, boundaries and loads that pulsate.
 
 Each name loads its module when it is first used, so that importing this package costs next to nothing.
 """
@@ -21,14 +21,13 @@ if TYPE_CHECKING:
     from freebeam_sym.columns import names as column_names
     from freebeam_sym.question import Question
     from freebeam_sym.response import Harmonic, Response, respond, state_space
-    from freebeam_sym.spectra import Spectrum, eigenvalues, proportional_damping, spectrum
+    from freebeam_sym.spectra import Spectrum, proportional_damping, spectrum
     from freebeam_sym.stability.critical import CriticalLoad, critical_load
-    from freebeam_sym.stability.grids import CriticalLoads, critical_loads
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
-    "spectrum", "eigenvalues", "proportional_damping", "Spectrum",
-    "critical_load", "CriticalLoad", "critical_loads", "CriticalLoads",
+    "spectrum", "proportional_damping", "Spectrum",
+    "critical_load", "CriticalLoad",
     "respond", "state_space", "Harmonic", "Response",
     "InputError",
     "__version__",
@@ -43,13 +42,10 @@ _HOMES = {
     "System": ("columns", "System"),
     "Question": ("question", "Question"),
     "spectrum": ("spectra", "spectrum"),
-    "eigenvalues": ("spectra", "eigenvalues"),
     "proportional_damping": ("spectra", "proportional_damping"),
     "Spectrum": ("spectra", "Spectrum"),
     "critical_load": ("stability.critical", "critical_load"),
     "CriticalLoad": ("stability.critical", "CriticalLoad"),
-    "critical_loads": ("stability.grids", "critical_loads"),
-    "CriticalLoads": ("stability.grids", "CriticalLoads"),
     "respond": ("response", "respond"),
     "state_space": ("response", "state_space"),
     "Harmonic": ("response", "Harmonic"),

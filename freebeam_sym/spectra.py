@@ -7,7 +7,7 @@ eigenvalues stay what they are, and λ = 0 joins them, defective: the free beam 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -15,15 +15,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, computable, reals
-from freebeam_sym.columns import is_column, is_system
+from freebeam_sym.checks import InputError, reals
+from freebeam_sym.columns import is_system
 from freebeam_sym.massless import reduced, without_mass
 from freebeam_sym.stability.pencil import diagonalise
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Column, System
 
-__all__ = ["Spectrum", "eigenvalues", "proportional_damping", "spectrum", "state_matrix"]
+__all__ = ["Spectrum", "proportional_damping", "spectrum", "state_matrix"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -77,12 +77,12 @@ class Spectrum:
     def rounding(self) -> Real:
         """By how much each of `eigenvalues` may be off, relative, for the rounding of a float, (2n,): near a
         coalescence half of the digits are lost. 0 where λ = 0."""
-        E, _, found, V = _elastic(self.system)
+        E, _, found, V = elastic_motion(self.system)
         size = np.abs(found).max()
         # states in the norm of the energy, in which all modes weigh alike
         W = np.vstack([np.sqrt(np.abs(np.diag(E)))[:, None] * V, V * found])
         W = W / np.linalg.norm(W, axis=0)
-        condition = np.linalg.norm(_left(W), axis=1)
+        condition = np.linalg.norm(inverse(W), axis=1)
         # to first order; where two meet, the root of rounding
         off = size * np.minimum(EPSILON * condition, math.sqrt(EPSILON))
         relative = np.divide(off, np.abs(found), out=np.zeros(len(found)), where=found != 0)
@@ -93,8 +93,11 @@ class Spectrum:
         """Estimated error of each of `eigenvalues` against the beam's own, relative, (2n,): by polynomials at two N
         that agree; nan where these do not, or the column has none. Rigid motion has none: 0."""
         s = self.system
-        found = self.elastic
-        off = beam_errors(s.column, found[None, :], np.array([s.load]), s.modes, s.alpha, s.beta, s.parameters)[0]
+
+        def ask(column: Column, modes: int) -> Complex:
+            return elastic_motion(column.system(modes, s.load, s.alpha, s.beta, False, **s.parameters))[2][None, :]
+
+        off = beam_errors(s.column, self.elastic[None, :], s.modes, ask)[0]
         return self._of_all(off + self.rounding[self.places])
 
     def _of_all(self, numbers: Real) -> Real:
@@ -160,7 +163,7 @@ def spectrum(system: System) -> Spectrum:
     it by the square root of a float's precision, into the elastic eigenvalues too.
     """
     is_system(system)
-    E, B, elastic, vectors = _elastic(system)
+    E, B, elastic, vectors = elastic_motion(system)
     eigenvalues, full = elastic, B @ vectors
     if system.rigid_count:
         eigenvalues, full = with_rigid(system, elastic, full)
@@ -173,16 +176,15 @@ def spectrum(system: System) -> Spectrum:
     return Spectrum(eigenvalues[order], full, elastic[order_e], reference, system, places)
 
 
-def beam_errors(
-    column: Column, found: Complex, loads: Real, modes: int, alpha: float, beta: float, own: Mapping[str, float]
-) -> Real:
-    """Errors of elastic eigenvalues (m, k) at loads (m,) against the beam's own, relative, (m, k): from the nearest
-    that series of polynomials at two N agree on, their difference added; nan where the nearest is not agreed on."""
+def beam_errors(column: Column, found: Complex, modes: int, ask: Callable[[Column, int], Complex]) -> Real:
+    """Errors of elastic eigenvalues (m, k) at m loads against the beam's own, relative, (m, k): from the nearest that
+    series of polynomials at two N agree on, their difference added; nan where the nearest is not agreed on. ask: for a
+    column and N, its eigenvalues (m, 2N) at these loads."""
     polynomials = column.polynomials
     if polynomials is None:
         return np.full(found.shape, np.nan)
     fewer = min(2 * modes + 8, MOST_COMPARED)
-    first, second = (eigenvalues(polynomials, loads, alpha, beta, n, **own) for n in (fewer, fewer + 8))
+    first, second = (ask(polynomials, n) for n in (fewer, fewer + 8))
     errors = np.empty(found.shape)
     for row, (given, one, two) in enumerate(zip(found, first, second, strict=True)):
         apart = np.abs(two[:, None] - one).min(axis=1)
@@ -193,13 +195,13 @@ def beam_errors(
     return errors
 
 
-def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
+def elastic_motion(system: System) -> tuple[Real, Real, Complex, Complex]:
     """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
     e = slice(system.rigid_count, None)
     M = system.M[e, e]
     E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    values, vectors = massless(B.T @ M @ B, C, E + load) if without_mass(M) else eigen(C, E + load)[:2]
+    values, vectors = massless(B.T @ M @ B, C, E + load) if without_mass(M) else eigen(C, E + load)
     return E, B, values, vectors
 
 
@@ -221,19 +223,17 @@ def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
         return B.T @ E @ B, B
 
 
-def eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex, Complex]:
-    """λ (2n,), q̂ (n, 2n) and left vectors û (2n, n) of q̈ + C q̇ + K q = 0, any order, with û (2λ + C) q̂ = 1. Without
-    damping from s = −λ², n × n: Re λ of a stable beam is then exactly 0."""
+def eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex]:
+    """λ (2n,) and q̂ (n, 2n) of q̈ + C q̇ + K q = 0, any order. Without damping from s = −λ², n × n: Re λ of a stable beam
+    is then exactly 0, and q̂ are those of s, twice."""
     n = len(K)
     if C.any():
         values, W = np.linalg.eig(state_matrix(np.eye(n), C, K))
-        return values.astype(complex), W[:n].astype(complex), _left(W)[:, n:].astype(complex)
+        return values.astype(complex), W[:n].astype(complex)
     s, V = np.linalg.eig(K)
     root = np.sqrt(-s.astype(complex))
     values = np.append(root, -root) + 0j  # the sum leaves no negative zeros
-    with np.errstate(divide="ignore", invalid="ignore"):
-        left = np.vstack([_left(V)] * 2) / (2 * values[:, None])
-    return values, np.hstack([V, V]).astype(complex), left
+    return values, np.hstack([V, V]).astype(complex)
 
 
 def massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
@@ -243,7 +243,8 @@ def massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
     return values.astype(complex), (found.states[: len(M)] @ W).astype(complex)
 
 
-def _left(V: Any) -> Any:
+def inverse(V: Any) -> Any:
+    """Of vectors; a pseudoinverse where these are parallel."""
     try:
         return np.linalg.inv(V)
     except np.linalg.LinAlgError:  # at a coalescence to the last digit
@@ -257,8 +258,8 @@ def with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Comp
     n = len(K)
     coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
     if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
-        return massless(M, C, K) if without_mass(M) else eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))[:2]
-    rigid, shapes, _ = eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
+        return massless(M, C, K) if without_mass(M) else eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))
+    rigid, shapes = eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
     order = sorting(rigid)
     full = np.zeros((n, len(elastic) + len(rigid)), dtype=complex)
     full[r:, : len(elastic)] = vectors
@@ -287,70 +288,3 @@ def _reference(E: Real, C: Real) -> float | None:
     s, V = np.linalg.eigh(E)
     square = float(s[0]) - (float(V[:, 0] @ C @ V[:, 0]) / 2) ** 2
     return math.sqrt(square) if square > 0 else None
-
-
-def eigenvalues(
-    column: Column,
-    load: ArrayLike = 0.0,
-    alpha: ArrayLike = 0.0,
-    beta: ArrayLike = 0.0,
-    modes: int | None = None,
-    **parameters: ArrayLike,
-) -> Complex:
-    """Eigenvalues λ of the elastic motion over arrays of load, alpha, beta and own parameters, which broadcast like
-    NumPy's: complex, of their shape and (2N,) more, each row sorted as `spectrum` sorts. Eqs. (24)-(25).
-
-    >>> import freebeam as fb
-    >>> fb.eigenvalues(fb.column("beck", "modes"), modes=8, load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
-    (2, 3, 16)
-
-    Raises InputError for bad values and for shapes that do not broadcast.
-    """
-    from freebeam_sym.stability.grids import alike, broadcast, checked_axes
-
-    is_column(column)
-    modes = column.number(modes)
-    P = reals("load", load)
-    computable("load", float(np.abs(P).max(initial=0.0)))
-    values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
-    points, shape = broadcast(values)
-    n = len(points["load"])
-    if column.general:
-        each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
-        systems = (column.system(modes, **each) for each in each_given)
-        rows = [_elastic(system)[2] for system in systems]
-        if len({len(row) for row in rows}) > 1:
-            raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
-        return np.array([row[sorting(row)] for row in rows]).reshape(*shape, -1)
-    size = 2 * modes
-    found = np.empty((n, size), dtype=complex)
-    block = max(1, 2**20 // size**2)  # states at a time
-    for own, which in alike({x: points[x] for x in parameters}, n):
-        given = column.own_parameters(dict(own))
-        M, E, H = column.matrices(modes, False, **given)
-        E, B = coordinates(M, E)
-        H = B.T @ H @ B
-        for part in (which[k : k + block] for k in range(0, len(which), block)):
-            c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
-            c_M, c_E = (np.broadcast_to(c, part.shape)[:, None, None] for c in (c_M, c_E))
-            K = E + points["load"][part, None, None] * H
-            found[part] = _values(K, c_M * np.eye(modes) + c_E * E)
-    for row in found:
-        row[:] = row[sorting(row)]
-    return found.reshape(*shape, size)
-
-
-def _values(K: Real, C: Real) -> Complex:
-    """λ (m, 2n) of q̈ + C q̇ + K q = 0, each (m, n, n). Undamped ones from s = −λ², as in `eigen`."""
-    m, n = len(K), K.shape[1]
-    values = np.empty((m, 2 * n), dtype=complex)
-    free = ~C.any(axis=(1, 2))
-    if free.any():
-        root = np.sqrt(-np.linalg.eigvals(K[free]).astype(complex))
-        values[free] = np.concatenate([root, -root], axis=1) + 0j
-    A = np.zeros((int((~free).sum()), 2 * n, 2 * n))
-    A[:, :n, n:] = np.eye(n)
-    A[:, n:, :n], A[:, n:, n:] = -K[~free], -C[~free]
-    if len(A):
-        values[~free] = np.linalg.eigvals(A)
-    return values

@@ -155,7 +155,8 @@ def test_front_doors_are_the_same_for_type_checkers(package: ModuleType) -> None
 def test_freebeam_offers_all_that_the_runtime_does() -> None:
     assert set(freebeam_sym.__all__) <= set(freebeam.__all__)
     # these know the statements that are derived when they are first used, where the runtime's know kernels alone
-    for name in set(freebeam_sym.__all__) - {"column", "column_names"}:
+    others = {"column", "column_names"} | {"critical_load"}  # the last asks with what is known from earlier questions
+    for name in set(freebeam_sym.__all__) - others:
         assert getattr(freebeam, name) is getattr(freebeam_sym, name)
 
 
@@ -173,7 +174,7 @@ def test_the_runtime_alone_runs_a_kernel_from_its_file(tmp_path: Path) -> None:
         f"import freebeam_sym as r; a, b = (r.critical_load(r.column(x), 16) for x in ({str(kernel)!r}, 'beck'))\n"
         "assert a.load == b.load\n"
         "column = a.question.column; system = column.system(8, 5.0, 1e-3)\n"
-        "assert r.critical_loads(column, 8, [[1e-3], [1e-2]], [0.1, 1.0]).load.shape == (2, 2)\n"
+        "loads = [r.critical_load(column, 8, alpha, 0.1).load for alpha in (1e-3, 1e-2)]; assert loads[0] != loads[1]\n"
         "assert r.spectrum(system).unstable == 0 and r.respond(system, 1.0, 0.1).y.shape == (11, 1)"
     )
     assert not modules_after(code) & {*SYMBOLIC, "freebeam", "freebeam_derive"}

@@ -10,15 +10,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.stability.grids import Answers
-from freebeam_sym.stability.problem import Kind, Real
+from freebeam_sym.stability.problem import Crossing, Kind, Real
 
-__all__ = ["CONVERGED", "BeamLoss", "beam_losses", "digits_that_hold", "judge"]
+__all__ = ["CONVERGED", "KINDS", "Answers", "BeamLoss", "beam_losses", "digits_that_hold", "judge"]
 
 CONVERGED = 1e-3
 """Relative error, against the beam itself, up to which a critical load is called converged."""
@@ -31,6 +30,38 @@ MODES = (12, 16, 20, 26, 34, 44)
 UNSEEN = 20
 """N from which on two series that find no loss of stability are believed: fewer polynomials do not bend enough for the
 crossings at loads of some hundreds."""
+
+
+KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
+"""What the numbers of `Answers.kind` stand for."""
+
+
+class Answers(NamedTuple):
+    """Arrays of one shape: load and frequency (nan where there is none; frequency 0 in divergence), and kind, int8."""
+
+    load: Real
+    frequency: Real
+    kind: NDArray[np.int8]
+
+    def at(self, which: Any) -> Answers:
+        """The answers of some points."""
+        return Answers(self.load[which], self.frequency[which], self.kind[which])
+
+    def shaped(self, *shape: int) -> Answers:
+        """The same as arrays of another shape."""
+        return Answers(self.load.reshape(shape), self.frequency.reshape(shape), self.kind.reshape(shape))
+
+    def put(self, at: Any, found: Crossing | None) -> None:
+        """Write down the answer of a point."""
+        plain = (math.nan, math.nan, 0)
+        if found is not None:
+            plain = found.load, found.frequency, KINDS.index(found.kind)
+        self.load[at], self.frequency[at], self.kind[at] = plain
+
+    @staticmethod
+    def none(*shape: int) -> Answers:
+        """Of points where nothing is lost."""
+        return Answers(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
 
 
 class BeamLoss(NamedTuple):

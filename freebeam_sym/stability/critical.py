@@ -4,6 +4,7 @@ Section 3.2."""
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -14,16 +15,15 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import Coefficients, Column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.convergence import BeamLoss, beam_losses, judge
+from freebeam_sym.stability.convergence import KINDS, Answers, BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
 from freebeam_sym.stability.derivatives import crossing_derivative
-from freebeam_sym.stability.general import General
-from freebeam_sym.stability.grids import KINDS, Answers
 from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
-from freebeam_sym.stability.proportional import LIGHTEST_SCAN, Proportional
-from freebeam_sym.stability.surface import surface_of
 
-__all__ = ["CriticalLoad", "Touch", "answer", "critical_load", "settled"]
+__all__ = ["CriticalLoad", "Search", "Touch", "answer", "critical_load"]
+
+Search = Callable[[Any, float], FirstLoss]
+"""What finds the first loss of stability of a problem up to a load, as `first_loss` does."""
 
 
 class Touch(NamedTuple):
@@ -51,6 +51,8 @@ class CriticalLoad:
     mode: Complex | None = field(repr=False, compare=False)
     touches: tuple[Touch, ...]
     question: Question
+    search: Search = field(default=first_loss, repr=False, compare=False)
+    """What found it, and finds `beam`."""
 
     @cached_property
     def beam(self) -> BeamLoss | None:
@@ -59,7 +61,11 @@ class CriticalLoad:
         polynomials = self.question.column.polynomials
         if polynomials is None:
             return None
-        found, change = beam_losses(lambda modes, _: _as_arrays(answer(self.question.over(polynomials, modes))), 1)
+
+        def ask(modes: int, _: Any) -> Answers:
+            return _as_arrays(answer(self.question.over(polynomials, modes), self.search))
+
+        found, change = beam_losses(ask, 1)
         if math.isinf(change[0]):
             return None
         kind: Kind = KINDS[found.kind[0]]
@@ -171,71 +177,11 @@ def critical_load(
     return answer(Question.of(column, modes, alpha, beta, load_max=load_max, kappa=kappa, **parameters))
 
 
-def answer(question: Question) -> CriticalLoad:
+def answer(question: Question, search: Search = first_loss) -> CriticalLoad:
     """The first loss of stability that a question asks for. Raises InputError, as `critical_load` does."""
-    outcome = settled(question.problem, question.load_max)
+    outcome = search(question.problem, question.load_max)
     touches = tuple(Touch(touch.load, touch.frequency) for touch in outcome.touches)
     found = outcome.crossing
     if found is None:
-        return CriticalLoad(None, "none", None, None, touches, question)
-    return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question)
-
-
-def settled(problem: Proportional | General, load_max: float) -> FirstLoss:
-    """As `first_loss`, quicker where many questions have been asked of a pencil, or one without damping before."""
-    if isinstance(problem, General):
-        return first_loss(problem, load_max)
-    if problem.size:
-        return _from_surface(problem, load_max) or first_loss(problem, load_max)
-    kept, key = problem.pencil.kept, (FirstLoss, problem.kappa)
-    top: float
-    found: FirstLoss
-    top, found = kept.get(key, (0.0, FirstLoss(None)))
-    if found.crossing is None and top < load_max:  # else what was found up to there serves any largest load
-        found = first_loss(problem, load_max)
-        kept[key] = load_max, found
-    if found.crossing is not None and found.crossing.load <= load_max:
-        return found
-    return FirstLoss(None, tuple(touch for touch in found.touches if touch.load <= load_max))
-
-
-def _from_surface(problem: Proportional, load_max: float) -> FirstLoss | None:
-    """The answer from the pencil's surface of critical loads; None where that does not settle the question, or where
-    too few have been asked for it to be worth making."""
-    pencil = problem.pencil
-    if min(problem.alpha, problem.beta) < 0 or pencil.conservative:
-        return None
-    surface = surface_of(pencil, load_max)
-    load, frequency, known = surface.at(np.array([problem.alpha]), np.array([problem.beta]), single=True)
-    if not known[0]:
-        return None
-    found = surface.first_divergence if surface.divergence <= load_max else None
-    if load[0] < min(surface.divergence, load_max * (1 + 1e-9)):
-        found = _refined(problem, float(load[0]), float(frequency[0]))
-        if found is None:
-            return None
-        found = found if found.load <= load_max else None
-    top = load_max if found is None else found.load
-    return FirstLoss(found, tuple(x.crossing for x in pencil.divergences if x.crossing.load < top))
-
-
-def _refined(problem: Proportional, P: float, omega: float) -> Crossing | None:
-    """The flutter at a point of the surface, with its motion; None where it is not confirmed there."""
-    pencil = problem.pencil
-    lightest = LIGHTEST_SCAN * math.sqrt(pencil.e[0])
-    size = max(problem.size, lightest)
-    D = 1j * size * problem.shape
-    A = P * pencil.relative + np.diag(1 + omega * (D - omega) / pencil.e)
-    try:
-        B = np.linalg.inv(A)
-    except np.linalg.LinAlgError:
-        return None
-    v = B @ B.sum(axis=1)
-    v = v / np.sqrt(pencil.e) / np.abs(v).max()
-    if problem.size < 10 * lightest:
-        found = problem.near(P, omega, v, size)
-    else:  # one more step of Newton's method for det A = 0, as the surface was made
-        a, b = (B * pencil.relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
-        share = 1 / float((a * b.conj()).imag)
-        found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v), "flutter")
-    return found if found is not None and abs(found.load - P) < 1e-8 * P else None
+        return CriticalLoad(None, "none", None, None, touches, question, search)
+    return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question, search)

@@ -15,11 +15,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Crossing, Event, Problem
-from freebeam_sym.stability.proportional import Proportional
 
-__all__ = ["FirstLoss", "first_crossing", "first_loss", "scan"]
+__all__ = ["FirstLoss", "first_loss", "scan"]
 
 MARGIN = 1e-3
 """Relative. So far below a load it is confirmed that nothing grows, and so far above a touch, or half the way to its
@@ -66,14 +64,6 @@ def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[C
     if stable < top and problem.unstable(top):
         return scan(problem, stable, top), touches
     return None, touches
-
-
-def first_crossing(
-    pencil: Pencil, alpha: float = 0.0, beta: float = 0.0, load_max: float = 1000.0, kappa: float | None = None
-) -> Crossing | None:
-    """First loss of stability of a pencil with damping C = alpha E + beta M, or in the limit of vanishing damping at
-    kappa = beta/alpha."""
-    return first_loss(Proportional(pencil, alpha, beta, kappa), load_max).crossing
 
 
 def _in_order(problem: Problem, load_max: float) -> Iterator[Event]:

@@ -18,7 +18,9 @@ if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
     from freebeam.exact_ranges import ExactPiece, ExactRange, OpenPiece, exact_range
     from freebeam.loci import Branches, branches
+    from freebeam.maps.arrays import CriticalLoads, critical_loads, eigenvalues
     from freebeam.maps.boundaries import Boundary, BoundaryEvent, trace_boundary
+    from freebeam.maps.known import critical_load
     from freebeam.maps.labelled import stability_map
     from freebeam.own import column, column_names
     from freebeam.proofs import (
@@ -41,16 +43,12 @@ if TYPE_CHECKING:
     from freebeam_sym import (
         Column,
         CriticalLoad,
-        CriticalLoads,
         Harmonic,
         InputError,
         Question,
         Response,
         Spectrum,
         System,
-        critical_load,
-        critical_loads,
-        eigenvalues,
         proportional_damping,
         respond,
         spectrum,
@@ -77,6 +75,8 @@ __all__ = [
 _HOMES = {
     "own": ["column", "column_names"],
     "loci": ["branches", "Branches"],
+    "maps.arrays": ["critical_loads", "CriticalLoads", "eigenvalues"],
+    "maps.known": ["critical_load"],
     "maps.labelled": ["stability_map"],
     "maps.boundaries": ["trace_boundary", "Boundary", "BoundaryEvent"],
     "pulsating": ["pulse", "PulsatingRegions", "PulsatingRegion"],

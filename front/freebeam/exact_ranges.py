@@ -8,8 +8,8 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from freebeam import proofs
+from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, refusal
-from freebeam_sym.stability.critical import answer
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.beam_ranges import Piece

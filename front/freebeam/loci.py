@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebeam.maps.arrays import eigenvalues
 from freebeam_sym.checks import InputError, computable, reals, refusal
 from freebeam_sym.columns import Column, System, is_column
 from freebeam_sym.massless import without_mass
-from freebeam_sym.spectra import Complex, Real, beam_errors, coordinates, eigen, massless, sorting, with_rigid
+from freebeam_sym.spectra import Complex, Real, beam_errors, coordinates, eigen, inverse, massless, sorting, with_rigid
 
 __all__ = ["Branches", "branches"]
 
@@ -81,10 +82,12 @@ def branches(
     order = sorting(values[0])
 
     def errors() -> Real:
-        own = {name: float(value) for name, value in parameters.items()}
+        def ask(column: Column, modes: int) -> Complex:
+            return eigenvalues(column, P, alpha, beta, modes, **parameters)
+
         elastic = order < 2 * (len(system.M) - system.rigid_count)
         found = np.zeros(values.shape)
-        found[:, elastic] = beam_errors(column, values[:, order[elastic]], P, modes, alpha, beta, own)
+        found[:, elastic] = beam_errors(column, values[:, order[elastic]], modes, ask)
         return found
 
     shapes = shapes[:, :, order]
@@ -129,7 +132,8 @@ class _Follower:
         nothing = np.zeros_like(self.E)
         C = sum((load**k * X for k, X in enumerate(self.C)), nothing)
         K = self.E + sum((load**k * X for k, X in enumerate(self.K, 1)), nothing)
-        values, V, U = eigen(C, K) if self.M is None else _with_left(self.M, C, K)
+        values, V = eigen(C, K) if self.M is None else massless(self.M, C, K)
+        U = _left(C, values, V) if self.M is None else _left_massless(self.M, C, K, values, V)
         # dλ/dP = −û (λ dC/dP + dK/dP) q̂
         slopes = [
             sum((k * load ** (k - 1) * X for k, X in terms), nothing)
@@ -219,11 +223,19 @@ def _parted(a: _State, b: _State, in_a: Places, in_b: Places) -> Places | None:
     return np.asarray(in_b[np.lexsort((-b.values[in_b].imag, -b.values[in_b].real))])
 
 
-def _with_left(M: Real, C: Real, K: Real) -> tuple[Complex, Complex, Complex]:
-    """The same with û (m, n), û (2λM + C) q̂ = 1."""
-    values, V = massless(M, C, K)
+def _left(C: Real, values: Complex, V: Complex) -> Complex:
+    """Left vectors û (2n, n) of what `eigen` gives, û (2λ + C) q̂ = 1."""
+    n = len(C)
+    if C.any():
+        found: Complex = inverse(np.vstack([V, V * values]))[:, n:]
+        return found
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.vstack([inverse(V[:, :n])] * 2) / (2 * values[:, None]))
+
+
+def _left_massless(M: Real, C: Real, K: Real, values: Complex, V: Complex) -> Complex:
+    """The same of what `massless` gives, û (m, n), û (2λM + C) q̂ = 1."""
     lam = values[:, None, None]
     U = np.linalg.svd(lam**2 * M + lam * C + K)[0][:, :, -1].conj()
     with np.errstate(divide="ignore", invalid="ignore"):
-        U = U / np.einsum("kj,kji,ik->k", U, 2 * lam * M + C, V)[:, None]
-    return values, V, U
+        return np.asarray(U / np.einsum("kj,kji,ik->k", U, 2 * lam * M + C, V)[:, None])

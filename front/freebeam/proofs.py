@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
 from freebeam_sym.columns import is_column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import CONVERGED, BeamLoss
-from freebeam_sym.stability.critical import CriticalLoad, answer
+from freebeam_sym.stability.critical import CriticalLoad
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing

@@ -12,8 +12,8 @@ import pytest
 
 import freebeam as fb
 from freebeam import cli
+from freebeam.maps.surface import first_crossing
 from freebeam_sym import column_names
-from freebeam_sym.stability.crossings import first_crossing
 from freebeam_sym.stability.pencil import Pencil
 from tests.gallery import GALLERY
 from tests.reference import dense

@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 
 import freebeam_sym as fb
+from freebeam.maps.surface import first_crossing
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.derivatives import crossing_derivative, eigenvalue_derivative
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil

@@ -19,14 +19,14 @@ from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam import cli
+from freebeam.maps import arrays
 from freebeam.maps.boundaries import _change, _Tracer
 from freebeam.maps.grid import solve_grid
+from freebeam.maps.known import settled
+from freebeam.maps.surface import Surface, _filled, _Patch, first_crossing, surface_of
 from freebeam_sym.question import Question
-from freebeam_sym.stability import grids, pencil
-from freebeam_sym.stability.critical import settled
-from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability import pencil
 from freebeam_sym.stability.proportional import Proportional
-from freebeam_sym.stability.surface import Surface, _filled, _Patch, surface_of
 
 KINDS = ("none", "flutter", "divergence")
 
@@ -74,7 +74,7 @@ def test_loads_are_where_stability_is_lost_first(
     column = fb.column(name, basis)
     own = {"eta": round(eta, 3)} if name == "beck" else {}
     alpha, beta = np.array(dampings).T
-    found = grids.solve(fb.Question.of(column, modes, load_max=400.0, **own), alpha, beta)
+    found = arrays.solve(fb.Question.of(column, modes, load_max=400.0, **own), alpha, beta)
     for k in range(0, 16, 3):
         top = found.load[k] if found.kind[k] else 400.0
         below = np.concatenate([np.linspace(0.004, 0.98, 60), np.linspace(0.981, 0.9999, 12)]) * top

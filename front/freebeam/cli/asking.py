@@ -149,7 +149,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         finds it."""
         from freebeam import figures
         from freebeam.figures.look import figure
-        from freebeam_sym.stability.critical import answer
+        from freebeam.maps.known import answer
 
         q, drawn = self.question, figure((5.2, 3.8) if "kappa" in self.dampings else (10.4, 3.8))
         if q.kappa is not None:
@@ -164,7 +164,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     def compute(self) -> Found:
         """The proofs that are asked for, then the answer in floats. Raises InputError where something is not proven."""
         import freebeam as fb
-        from freebeam_sym.stability.critical import answer
+        from freebeam.maps.known import answer
 
         proven, crossings, truncation = None, None, None
         of_series, digits = (self.chosen, self.question.modes), self.places

@@ -168,7 +168,7 @@ class Map(FileOptions, SearchOptions):
         """The map's values by name, in the units of the output."""
         import numpy as np
 
-        from freebeam_sym.stability.grids import KINDS
+        from freebeam_sym.stability.convergence import KINDS
 
         load, frequency = (self.units.out(name, getattr(found.answers, name)) for name in ("load", "frequency"))
         arrays = {"load": load, "kind": np.array(KINDS)[found.answers.kind], "frequency": frequency}

@@ -73,7 +73,7 @@ class Show(FileOptions, CaseOptions, SearchOptions):
 
     @cached_property
     def loss(self) -> CriticalLoad:
-        from freebeam_sym.stability.critical import answer
+        from freebeam.maps.known import answer
 
         return answer(self.question)
 

@@ -121,7 +121,7 @@ def _most(column: Column) -> int:
 
 
 def _first_load(column: Column, modes: int) -> float | None:
-    from freebeam_sym.stability.critical import critical_load
+    from freebeam.maps.known import critical_load
 
     return critical_load(column, modes).load
 

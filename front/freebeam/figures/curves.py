@@ -13,10 +13,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam.loci import branches
+from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, positive
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import ROUNDING, spectrum
-from freebeam_sym.stability.critical import CriticalLoad, answer
+from freebeam_sym.stability.critical import CriticalLoad
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import Coefficients, System

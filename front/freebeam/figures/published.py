@@ -20,12 +20,12 @@ from freebeam.figures.look import INK, MUTED, figure, shades, style
 from freebeam.figures.marks import colour, digits, dot, key, legend, mark, note, plain
 from freebeam.figures.schematic import beam, centre_line
 from freebeam.figures.shapes import history, trajectory
+from freebeam.maps.known import critical_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.columns import column as column_of
 from freebeam_sym.question import Question
 from freebeam_sym.response import Response, respond
 from freebeam_sym.spectra import spectrum
-from freebeam_sym.stability.critical import critical_load
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -15,8 +15,8 @@ from freebeam.ledger import proven
 from freebeam.ledger.finding import FLOATS, MAP, PROVEN, RANGE, Finding, Interval, check, enclosure, number
 from freebeam.ledger.proven import cells, eigenvalues, exact, interval, line, ritz
 from freebeam.ledger.scanned import MODES, PRINTED, scanned, step_of
+from freebeam.maps.known import critical_load
 from freebeam_sym.columns import column
-from freebeam_sym.stability.critical import critical_load
 
 __all__ = ["map_of_loads", "truncations"]
 

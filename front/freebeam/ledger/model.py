@@ -10,8 +10,8 @@ import numpy as np
 from freebeam.ledger.finding import FLOATS, IDENTITY, PROVEN, Finding, check, enclosure, number
 from freebeam.ledger.proven import eigenvalues, equations, exact, interval, ritz
 from freebeam.ledger.scanned import MODES
+from freebeam.maps.known import critical_load
 from freebeam_sym.columns import column
-from freebeam_sym.stability.critical import critical_load
 
 MANY = 20  # polynomials: enough for ten digits and more
 

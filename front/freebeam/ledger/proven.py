@@ -12,9 +12,9 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from freebeam.ledger.scanned import MODES
+from freebeam.maps.known import critical_load
 from freebeam.proofs import Certified, certified_load, enclosed_load
 from freebeam_sym.columns import Column, column
-from freebeam_sym.stability.critical import critical_load
 
 if TYPE_CHECKING:
     from freebeam.ledger.finding import Interval

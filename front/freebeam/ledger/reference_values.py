@@ -11,9 +11,9 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from freebeam import own
+from freebeam.maps.known import critical_load
 from freebeam.proofs import enclosed_load
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability.critical import critical_load
 
 if TYPE_CHECKING:
     from freebeam_derive.statement import Column as Statement

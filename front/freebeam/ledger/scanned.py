@@ -13,8 +13,8 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import NamedTuple
 
+from freebeam.maps.known import critical_load
 from freebeam_sym.columns import column
-from freebeam_sym.stability.critical import critical_load
 
 __all__ = ["MODES", "PRINTED", "Printed", "Row", "scanned", "step_of", "validate"]
 

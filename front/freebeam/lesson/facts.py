@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebeam.lesson.draws import USUAL, Data
+from freebeam.maps.known import answer
 from freebeam.proofs import enclosed_load, exact_load
 from freebeam_sym.checks import InputError
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
-from freebeam_sym.stability.critical import CriticalLoad, answer
+from freebeam_sym.stability.critical import CriticalLoad
 
 if TYPE_CHECKING:
     from freebeam.proofs import Certified

@@ -231,7 +231,7 @@ def control(chapter: Chapter, facts: Facts) -> list[Block]:
 def _turned_up(facts: Facts, gain: Parameter) -> list[Block]:
     """The critical load along a gain, and without control."""
     from freebeam import figures
-    from freebeam_sym.stability.critical import answer
+    from freebeam.maps.known import answer
 
     letter = gain.latex or gain.name
     values = np.linspace(*_gains(facts, gain), POINTS)
@@ -340,7 +340,7 @@ def _moves(slope: float, p: Any) -> float:
 
 def _moved(facts: Facts, name: str, change: float) -> float | None:
     """By how much the critical load changes with a parameter, computed again."""
-    from freebeam_sym.stability.critical import answer
+    from freebeam.maps.known import answer
 
     try:
         moved = answer(facts.question.at(**{name: facts.values[name] + change}))
@@ -352,7 +352,7 @@ def _moved(facts: Facts, name: str, change: float) -> float | None:
 def _map(facts: Facts) -> list[Block]:
     """Critical loads over both dampings."""
     from freebeam import figures
-    from freebeam_sym.stability.grids import critical_loads
+    from freebeam.maps.arrays import critical_loads
 
     alpha, beta = np.geomspace(1e-4, 1e-1, 9), np.geomspace(1e-3, 1.0, 9)
 
@@ -366,7 +366,7 @@ def _map(facts: Facts) -> list[Block]:
 
 def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     """The error of the series against the beam itself."""
-    from freebeam_sym.stability.critical import answer
+    from freebeam.maps.known import answer
 
     least = int(facts.column.kernel.COLUMN["least"])
     counts = [k for k in (2, 3, 4, 6, 8, 12) if k >= least] if facts.column.kernel.COLUMN["fields"] else []

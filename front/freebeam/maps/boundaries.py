@@ -18,10 +18,11 @@ import numpy as np
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
+from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, computable, finite, positive, refusal
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.critical import CriticalLoad, answer
+from freebeam_sym.stability.critical import CriticalLoad
 from freebeam_sym.stability.problem import Kind, Real
 
 __all__ = ["Boundary", "BoundaryEvent", "trace_boundary"]

@@ -12,9 +12,10 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
+from freebeam.maps.arrays import solve_points, with_values
 from freebeam.maps.continuation import continued
 from freebeam_sym.question import Question
-from freebeam_sym.stability.grids import Answers, solve_points, with_values
+from freebeam_sym.stability.convergence import Answers
 from freebeam_sym.stability.problem import Real
 
 __all__ = ["crossed", "solve_grid"]

@@ -12,13 +12,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebeam.maps.arrays import checked_axes
 from freebeam.maps.grid import solve_grid
 from freebeam.maps.verdict import verdict
 from freebeam_sym.checks import InputError, count
 from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.convergence import CONVERGED
-from freebeam_sym.stability.grids import KINDS, Answers, checked_axes
+from freebeam_sym.stability.convergence import CONVERGED, KINDS, Answers
 
 if TYPE_CHECKING:
     import xarray

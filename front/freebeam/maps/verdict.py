@@ -7,10 +7,10 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam.maps.arrays import solve_points
 from freebeam.maps.grid import crossed, solve_grid
 from freebeam_sym.question import Question
-from freebeam_sym.stability.convergence import beam_losses, judge
-from freebeam_sym.stability.grids import Answers, solve_points
+from freebeam_sym.stability.convergence import Answers, beam_losses, judge
 from freebeam_sym.stability.problem import Real
 
 __all__ = ["verdict"]

@@ -164,7 +164,7 @@ def _top(vehicle: Vehicle) -> float:
 
 
 def _over_thrust(vehicle: Vehicle) -> Figure:
-    from freebeam_sym.spectra import eigenvalues
+    from freebeam.maps.arrays import eigenvalues
 
     thrusts = np.linspace(0, _top(vehicle), 121)[1:]
     q = vehicle.question()

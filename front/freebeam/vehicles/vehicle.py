@@ -219,7 +219,7 @@ class Vehicle:
 
     def _loss(self, top: float) -> VehicleLoss:
         """Up to a thrust in N: the answer of the highest degree, and how it agrees with those before."""
-        from freebeam_sym.stability.critical import answer
+        from freebeam.maps.known import answer
 
         before: CriticalLoad | None = None
         last = math.inf
@@ -355,8 +355,8 @@ class Vehicle:
         """Stability over gains of the gimbal law and thrusts in N, arrays (n,) and (m,).
 
         Raises InputError for a vehicle without a sensor."""
-        from freebeam_sym.spectra import eigenvalues
-        from freebeam_sym.stability.critical import answer
+        from freebeam.maps.arrays import eigenvalues
+        from freebeam.maps.known import answer
 
         if "gimbal.sensor" not in self.settings:
             raise InputError("gimbal.sensor is missing: a map over the gain needs the place of the sensor, in m")

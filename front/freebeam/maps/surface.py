@@ -12,7 +12,7 @@ cut into patches with a Chebyshev series each. The nodes of a patch are solved i
 A patch is taken only where its series have converged and where, at loads just below the surface, every eigenvalue but
 the crossing pair is damped, with a margin that varies too little between the places of the count for another branch
 to come between them; at its middle loads further below are counted too. Else it is cut. What no patch of the least
-size settles is left to the search of `crossings.py`.
+size settles is left to the search of `freebeam_sym.stability.crossings`.
 
 That a margin varies little is no proof. The constants below were chosen for speed on maps of the package's columns;
 with them 54,216 points of 2,008 random maps (every column, own parameters, both bases, N = 2 to 12, any damping) agreed
@@ -28,11 +28,12 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.stability.crossings import first_crossing
+from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import Complex, Real
+from freebeam_sym.stability.problem import Complex, Crossing, Real
+from freebeam_sym.stability.proportional import Proportional
 
-__all__ = ["FEW", "Surface", "surface_of"]
+__all__ = ["FEW", "Surface", "first_crossing", "surface_of"]
 
 NODES = 10
 MOST = 20
@@ -140,6 +141,14 @@ class _Patch:
         (x, y), (X, Y) = self.low, self.high
         xi, chi = np.meshgrid(x + (X - x) * t, y + (Y - y) * t, indexing="ij")
         return xi.ravel(), chi.ravel()
+
+
+def first_crossing(
+    pencil: Pencil, alpha: float = 0.0, beta: float = 0.0, load_max: float = 1000.0, kappa: float | None = None
+) -> Crossing | None:
+    """First loss of stability of a pencil with damping C = alpha E + beta M, or in the limit of vanishing damping at
+    kappa = beta/alpha."""
+    return first_loss(Proportional(pencil, alpha, beta, kappa), load_max).crossing
 
 
 def surface_of(pencil: Pencil, load_max: float) -> Surface:

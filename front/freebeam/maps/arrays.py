@@ -1,8 +1,8 @@
-"""Critical loads of many points at once: arrays in, arrays out. What maps and sweeps are computed with.
+"""Critical loads and eigenvalues of many points at once: arrays in, arrays out. What maps are computed with.
 
-`solve` takes any number of dampings of one question. They share a pencil, and with it
-the surface of first crossings over all damping (`surface.py`), which settles most points by a series; the rest are
-searched one by one (`crossings.py`), as all of a column beyond the textbook's. `solve_points` does so for any points.
+`solve` takes any number of dampings of one question. They share a pencil, and with it the surface of first crossings
+over all damping (`surface.py`), which settles most points by a series; the rest are searched one by one, as all of a
+column beyond the textbook's. `solve_points` does so for any points.
 
 An answer hangs on the arrays of its own call alone, never on earlier calls, and nothing is drawn at random: work cut
 into the same blocks gives the same bits, in whatever order or process the blocks run.
@@ -10,57 +10,27 @@ into the same blocks gives the same bits, in whatever order or process the block
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebeam.maps.surface import FEW, first_crossing, surface_of
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.crossings import first_crossing, first_loss
+from freebeam_sym.spectra import coordinates, elastic_motion, sorting
+from freebeam_sym.stability.convergence import KINDS, Answers
+from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import Crossing, Kind, Real
-from freebeam_sym.stability.surface import FEW, surface_of
+from freebeam_sym.stability.problem import Complex, Real
 
 __all__ = [
-    "KINDS", "Answers", "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "solve",
-    "solve_points", "with_values",
+    "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "eigenvalues", "solve", "solve_points",
+    "with_values",
 ]  # fmt: skip
-
-KINDS: tuple[Kind, ...] = ("none", "flutter", "divergence")
-"""What the numbers of `Answers.kind` stand for."""
-
-
-class Answers(NamedTuple):
-    """Arrays of one shape: load and frequency (nan where there is none; frequency 0 in divergence), and kind, int8."""
-
-    load: Real
-    frequency: Real
-    kind: NDArray[np.int8]
-
-    def at(self, which: Any) -> Answers:
-        """The answers of some points."""
-        return Answers(self.load[which], self.frequency[which], self.kind[which])
-
-    def shaped(self, *shape: int) -> Answers:
-        """The same as arrays of another shape."""
-        return Answers(self.load.reshape(shape), self.frequency.reshape(shape), self.kind.reshape(shape))
-
-    def put(self, at: Any, found: Crossing | None) -> None:
-        """Write down the answer of a point."""
-        plain = (math.nan, math.nan, 0)
-        if found is not None:
-            plain = found.load, found.frequency, KINDS.index(found.kind)
-        self.load[at], self.frequency[at], self.kind[at] = plain
-
-    @staticmethod
-    def none(*shape: int) -> Answers:
-        """Of points where nothing is lost."""
-        return Answers(np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(shape, dtype=np.int8))
 
 
 def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
@@ -222,3 +192,68 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]
     return answers
+
+
+def eigenvalues(
+    column: Column,
+    load: ArrayLike = 0.0,
+    alpha: ArrayLike = 0.0,
+    beta: ArrayLike = 0.0,
+    modes: int | None = None,
+    **parameters: ArrayLike,
+) -> Complex:
+    """Eigenvalues λ of the elastic motion over arrays of load, alpha, beta and own parameters, which broadcast like
+    NumPy's: complex, of their shape and (2N,) more, each row sorted as `spectrum` sorts. Eqs. (24)-(25).
+
+    >>> import freebeam as fb
+    >>> fb.eigenvalues(fb.column("beck", "modes"), modes=8, load=[[5.0], [10.0]], beta=[0.1, 0.2, 0.3]).shape
+    (2, 3, 16)
+
+    Raises InputError for bad values and for shapes that do not broadcast.
+    """
+    is_column(column)
+    modes = column.number(modes)
+    P = reals("load", load)
+    computable("load", float(np.abs(P).max(initial=0.0)))
+    values = {"load": P, **checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})}
+    points, shape = broadcast(values)
+    n = len(points["load"])
+    if column.general:
+        each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
+        systems = (column.system(modes, **each) for each in each_given)
+        rows = [elastic_motion(system)[2] for system in systems]
+        if len({len(row) for row in rows}) > 1:
+            raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
+        return np.array([row[sorting(row)] for row in rows]).reshape(*shape, -1)
+    size = 2 * modes
+    found = np.empty((n, size), dtype=complex)
+    block = max(1, 2**20 // size**2)  # states at a time
+    for own, which in alike({x: points[x] for x in parameters}, n):
+        given = column.own_parameters(dict(own))
+        M, E, H = column.matrices(modes, False, **given)
+        E, B = coordinates(M, E)
+        H = B.T @ H @ B
+        for part in (which[k : k + block] for k in range(0, len(which), block)):
+            c_M, c_E = column.kernel.damping_factors(points["alpha"][part], points["beta"][part], **given)
+            c_M, c_E = (np.broadcast_to(c, part.shape)[:, None, None] for c in (c_M, c_E))
+            K = E + points["load"][part, None, None] * H
+            found[part] = _values(K, c_M * np.eye(modes) + c_E * E)
+    for row in found:
+        row[:] = row[sorting(row)]
+    return found.reshape(*shape, size)
+
+
+def _values(K: Real, C: Real) -> Complex:
+    """λ (m, 2n) of q̈ + C q̇ + K q = 0, each (m, n, n). Undamped ones from s = −λ², as in `eigen`."""
+    m, n = len(K), K.shape[1]
+    values = np.empty((m, 2 * n), dtype=complex)
+    free = ~C.any(axis=(1, 2))
+    if free.any():
+        root = np.sqrt(-np.linalg.eigvals(K[free]).astype(complex))
+        values[free] = np.concatenate([root, -root], axis=1) + 0j
+    A = np.zeros((int((~free).sum()), 2 * n, 2 * n))
+    A[:, :n, n:] = np.eye(n)
+    A[:, n:, :n], A[:, n:, n:] = -K[~free], -C[~free]
+    if len(A):
+        values[~free] = np.linalg.eigvals(A)
+    return values
