@@ -8,7 +8,7 @@ from collections import OrderedDict
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
-from functools import cache, cached_property, lru_cache, partial
+from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
@@ -240,12 +240,7 @@ class Column:
                 found = tuple(
                     f(basis, rigid, **own) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load)
                 )
-            for array in found:
-                if not np.isfinite(array).all():
-                    given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
-                    raise InputError(f"{given}: the matrices are beyond the range of a float")
-                array.flags.writeable = False
-            M, E, H = found
+            M, E, H = _sound(found, own)
             return M, E, H
 
         result: tuple[Array, Array, Array] = self._remembered((modes, rigid, *own.values()), build)
@@ -297,12 +292,7 @@ class Column:
                     bare = kernel.rate_terms(basis, 0.0, 0.0, **own)
                     terms = tuple(x - y for x, y in zip(terms, bare, strict=True))
         moved = tuple(terms) if T is None else tuple(_moved(X, T) for X in terms)
-        for X in moved:
-            if not np.isfinite(X).all():
-                given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
-                raise InputError(f"{given}: the matrices are beyond the range of a float")
-            X.flags.writeable = False
-        return moved
+        return _sound(moved, own)
 
     def frame(self, modes: int, **own: float) -> Array | None:
         """The functions of a column's systems in those of its kernel, (n, n): the rigid motions first, the others
@@ -397,6 +387,16 @@ class Column:
         return System(self, modes, load, alpha, beta, bool(rigid), own, M, C, K, E, H)
 
 
+def _sound(matrices: tuple[Array, ...], own: dict[str, float]) -> tuple[Array, ...]:
+    """Matrices that are kept and shared, no more to be written to. Raises InputError where they are not finite."""
+    for X in matrices:
+        if not np.isfinite(X).all():
+            given = ", ".join(f"{name} = {value:g}" for name, value in own.items())
+            raise InputError(f"{given}: the matrices are beyond the range of a float")
+        X.flags.writeable = False
+    return matrices
+
+
 def _moved(X: Array, T: Array) -> Array:
     """Tᵀ X T; symmetric to the last bit where X is."""
     found = T.T @ X @ T
@@ -483,7 +483,11 @@ class System:
         if self.column.general:
             force: Array = self.column.kernel.force(self.basis, float(place[0]), **self.parameters)
             return self._framed(force)
-        return _force_at(self.column, self.modes, self.rigid, float(place[0])).copy()
+        at = float(place[0])
+        kept: Array = self.column._remembered(
+            ("force", self.modes, self.rigid, at), lambda: self.column.kernel.force(self.basis, at, self.rigid)
+        )
+        return kept.copy()
 
     def _framed(self, values: Array) -> Array:
         """Values of the kernel's functions (n, …) as those of this system's."""
@@ -511,25 +515,16 @@ class System:
             own = self.parameters
             with self.column._sound_places():
                 return self._framed(self.column.kernel.shapes(self.basis, places, field, derivative, side, **own))
-        if places.size <= _FEW_PLACES:
-            few = _shapes_at(self.column, self.modes, self.rigid, derivative, places.tobytes())
-            return few.reshape(-1, *places.shape).copy()
-        shapes: Array = self.column.kernel.shapes(self.basis, places, derivative, self.rigid)
-        return shapes
 
+        def build() -> Array:
+            found: Array = self.column.kernel.shapes(self.basis, places, derivative, self.rigid)
+            return found
 
-@lru_cache(maxsize=64)
-def _force_at(column: Column, modes: int, rigid: bool, place: float) -> Array:
-    """`System.Q`, kept: a response at the next load has its force where this one has it."""
-    force: Array = column.kernel.force(column.basis(modes), place, rigid)
-    return force
-
-
-@lru_cache(maxsize=64)
-def _shapes_at(column: Column, modes: int, rigid: bool, derivative: int, places: bytes) -> Array:
-    """`System.shapes` at a few places in a row, kept as these are: its sensors."""
-    shapes: Array = column.kernel.shapes(column.basis(modes), np.frombuffer(places), derivative, rigid)
-    return shapes
+        if places.size > _FEW_PLACES:
+            return build()
+        key = "shapes", self.modes, self.rigid, derivative, places.shape, places.tobytes()
+        shapes: Array = self.column._remembered(key, build)
+        return shapes.copy()
 
 
 def is_column(value: object) -> Column:

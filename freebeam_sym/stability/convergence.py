@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from freebeam_sym.stability.problem import Crossing, Kind, Real
 
-__all__ = ["CONVERGED", "KINDS", "Answers", "BeamLoss", "beam_losses", "digits_that_hold", "judge"]
+__all__ = ["CONVERGED", "KINDS", "Answers", "BeamLoss", "beam_losses", "judge"]
 
 CONVERGED = 1e-3
 """Relative error, against the beam itself, up to which a critical load is called converged."""
@@ -102,13 +102,3 @@ def judge(found: Answers, beam: Answers, uncertainty: Real) -> tuple[Real, NDArr
         error = np.where(known, np.abs(found.load - beam.load) / beam.load + uncertainty, np.nan)
         alike = (found.kind == 0) | (error <= CONVERGED)
     return error, np.asarray(known & (found.kind == beam.kind) & alike)
-
-
-def digits_that_hold(value: float, error: float, most: int = 10) -> str:
-    """A value as text, to as many significant digits as its relative error leaves, one at least.
-
-    >>> digits_that_hold(9.8696044, 3e-4), digits_that_hold(20.050953619, 1e-14)
-    ('9.87', '20.05095362')
-    """
-    digits = most if error <= 10.0**-most else max(1, math.floor(-math.log10(min(error, 0.1))))
-    return f"{value:#.{min(digits, most)}g}".rstrip(".")

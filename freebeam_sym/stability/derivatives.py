@@ -1,4 +1,4 @@
-"""Derivatives of eigenvalues and of critical loads with respect to a parameter, from left and right null vectors."""
+"""Derivatives of critical loads with respect to a parameter, from left and right null vectors."""
 
 from __future__ import annotations
 
@@ -11,24 +11,12 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.problem import Complex, Real
 
-__all__ = ["crossing_derivative", "eigenvalue_derivative"]
+__all__ = ["crossing_derivative"]
 
 Triple = tuple[Real, Real, Real]
 """Of M, C, K at a load, or of their derivatives, each (n, n)."""
 DOUBLE = 1e-7
 """Relative. uᴴ G_λ v below which an eigenvalue is double: it is off by the root of rounding."""
-
-
-def eigenvalue_derivative(rate: complex, at: Triple, change: Triple) -> complex:
-    """dλ/dp of a simple eigenvalue λ = `rate` of λ²M + λC + K: −uᴴ(λ²M_p + λC_p + K_p)v / uᴴ(2λM + C)v.
-
-    at, change: M, C, K and their derivatives with respect to p. Raises InputError where λ is not simple.
-    """
-    u, v, _ = _null(_matrix(rate, at))
-    slope = u @ (2 * rate * at[0] + at[1]) @ v
-    if abs(slope) <= DOUBLE * _size(rate, at):
-        raise InputError(f"eigenvalue {rate}: is not simple, so it has no derivative")
-    return complex(-(u @ _matrix(rate, change) @ v) / slope)
 
 
 def crossing_derivative(

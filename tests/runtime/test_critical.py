@@ -17,9 +17,9 @@ from hypothesis import strategies as st
 import freebeam as fb
 from freebeam.maps.known import _refined
 from freebeam.maps.surface import first_crossing
+from freebeam.maps.verdict import digits_that_hold
 from freebeam.proofs import enclosed_load
 from freebeam_sym.stability.arnoldi import Krylov
-from freebeam_sym.stability.convergence import digits_that_hold
 from freebeam_sym.stability.critical import critical_load
 from freebeam_sym.stability.crossings import _in_order, first_loss
 from freebeam_sym.stability.crossings import scan as scan_for

@@ -12,7 +12,7 @@ import freebeam_sym as fb
 from freebeam.maps.surface import first_crossing
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.crossings import first_loss
-from freebeam_sym.stability.derivatives import crossing_derivative, eigenvalue_derivative
+from freebeam_sym.stability.derivatives import crossing_derivative
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil
 
@@ -202,23 +202,6 @@ def test_derivative_where_frequencies_meet_or_damping_vanishes(vanishing: bool) 
     if not vanishing:
         with pytest.raises(InputError, match="frequencies meet"):
             crossing_derivative(omega, at, slope, (zero, spring, zero))
-
-
-@pytest.mark.parametrize("seed", range(6))
-def test_derivative_of_an_eigenvalue_by_differences(seed: int) -> None:
-    M, C, K, d = triples(seed)
-    n, at = len(M[0]), (M[0], C[0], K[0])
-
-    def rates(p: float) -> np.ndarray:
-        m, c, k = (X + p * D for X, D in zip(at, d, strict=True))
-        top = np.hstack([np.zeros((n, n)), np.eye(n)])
-        return np.linalg.eigvals(np.vstack([top, np.linalg.solve(m, np.hstack([-k, -c]))]))
-
-    h = 1e-6
-    for rate in rates(0.0):
-        near = [min(rates(p), key=lambda x: abs(x - rate)) for p in (h, -h)]
-        found = eigenvalue_derivative(complex(rate), at, tuple(d))
-        assert found == pytest.approx((near[0] - near[1]) / (2 * h), rel=1e-4, abs=1e-5)
 
 
 def test_gyroscopic_stabilisation_is_lost_as_flutter() -> None:

@@ -329,7 +329,7 @@ def _difference(record: dict[str, Any], unit: str) -> str:
 
 def _digits(value: float, error: float) -> str:
     """A number to the digits that its relative error leaves."""
-    from freebeam_sym.stability.convergence import digits_that_hold
+    from freebeam.maps.verdict import digits_that_hold
 
     return digits_that_hold(value, error)
 

@@ -142,7 +142,7 @@ def _subtitle(facts: Any) -> str:
 
 def _lost(beam: BeamLoss) -> str:
     """Kind and load of the beam's own loss of stability, to the digits that hold."""
-    from freebeam_sym.stability.convergence import digits_that_hold
+    from freebeam.maps.verdict import digits_that_hold
 
     assert beam.load is not None
     return f"{beam.kind} at {digits_that_hold(beam.load, beam.uncertainty, 6)}"

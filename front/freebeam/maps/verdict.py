@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 import numpy as np
@@ -13,7 +14,7 @@ from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import Answers, beam_losses, judge
 from freebeam_sym.stability.problem import Real
 
-__all__ = ["verdict"]
+__all__ = ["digits_that_hold", "verdict"]
 
 
 def verdict(
@@ -45,3 +46,13 @@ def verdict(
         step(1.0)
     error, converged = judge(found.shaped(-1), beam, uncertainty)
     return error.reshape(shape), converged.reshape(shape)
+
+
+def digits_that_hold(value: float, error: float, most: int = 10) -> str:
+    """A value as text, to as many significant digits as its relative error leaves, one at least.
+
+    >>> digits_that_hold(9.8696044, 3e-4), digits_that_hold(20.050953619, 1e-14)
+    ('9.87', '20.05095362')
+    """
+    digits = most if error <= 10.0**-most else max(1, math.floor(-math.log10(min(error, 0.1))))
+    return f"{value:#.{min(digits, most)}g}".rstrip(".")

@@ -16,7 +16,7 @@ from freebeam.figures.look import ACCENT, COLOURS, INK, MUTED, figure, shades, s
 from freebeam.figures.marks import legend
 from freebeam.figures.saving import FORMATS as PLAIN
 from freebeam.figures.saving import image_of
-from freebeam_sym.stability.convergence import digits_that_hold
+from freebeam.maps.verdict import digits_that_hold
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
