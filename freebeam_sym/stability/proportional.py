@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.equations import ROUNDING, moved, newton
+from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Complex, Crossing, Event, Real
 
@@ -104,26 +105,10 @@ class Proportional:
         return int((np.linalg.eigvals(A).real > 1e-14 * np.linalg.norm(A)).sum())
 
     def onset(self, load: float) -> Crossing:
-        omega, v = self._growing(load)
-        found = self.near(load, omega, v) if omega > 0 else None
-        if found is not None and abs(found.load - load) < 1e-3 * load:
-            return found
-        return Crossing(load, omega, self.pencil.vector(v), "flutter" if omega > 0 else "divergence")
-
-    def _growing(self, load: float) -> tuple[float, Complex]:
-        """What grows most at a load: its frequency, 0 where it does not swing, and its motion in the pencil's basis."""
-        if self.light:
-            s, V, growth = self._branches(load)
-            worst = int(np.argmax(np.where((s.real <= 0) | (s.imag != 0), np.inf, growth.real)))
-            return math.sqrt(max(0.0, float(s[worst].real))), V[:, worst]
-        n, e = self.pencil.size, self.pencil.e
-        try:
-            theta, W = np.linalg.eig(self._inverse_state(load))
-        except np.linalg.LinAlgError:
-            _, _, right = np.linalg.svd(np.eye(n) + load * self.pencil.relative)
-            return 0.0, (right[-1] / np.sqrt(e)).astype(complex)
-        worst = int(np.argmax(theta.real))
-        return abs(float((math.sqrt(e[0]) / theta[worst]).imag)), W[:n, worst].astype(complex)
+        p, direction = self.pencil, np.diag(self.shape)  # of any size where it vanishes
+        matrices = [np.eye(p.size)], [(self.size or 1.0) * direction], [np.diag(p.e), p.H]
+        found = General(*matrices, vanishing=not self.size).onset(load)
+        return replace(found, vector=p.vector(found.vector))
 
     def _inverse_state(self, load: float) -> Real:
         """Inverse of the state matrix of Eq. (25), times ω₁, in the basis of the pencil, (2N, 2N). Its eigenvalues
@@ -136,14 +121,6 @@ class Proportional:
         A[:n, n:] = -inverse
         A[n:, :n] = np.eye(n)
         return A
-
-    def near(self, load: float, omega: float, v: Complex, size: float | None = None) -> Crossing | None:
-        """The flutter near a load, a frequency and a motion in the basis of the pencil, by Newton's method; None where
-        there is none. size: of the damping that the motion belongs to, where that is another."""
-        square = v @ v
-        v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
-        found = self.newton(omega**2, load, v.real.copy(), v.imag / (omega * (size or self.size or 1.0)))
-        return found if found is not None and found.frequency > 0 else None
 
     def newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
         """The flutter near (ω² = w, P, v = a + iω·size·b) in the basis of the pencil, of negative frequency where

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
-from freebeam.maps.known import _refined
+from freebeam.maps.known import _refined, near
 from freebeam.maps.surface import first_crossing
 from freebeam.maps.verdict import digits_that_hold
 from freebeam.proofs import enclosed_load
@@ -553,9 +553,9 @@ def test_units_of_stiffness_and_load_do_not_matter(name: str, stiff: float, forc
     other = Proportional(Pencil(M, stiff * E, stiff / force * H), alpha / math.sqrt(stiff), 0.0, plain.kappa)
     one, two = first_loss(plain).crossing, first_loss(other, 1000 * force).crossing
     assert one is not None and two is not None
-    near = other.near(two.load, two.frequency, np.linalg.solve(other.pencil.basis, two.vector))
+    again = near(other, two.load, two.frequency, np.linalg.solve(other.pencil.basis, two.vector))
     beyond = other.onset(two.load * (1 + 1e-9))
-    for found in (two, near, beyond):
+    for found in (two, again, beyond):
         assert found is not None and found.kind == one.kind
         assert found.load == pytest.approx(force * one.load, rel=2e-9)
         assert found.frequency == pytest.approx(math.sqrt(stiff) * one.frequency, rel=1e-8)
@@ -577,9 +577,9 @@ def test_rounding_is_what_a_change_of_the_matrices_does(seed: int, alpha: float,
         g = rng.normal(size=(4, 4))
         g *= delta * (1 + found.load * p.norm) / np.linalg.norm(g) / found.load
         changed = Proportional(Pencil(np.eye(4), np.diag(p.e), p.H + root * g), alpha, beta)
-        near = changed.near(found.load, found.frequency, np.linalg.solve(p.basis, found.vector))
-        if near is not None:
-            moved.append(abs(near.load / found.load - 1))
+        again = near(changed, found.load, found.frequency, np.linalg.solve(p.basis, found.vector))
+        if again is not None:
+            moved.append(abs(again.load / found.load - 1))
     assert len(moved) > 100
     assert 0.5 * most < max(moved) < 1.05 * most
 

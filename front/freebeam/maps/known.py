@@ -18,10 +18,10 @@ from freebeam_sym.stability import critical
 from freebeam_sym.stability.critical import CriticalLoad
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
 from freebeam_sym.stability.general import General
-from freebeam_sym.stability.problem import Crossing
+from freebeam_sym.stability.problem import Complex, Crossing
 from freebeam_sym.stability.proportional import LIGHTEST_SCAN, Proportional
 
-__all__ = ["answer", "critical_load", "settled"]
+__all__ = ["answer", "critical_load", "near", "settled"]
 
 
 @wraps(critical.critical_load)
@@ -95,9 +95,18 @@ def _refined(problem: Proportional, P: float, omega: float) -> Crossing | None:
     v = B @ B.sum(axis=1)
     v = v / np.sqrt(pencil.e) / np.abs(v).max()
     if problem.size < 10 * lightest:
-        found = problem.near(P, omega, v, size)
+        found = near(problem, P, omega, v, size)
     else:  # one more step of Newton's method for det A = 0, as the surface was made
         a, b = (B * pencil.relative.T).sum(), (B.diagonal() * ((D - 2 * omega) / pencil.e)).sum()
         share = 1 / float((a * b.conj()).imag)
         found = Crossing(P + float(b.imag) * share, omega - float(a.imag) * share, pencil.vector(v), "flutter")
     return found if found is not None and abs(found.load - P) < 1e-8 * P else None
+
+
+def near(problem: Proportional, load: float, omega: float, v: Complex, size: float | None = None) -> Crossing | None:
+    """The flutter near a load, a frequency and a motion in the basis of the pencil, by Newton's method; None where there
+    is none. size: of the damping that the motion belongs to, where that is another."""
+    square = v @ v
+    v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
+    found = problem.newton(omega**2, load, v.real.copy(), v.imag / (omega * (size or problem.size or 1.0)))
+    return found if found is not None and found.frequency > 0 else None
