@@ -17,8 +17,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from freebeam_sym.checks import InputError
-    from freebeam_sym.columns import Column, System, column
-    from freebeam_sym.columns import names as column_names
+    from freebeam_sym.columns import Column, System, column, column_names
     from freebeam_sym.question import Question
     from freebeam_sym.response import Harmonic, Response, respond, state_space
     from freebeam_sym.spectra import Spectrum, proportional_damping, spectrum
@@ -33,34 +32,25 @@ __all__ = [
     "__version__",
 ]  # fmt: skip
 
-# Where each name lives: a module of this package and the name there. No name may be that of a module, because
-# importing the module would put it in the name's place.
+# Modules of this package by the names that they give. No name may be that of a module, because importing the module
+# would put it in the name's place.
 _HOMES = {
-    "column": ("columns", "column"),
-    "column_names": ("columns", "names"),
-    "Column": ("columns", "Column"),
-    "System": ("columns", "System"),
-    "Question": ("question", "Question"),
-    "spectrum": ("spectra", "spectrum"),
-    "proportional_damping": ("spectra", "proportional_damping"),
-    "Spectrum": ("spectra", "Spectrum"),
-    "critical_load": ("stability.critical", "critical_load"),
-    "CriticalLoad": ("stability.critical", "CriticalLoad"),
-    "respond": ("response", "respond"),
-    "state_space": ("response", "state_space"),
-    "Harmonic": ("response", "Harmonic"),
-    "Response": ("response", "Response"),
-    "InputError": ("checks", "InputError"),
+    "columns": ["column", "column_names", "Column", "System"],
+    "question": ["Question"],
+    "spectra": ["spectrum", "proportional_damping", "Spectrum"],
+    "stability.critical": ["critical_load", "CriticalLoad"],
+    "response": ["respond", "state_space", "Harmonic", "Response"],
+    "checks": ["InputError"],
 }
 
 
 def __getattr__(name: str) -> object:
+    home = next((module for module, names in _HOMES.items() if name in names), None)
     value: object
     if name == "__version__":
         value = import_module("importlib.metadata").version("freebeam")
-    elif name in _HOMES:
-        module, attribute = _HOMES[name]
-        value = getattr(import_module(f"{__name__}.{module}"), attribute)
+    elif home is not None:
+        value = getattr(import_module(f"{__name__}.{home}"), name)
     else:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     globals()[name] = value

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    "InputError", "array", "computable", "count", "finite", "nonnegative", "positions", "positive", "reals", "refusal"
+    "InputError", "array", "computable", "count", "finite", "memory", "nonnegative", "positions", "positive", "reals",
+    "refusal",
 ]  # fmt: skip
 
 LARGEST = 1e60
@@ -103,6 +105,14 @@ def computable(name: str, number: float) -> float:
     if abs(number) >= LARGEST:
         raise refusal(name, number, "must be below 1e60 in size to be computed with")
     return number
+
+
+def memory() -> float:
+    """Bytes of this machine's memory."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, ValueError, OSError):  # no such call, as on Windows
+        return 8.0 * 2**30
 
 
 def array(name: str, values: object, hint: str = "") -> NDArray[np.float64]:

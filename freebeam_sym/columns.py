@@ -23,6 +23,7 @@ from freebeam_sym.checks import (
     computable,
     count,
     finite,
+    memory,
     nonnegative,
     positions,
     positive,
@@ -31,7 +32,7 @@ from freebeam_sym.checks import (
 )
 from freebeam_sym.kernels import load, read_kernel, text_of
 
-__all__ = ["Column", "Parameter", "System", "column", "names"]
+__all__ = ["Column", "Parameter", "System", "column", "column_names"]
 
 Array = NDArray[np.float64]
 USUAL = {"modes": 8}
@@ -144,10 +145,7 @@ class Column:
             hint = "number N of elastic polynomials; 20 give ten digits"
             return count("modes", modes, 1, _MOST_POLYNOMIALS, hint)
         # a spectrum takes some twelve matrices of twice the size
-        pages, size = (
-            (os.sysconf(key) for key in ("SC_PHYS_PAGES", "SC_PAGE_SIZE")) if hasattr(os, "sysconf") else (2**21, 4096)
-        )
-        largest = int((pages * size / (12 * 4 * 8)) ** 0.5)
+        largest = int((memory() / (12 * 4 * 8)) ** 0.5)
         hint = "number N of elastic functions that this machine's memory has room for"
         return count("modes", modes, 1, largest, hint)
 
@@ -541,16 +539,9 @@ def is_system(value: Any) -> Any:
     return value
 
 
-def names() -> tuple[str, ...]:
+def column_names() -> tuple[str, ...]:
     """Names of the columns whose kernels come with the package."""
     return tuple(import_module("freebeam_kernels").COLUMNS)
-
-
-def bases_of(name: str) -> tuple[str, ...]:
-    """The bases that a column has a kernel in, or any column of the package where `name` is none of theirs."""
-    known = import_module("freebeam_kernels").COLUMNS
-    kernels = [known[name]] if name in known else known.values()
-    return tuple(dict.fromkeys(basis for column in kernels for basis in column))
 
 
 def column(name: str | os.PathLike[str], basis: str | None = None) -> Column:
@@ -584,12 +575,16 @@ def file_of(name: object, basis: object = None, stated: Mapping[str, Path] | Non
     columns, and the files that state them. Raises InputError where it is none of these, and for a basis that there is
     not."""
     stated = stated or {}
-    known = (*names(), *stated)
+    known = (*column_names(), *stated)
     there = ", ".join(known) if len(known) < 10 else f"{len(known)}, which `freebeam columns` lists"
     if not isinstance(name, str | os.PathLike):
         raise refusal("column", name, f"must be a name, such as {known[0]}, or the path of a column's file")
     text = os.fspath(name)
-    if basis is not None and basis not in (bases := bases_of(text)):
+    kernels = import_module("freebeam_kernels").COLUMNS
+    bases = dict.fromkeys(
+        basis for each in ([kernels[text]] if text in kernels else kernels.values()) for basis in each
+    )
+    if basis not in (None, *bases):
         raise refusal("basis", basis, f"must be one of {', '.join(bases)}")
     if text in known:
         return stated.get(text)

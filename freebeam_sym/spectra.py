@@ -27,7 +27,6 @@ __all__ = ["Spectrum", "proportional_damping", "spectrum", "state_matrix"]
 
 Real = NDArray[np.float64]
 Complex = NDArray[np.complex128]
-Places = NDArray[np.intp]
 
 ROUNDING = 1e-9
 """Real parts of λ up to this, relative to |λ|, are rounding where there is no damping: a stable λ = iω is then

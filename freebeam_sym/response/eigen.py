@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.response.digits import BITS, Double, Fixed, fixed, stacked
-from freebeam_sym.spectra import state_matrix
+from freebeam_sym.spectra import inverse, state_matrix
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import System
@@ -52,10 +52,8 @@ class Spectrum:
     @cached_property
     def inverse(self) -> Complex:
         """Of the vectors; a pseudoinverse where these are parallel."""
-        try:
-            return np.linalg.inv(self.vectors).astype(complex)
-        except np.linalg.LinAlgError:
-            return np.linalg.pinv(self.vectors).astype(complex)
+        found: Complex = inverse(self.vectors)
+        return found
 
     @cached_property
     def growing(self) -> complex | None:

@@ -34,7 +34,8 @@ class Quality:
         values, errors = spectrum.values[spectrum.half], steps.errors[spectrum.half]
         self.exact, self.frequencies = not errors.any(), values.imag
         self.frequency = abs(load.frequency)
-        self.sizes = np.linalg.norm(_judged(row, spectrum.part) @ spectrum.vectors[:, spectrum.half], axis=0)
+        judged = row.reshape(len(row), 2, -1)[:, :, spectrum.part].reshape(len(row), -1)
+        self.sizes = np.linalg.norm(judged @ spectrum.vectors[:, spectrum.half], axis=0)
         # logarithm, in a unit of time, of what the motion is to what it should be or the other way; a root may be zero
         self.rates = np.maximum(-np.abs(errors.real), -1e300) + 1j * errors.imag
         forgets = load.acts and recurrence.unsteady is None
@@ -70,11 +71,6 @@ class Quality:
         """A period of the fastest of the modes that carry, or of the force; infinite where none oscillates."""
         fastest = float(self.frequencies[self.largest > CARRIES].max(initial=self.frequency))
         return 2 * math.pi / fastest / self.step if fastest else math.inf
-
-
-def _judged(row: Array, part: slice) -> Array:
-    """Of rows for (q, dq) what belongs to a part of the coordinates."""
-    return row.reshape(len(row), 2, -1)[:, :, part].reshape(len(row), -1)
 
 
 def warnings_of(quality: Quality, growing: complex | None, duration: float) -> tuple[Message, ...]:

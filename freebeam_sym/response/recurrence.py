@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.response.digits import BITS, Fixed, Roots, exponential, fixed, rounded
-from freebeam_sym.response.eigen import Spectrum, scale_of, spectrum_of
+from freebeam_sym.response.eigen import Spectrum, scale_of
 from freebeam_sym.response.inputs import Load
 from freebeam_sym.response.methods import Exact, Method
 from freebeam_sym.response.propagation import Powers
@@ -51,13 +51,9 @@ class Steps:
         return Powers(Roots([self.method.root(z) for z in self.exponents or ()]))
 
 
-def steps_of(system: System, method: Method, h: float) -> Steps:
-    """Steps of length h, kept from earlier calls. Raises InputError where the method has none, see `Exact.errors`."""
-    return _steps(spectrum_of(system), method, h)
-
-
 @lru_cache(maxsize=64)
-def _steps(spectrum: Spectrum, method: Method, h: float) -> Steps:
+def steps_of(spectrum: Spectrum, method: Method, h: float) -> Steps:
+    """Steps of length h, kept from earlier calls. Raises InputError where the method has none, see `Exact.errors`."""
     errors, period_errors = method.errors(spectrum, h)
     period_errors.flags.writeable = False  # they are shared by responses
     return Steps(spectrum, method, h, errors, period_errors)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
@@ -12,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError, refusal
+from freebeam_sym.checks import InputError, memory, refusal
 from freebeam_sym.response.inputs import Message, moments
 from freebeam_sym.response.propagation import Stretch
 
@@ -116,22 +115,24 @@ class Results:
         self.widths, self.rigid, self.cases, self.count, self.target = widths, rigid, cases, count, target
         self.parts: dict[str, Array] = {}
         self.last: Response | None = None
+        self.arrays: Mapping[str, Any] = {} if target is None or callable(target) else target
         if target is None:
             _check_memory(count, sum(widths.values()) * math.prod(cases))
-            self.arrays = {name: np.empty((math.prod(cases), count, width)) for name, width in widths.items()}
-        elif not callable(target):
-            for name, width in widths.items():
-                shape, wanted = getattr(target[name], "shape", None), (*cases, count, width)
-                if shape != wanted:
-                    raise InputError(f"target[{name!r}] has shape {shape}: must be an array of shape {wanted}")
+            self.arrays = {name: np.empty((*cases, count, width)) for name, width in widths.items()}
+        for name, array in self.arrays.items():
+            shape, wanted = getattr(array, "shape", None), (*cases, count, widths[name])
+            if shape != wanted:
+                raise InputError(f"target[{name!r}] has shape {shape}: must be an array of shape {wanted}")
 
     def fill(self, stretch: Stretch, fill: Callable[[Stretch, str, Array], None]) -> int | None:
         """Fill the times of a stretch; the number of the first one that is not finite, if any."""
         begin, end = stretch.begin, stretch.end
         self.last, self.parts = None, {}  # no two parts at once
         for name, width in self.widths.items():
-            own = self.target is None
-            part = self.arrays[name][:, begin:end] if own else np.empty((math.prod(self.cases), end - begin, width))
+            if self.target is None:
+                part = self.arrays[name].reshape(-1, self.count, width)[:, begin:end]
+            else:
+                part = np.empty((math.prod(self.cases), end - begin, width))
             self.parts[name] = part
             fill(stretch, name, part)
         if stretch.finite:
@@ -150,17 +151,11 @@ class Results:
             self.target(self.last)
         else:
             for name, part in shaped.items():
-                self.target[name][..., begin:end, :] = part
+                self.arrays[name][..., begin:end, :] = part
 
     def response(self, about: Callable[..., Response]) -> Response:
         """The whole of it; of what a function took, the last part."""
-        if self.last is not None:
-            return self.last
-        arrays = self.target
-        if arrays is None:
-            arrays = {name: array.reshape(*self.cases, self.count, -1) for name, array in self.arrays.items()}
-        assert isinstance(arrays, Mapping)
-        return about(begin=0, end=self.count, **self._named(arrays))
+        return self.last or about(begin=0, end=self.count, **self._named(self.arrays))
 
     def _named(self, arrays: Mapping[str, Any]) -> dict[str, Any]:
         """Arrays by their names; without rigid functions the elastic part is all there is."""
@@ -173,11 +168,7 @@ class Results:
 
 def _check_memory(times: int, columns: int) -> None:
     """InputError where a response takes more than half of the machine's memory."""
-    try:
-        held = 0.5 * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # no such call, as on Windows
-        held = 4.0 * 2**30
-    needed = 8 * times * (2 + columns)
+    held, needed = memory() / 2, 8 * times * (2 + columns)
     if needed > held:
         raise InputError(Message(
             f"duration / step = {times - 1:.3g} steps, {columns} numbers each: needs {needed / 2**30:.3g} GiB, "

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
 from freebeam_sym.massless import Reduced, accelerated, reduced, without_mass
-from freebeam_sym.response.eigen import Spectrum
+from freebeam_sym.response.eigen import Spectrum, spectrum_of
 from freebeam_sym.response.inputs import (
     LOST,
     Function,
@@ -118,8 +118,8 @@ def respond(
     load = load.over(start.cases)
     widths = {name: n if name in ("q", "dq") else x_s.size for name in names}
     results = Results(widths, bool(system.rigid_count), start.cases, times, target)
-    steps = steps_of(system, by, h)
-    spectrum = steps.spectrum
+    spectrum = spectrum_of(system)
+    steps = steps_of(spectrum, by, h)
     if isinstance(by, Exact):
         _check_phase(spectrum, duration)
     if progress is not None:
@@ -190,8 +190,8 @@ def state_space(
 
     free = states = None
     if without_mass(system.M):
-        found = _idle(reduced(system.M, system.C, system.K), Q)
-        system, Q = replace(system, M=np.eye(len(Q)), C=found.C, K=found.K), found.rows @ Q
+        found = reduced(system.M, system.C, system.K)
+        system, Q = _with_masses(system, found, Q)
         free, states = found.free, found.states
     rows, direct = _rows(system, outputs, x_s, Q, field, derivative)
     B = np.concatenate([np.zeros(Q.size), np.linalg.solve(system.M, Q)])
@@ -205,17 +205,16 @@ def state_space(
 def _with_accelerations(system: System, load: Load, start: Start) -> tuple[System, Load, Start]:
     """A system with a singular M as one with M = I that moves alike, and what acts on it and starts it. Where the
     start breaks a relation of the states, what has no mass is set by it."""
-    found = _idle(accelerated(system.M, system.C, system.K), load.Q)
-    states = start.states[:, found.free] @ found.states.T
-    alike = replace(system, M=np.eye(len(system.M)), C=found.C, K=found.K)
-    return alike, replace(load, Q=found.rows @ load.Q), replace(start, states=states)
+    found = accelerated(system.M, system.C, system.K)
+    alike, Q = _with_masses(system, found, load.Q)
+    return alike, replace(load, Q=Q), replace(start, states=start.states[:, found.free] @ found.states.T)
 
 
-def _idle(found: Reduced, Q: Array) -> Reduced:
-    """The same. Raises InputError where a force Q acts on what has no mass."""
+def _with_masses(system: System, found: Reduced, Q: Array) -> tuple[System, Array]:
+    """The system with M = I, and its force. Raises InputError where a force Q acts on what has no mass."""
     if np.abs(found.idle @ Q).max() > 1e-12 * (np.abs(found.idle) @ np.abs(Q)).max(initial=1e-300):
         raise InputError("force_position: the force acts on what has no mass, and its rate would count")
-    return found
+    return replace(system, M=np.eye(len(Q)), C=found.C, K=found.K), found.rows @ Q
 
 
 def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int) -> tuple[Rows, Rows]:

@@ -112,7 +112,7 @@ class General:
 
     # --- counts ----------------------------------------------------------------------------------------------------
 
-    def _inverse(self, P: float) -> Real:
+    def inverse(self, P: float) -> Real:
         """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits."""
         M, C, K = self._at(P)
         n = self.size
@@ -121,7 +121,7 @@ class General:
         A[n:, :n] = np.eye(n)
         return A
 
-    def _branches(self, P: float) -> tuple[Complex, Complex, Real]:
+    def branches(self, P: float) -> tuple[Complex, Complex, Real]:
         """s = ω², their vectors and their growth to first order, 0 without damping."""
         M, C, K = self._at(P)
         inverse, V = np.linalg.eig(np.linalg.solve(K, M))
@@ -136,7 +136,7 @@ class General:
         """λ, the motions and by how much each grows, positive where it does."""
         if self._light:
             return self._first_order(P)
-        theta, V = np.linalg.eig(self._inverse(P))
+        theta, V = np.linalg.eig(self.inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
         rounding = np.inf if not self._threshold else _rounding(np.asarray(V, complex))
@@ -144,7 +144,7 @@ class General:
 
     def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
         """The same of branches s = ω² with their damping to first order."""
-        s, V, growth = self._branches(P)
+        s, V, growth = self.branches(P)
         with np.errstate(divide="ignore", invalid="ignore"):
             inverse = np.nan_to_num(1 / s)  # a coordinate without mass has s = ∞
         rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
@@ -171,27 +171,9 @@ class General:
                 return int((self._first_order(load)[2] > 0).sum())
             if threshold:
                 return int((self._bad(load)[2] > 0).sum())
-            return int((_growth(np.asarray(np.linalg.eigvals(self._inverse(load)), complex), 0.0) > 0).sum())
+            return int((_growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0) > 0).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
-
-    def margins(self, load: float, count: int, manner: tuple[bool, float]) -> Real:
-        """What must stay below zero for stability, (count,) and as many again: Re λ of the eigenvalues with the least
-        |λ|, Im λ ≥ 0; to first order in the damping growth, and by how much each ω² is below the next, relative."""
-        found = np.full((2, count), -np.inf)
-        if manner[0]:
-            s, _, growth = self._branches(load)
-            order = np.argsort(s.real)[: count + 1]
-            square, growth = s.real[order], growth[order][:count]
-            gaps = (square[:-1] - square[1:]) / np.abs(square[1:])
-            found[0, : len(growth)] = growth if self.damped else -np.inf
-            found[1, : len(gaps)] = gaps
-        else:
-            theta = np.linalg.eigvals(self._inverse(load)).astype(complex)
-            theta = theta[(theta.imag <= 0) & (theta != 0)]
-            lowest = 1 / theta[np.argsort(-np.abs(theta))[:count]]
-            found[0, : len(lowest)] = lowest.real
-        return found.ravel()
 
     def onset(self, load: float) -> Crossing:
         try:
@@ -199,23 +181,17 @@ class General:
         except np.linalg.LinAlgError:
             return divergence(load, self.K, self._vector, steps=3)[0]
         worst = int(np.argmax(growth))
-        omega, v = abs(float(rate[worst].imag)), V[:, worst].astype(complex)
+        omega, v = abs(float(rate[worst].imag)), self._vector(V[:, worst])
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:
-            return Crossing(load, 0.0, self._vector(v), "divergence")
-        found = self._newton(omega**2, load, *self._parts(v, omega))
-        if found is not None and found.frequency > 0 and abs(found.load - load) < 1e-3 * load:
-            return found
-        return Crossing(load, omega, self._vector(v), "flutter")
+            return Crossing(load, 0.0, v, "divergence")
+        guess = Crossing(load, omega, v, "flutter")
+        found = self.near(guess)
+        return found if found is not None and abs(found.load - load) < 1e-3 * load else guess
 
-    def followed(self, near: Crossing) -> Crossing | None:
-        """The crossing that one of a neighbouring problem, with as many functions, goes over into; None where Newton's
-        method does not find it. Whether it is the first is not looked at."""
-        if near.kind == "divergence":
-            event = next(iter(self.divergences), None)
-            return event.crossing if event is not None and event.simple else None
-        if not near.frequency > 0:
-            return None
-        found = self._newton(near.frequency**2, near.load, *self._parts(near.vector / self._scale, near.frequency))
+    def near(self, guess: Crossing) -> Crossing | None:
+        """The flutter that Newton's method finds from a guess; None where there is none."""
+        omega = guess.frequency
+        found = self._newton(omega**2, guess.load, *self._parts(guess.vector / self._scale, omega))
         return found if found is not None and found.frequency > 0 else None
 
     # --- flutter ---------------------------------------------------------------------------------------------------
@@ -329,7 +305,7 @@ class _States(_Operator):
     def __init__(self, problem: General, P: float, unit: float) -> None:
         self.problem, self.P, self.unit = problem, P, unit
         n = problem.size
-        theta, V = np.linalg.eig(problem._inverse(P))
+        theta, V = np.linalg.eig(problem.inverse(P))
         if not (theta.real < -STRICT * np.abs(theta)).all() or np.linalg.cond(problem._at(P)[0]) > 1e13:
             raise np.linalg.LinAlgError("not strictly stable")
         up, real = np.flatnonzero(theta.imag > 0), np.flatnonzero(theta.imag == 0)

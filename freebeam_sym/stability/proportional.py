@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
+from functools import lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -78,7 +78,11 @@ class Proportional:
     def flutters(self, bound: float) -> Iterator[Event]:
         """None where the load has a potential. Raises InputError where two modes have one frequency and hardly any
         damping."""
-        return iter(()) if self.pencil.conservative or self.pencil.size == 1 else _flutters(self, bound)
+        if self.pencil.conservative or self.pencil.size == 1:
+            return iter(())
+        operator = _Operator(self)
+        found = partial(_flutter, self, operator)
+        return events(Krylov(operator, operator.order), (1 - NEAR) / bound, found, lambda mu: 1 / mu, self.pencil.size)
 
     @property
     def light(self) -> bool:
@@ -193,18 +197,6 @@ def _pairs(n: int) -> tuple[NDArray[np.intp], ...]:
     """Places of the pairs i < j and of their mirror images in two n × n matrices, flat; i; j."""
     i, j = np.triu_indices(n, 1)
     return *(np.concatenate([a * n + b, n * n + a * n + b]) for a, b in ((i, j), (j, i))), i, j
-
-
-def _flutters(problem: Proportional, bound: float) -> Iterator[Event]:
-    """Flutters and their touches below `bound`, ascending, found when they are asked for."""
-    operator = _Operator(problem)
-    return events(
-        Krylov(operator, operator.order),
-        (1 - NEAR) / bound,
-        lambda mu, z: _flutter(problem, operator, mu, z),
-        lambda mu: 1 / mu,
-        problem.pencil.size,
-    )
 
 
 def _flutter(problem: Proportional, operator: _Operator, mu: float, z: Real) -> Crossing | None:

@@ -55,7 +55,7 @@ def column_names() -> tuple[str, ...]:
     >>> {"free-free", "pflueger"} <= set(column_names())
     True
     """
-    return (*columns.names(), *_gallery())
+    return (*columns.column_names(), *_gallery())
 
 
 def _derivation() -> Path | None:

@@ -99,9 +99,9 @@ def test_a_later_crossing_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     load, question = found.answers.load, found.question
     second = [event.crossing for event, _ in zip(question.at(beta=0.5).problem.flutters(500.0), range(2), strict=False)]
     assert len(second) == 2 and second[1].load > 1.5 * second[0].load
-    true = General.followed
+    true = General.near
     monkeypatch.setattr(continuation, "CLOSE_BY", math.inf)
-    monkeypatch.setattr(General, "followed", lambda problem, near: true(problem, second[1]))
+    monkeypatch.setattr(General, "near", lambda problem, near: true(problem, second[1]))
     assert true(question.at(beta=0.4).general, second[1]) is not None
     np.testing.assert_allclose(asked(given).answers.load, load, rtol=1e-9)
 

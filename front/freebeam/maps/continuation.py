@@ -65,7 +65,7 @@ class _Corner:
         """What must stay below zero at the loads BELOW the crossing, (loads, 2 LOWEST)."""
         assert self.crossing is not None
         problem, load = self.question.general, self.crossing.load
-        return np.array([problem.margins(share * load, LOWEST, self.manner) for share in BELOW])
+        return np.array([_margins(problem, share * load, self.manner) for share in BELOW])
 
 
 class _Grid:
@@ -126,10 +126,38 @@ class _Grid:
         near = _between([(_share(at, corner, low, high), c.crossing) for corner, c in corners.items() if c.crossing])
         question = self.ask(at)
         problem, manner = question.general, next(iter(corners.values())).manner
-        found = problem.followed(near)
+        found = _moved(near, problem)
         if found is None or not abs(found.load / near.load - 1) < CLOSE_BY or found.load > question.load_max:
             return None
         return None if problem.unstable(found.load * (1 - MARGIN), manner) else found
+
+
+def _margins(problem: General, load: float, manner: tuple[bool, float]) -> Real:
+    """What must stay below zero for stability, (LOWEST,) and as many again: Re λ of the eigenvalues with the least |λ|,
+    Im λ ≥ 0; to first order in the damping growth, and by how much each ω² is below the next, relative."""
+    found = np.full((2, LOWEST), -np.inf)
+    if manner[0]:
+        s, _, growth = problem.branches(load)
+        order = np.argsort(s.real)[: LOWEST + 1]
+        square, growth = s.real[order], growth[order][:LOWEST]
+        gaps = (square[:-1] - square[1:]) / np.abs(square[1:])
+        found[0, : len(growth)] = growth if problem.damped else -np.inf
+        found[1, : len(gaps)] = gaps
+    else:
+        theta = np.linalg.eigvals(problem.inverse(load)).astype(complex)
+        theta = theta[(theta.imag <= 0) & (theta != 0)]
+        lowest = 1 / theta[np.argsort(-np.abs(theta))[:LOWEST]]
+        found[0, : len(lowest)] = lowest.real
+    return found.ravel()
+
+
+def _moved(near: Crossing, problem: General) -> Crossing | None:
+    """The crossing that one of a neighbouring problem, with as many functions, goes over into; None where Newton's
+    method does not find it. Whether it is the first is not looked at."""
+    if near.kind == "divergence":
+        event = next(iter(problem.divergences), None)
+        return event.crossing if event is not None and event.simple else None
+    return problem.near(near) if near.frequency > 0 else None
 
 
 def _stays_below(corners: Real, shares: Real, centre: Real) -> bool:

@@ -104,8 +104,8 @@ def _refined(problem: Proportional, P: float, omega: float) -> Crossing | None:
 
 
 def near(problem: Proportional, load: float, omega: float, v: Complex, size: float | None = None) -> Crossing | None:
-    """The flutter near a load, a frequency and a motion in the basis of the pencil, by Newton's method; None where there
-    is none. size: of the damping that the motion belongs to, where that is another."""
+    """The flutter near a load, a frequency and a motion in the basis of the pencil, by Newton's method; None where
+    there is none. size: of the damping that the motion belongs to, where that is another."""
     square = v @ v
     v = v * np.exp(-0.5j * np.angle(square)) / math.sqrt(np.abs(v @ v.conj()))
     found = problem.newton(omega**2, load, v.real.copy(), v.imag / (omega * (size or problem.size or 1.0)))
