@@ -110,16 +110,15 @@ class Question:
         terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
         if not terms.C and self.kappa is None and _textbook(terms):
             return Proportional(pencil_of(terms.M[0], *terms.K))
-        return self._general(terms)
+        return self.general
 
     @property
     def general(self) -> General:
         """The same of a column beyond the textbook's, always as a problem of any damping. Raises InputError."""
-        return self._general(self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters))
-
-    def _general(self, terms: Coefficients) -> General:
-        C = terms.C if self._direction is None else self._direction
-        return General(terms.M, C or (np.zeros_like(terms.M[0]),), terms.K, self._direction is not None)
+        terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
+        direction = self._direction
+        C = terms.C if direction is None else direction
+        return General(terms.M, C or (np.zeros_like(terms.M[0]),), terms.K, direction is not None)
 
     @property
     def _direction(self) -> tuple[Real, ...] | None:

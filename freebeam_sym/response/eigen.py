@@ -42,18 +42,15 @@ class Spectrum:
         return self.values.imag >= 0
 
     @cached_property
-    def oscillating(self) -> Complex:
-        """Those with Im λ > 0, by their frequency."""
-        found: Complex = self.values[self.values.imag > 0]
-        found = found[np.argsort(found.imag)]
-        found.flags.writeable = False  # their frequencies are shared by responses
-        return found
+    def oscillating(self) -> NDArray[np.intp]:
+        """Places of those with Im λ > 0, by their frequency."""
+        found = np.flatnonzero(self.values.imag > 0)
+        return found[np.argsort(self.values[found].imag)]
 
     @cached_property
     def inverse(self) -> Complex:
         """Of the vectors; a pseudoinverse where these are parallel."""
-        found: Complex = inverse(self.vectors)
-        return found
+        return np.asarray(inverse(self.vectors))
 
     @cached_property
     def growing(self) -> complex | None:

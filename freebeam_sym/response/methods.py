@@ -41,12 +41,10 @@ class Exact:
     modal = True
     """Whether the step has the eigenvectors of the differential equation."""
 
-    def errors(self, spectrum: Spectrum, h: float) -> tuple[Complex, Array]:
-        """log(root of A) / h − λ of each eigenvalue λ, and the relative errors of the oscillations' periods.
-
-        Raises InputError for a step that is not stable or loses its digits.
-        """
-        return np.zeros_like(spectrum.values), np.zeros(spectrum.oscillating.size)
+    def errors(self, spectrum: Spectrum, h: float) -> Complex:
+        """log(root of A) / h − λ of each eigenvalue λ. Raises InputError for a step that is not stable or loses its
+        digits."""
+        return np.zeros_like(spectrum.values)
 
     def root(self, z: Fixed) -> Fixed:
         """The eigenvalue of A where that of the differential equation is λ = z / h."""
@@ -155,7 +153,7 @@ class Newmark:
         q, dq, _ = self.recurrence(M, C, K, q, dq, ddq, F_next, number(h), (number(self.b), number(self.g)))
         return stacked(q, dq) if isinstance(q, Double) else np.concatenate([q, dq])
 
-    def errors(self, spectrum: Spectrum, h: float) -> tuple[Complex, Array]:
+    def errors(self, spectrum: Spectrum, h: float) -> Complex:
         """Refused are roots that grow where the exact ones do not, and steps so long that rounding takes the digits."""
         # The step multiplies K by h² and takes it off again: rounding grows with (ω h)² (measured factor: 1).
         stiffness = float(np.abs(np.linalg.eigvals(np.linalg.solve(spectrum.matrices[0], spectrum.matrices[2]))).max())
@@ -172,11 +170,9 @@ class Newmark:
         if not self.modal:  # of the step's roots that of each λ: nearest to the Rayleigh quotient of its vectors
             quotients = np.diag(spectrum.inverse @ self._floats(spectrum, h) @ spectrum.vectors)
             roots = roots[np.argmin(np.abs(roots - quotients[:, None]), axis=1)]
-        oscillating = np.flatnonzero(exact.imag > 0)
-        oscillating = oscillating[np.argsort(exact[oscillating].imag)]
-        with np.errstate(divide="ignore"):  # a root may be zero, or real
-            periods: Array = exact[oscillating].imag * h / np.abs(np.angle(roots[oscillating])) - 1
-            return np.log(roots) / h - exact, periods
+        with np.errstate(divide="ignore"):  # a root may be zero
+            found: Complex = np.log(roots) / h - exact
+        return found
 
     def _floats(self, spectrum: Spectrum, h: float) -> Array:
         n = len(spectrum.matrices[0])

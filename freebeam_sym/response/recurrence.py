@@ -35,8 +35,15 @@ class Steps:
     method: Method
     step: float
     errors: Complex
-    period_errors: Array
     """See `Exact.errors`."""
+
+    @property
+    def period_errors(self) -> Array:
+        """Relative errors of the oscillations' periods, by their frequency."""
+        at = self.spectrum.oscillating
+        exact = self.spectrum.values[at].imag
+        with np.errstate(divide="ignore"):  # a root may be real
+            return np.asarray(exact / np.abs(self.errors[at].imag + exact) - 1)
 
     @cached_property
     def exponents(self) -> list[Fixed] | None:
@@ -54,9 +61,7 @@ class Steps:
 @lru_cache(maxsize=64)
 def steps_of(spectrum: Spectrum, method: Method, h: float) -> Steps:
     """Steps of length h, kept from earlier calls. Raises InputError where the method has none, see `Exact.errors`."""
-    errors, period_errors = method.errors(spectrum, h)
-    period_errors.flags.writeable = False  # they are shared by responses
-    return Steps(spectrum, method, h, errors, period_errors)
+    return Steps(spectrum, method, h, method.errors(spectrum, h))
 
 
 @dataclass(frozen=True, eq=False)

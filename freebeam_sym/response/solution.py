@@ -130,7 +130,7 @@ def respond(
         return Response(
             sensors=x_s, step=h, method="exact" if isinstance(by, Exact) else "newmark",
             newmark=(by.b, by.g) if isinstance(by, Newmark) else None, growth=float(spectrum.values.real.max()),
-            frequencies=spectrum.oscillating.imag, period_errors=steps.period_errors,
+            frequencies=spectrum.values[spectrum.oscillating].imag, period_errors=steps.period_errors,
             phase_error=quality.phase_error, samples_per_period=quality.samples,
             warnings=warnings_of(quality, spectrum.growing, duration),
             initial_lost=start.initial_lost, velocity_lost=start.velocity_lost, **parts,

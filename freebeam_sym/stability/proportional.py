@@ -30,7 +30,7 @@ from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.equations import ROUNDING, moved, newton
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import NEAR, Complex, Crossing, Event, Real
+from freebeam_sym.stability.problem import NEAR, Crossing, Event, Real
 
 __all__ = ["LIGHTEST_SCAN", "Proportional"]
 
@@ -84,24 +84,17 @@ class Proportional:
         found = partial(_flutter, self, operator)
         return events(Krylov(operator, operator.order), (1 - NEAR) / bound, found, lambda mu: 1 / mu, self.pencil.size)
 
-    @property
-    def light(self) -> bool:
-        """Whether damping is too small for the 2N eigenvalues to show its effect, or vanishes: branches s_j of the
-        pencil then count, with their growth to first order."""
-        return self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST_STATE
-
-    def _branches(self, load: float) -> tuple[Complex, Complex, Complex]:
-        """s_j, their vectors and their growth to first order per size of the damping."""
-        s, V = np.linalg.eig(np.diag(self.pencil.e) + load * self.pencil.H)
-        return s, V, -np.einsum("jn,n,nj->j", np.linalg.inv(V), self.shape, V)
-
     def unstable(self, load: float) -> int:
-        """Elastic eigenvalues λ that grow at a load; where damping is `light`, branches s_j that are not real and
-        positive, or whose growth to first order is positive."""
-        if self.light:
-            s, _, growth = self._branches(load)
+        """Elastic eigenvalues λ that grow at a load. Where damping vanishes, or is too small for the 2N eigenvalues to
+        show its effect: branches s_j that are not real and positive, or whose growth to first order is positive."""
+        p = self.pencil
+        if self.size / math.sqrt(p.e[0]) < LIGHTEST_STATE:
+            s, V = np.linalg.eig(np.diag(p.e) + load * p.H)
             bad = int(((s.imag != 0) | (s.real <= 0)).sum())
-            return bad or (int((growth.real > 0).sum()) if self.size > 0 or self.kappa is not None else 0)
+            if bad or (not self.size and self.kappa is None):
+                return bad
+            growth = -np.einsum("jn,n,nj->j", np.linalg.inv(V), self.shape, V).real
+            return int((growth > 0).sum())
         try:
             A = self._inverse_state(load)
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
