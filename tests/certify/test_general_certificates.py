@@ -24,7 +24,7 @@ from scipy.linalg import eigvals
 import freebeam as fb
 from freebeam.cli import main
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier
-from freebeam_derive.certify.balls import Unproven, parameters
+from freebeam_derive.certify.balls import Unproven, matrices_of_any, parameters
 from freebeam_derive.certify.boundary_polynomials import Question, functions_of
 from tests.stated import FREE, TIMOSHENKO, file_of
 
@@ -135,6 +135,13 @@ TOP = {
     "parameters": "(own(k, 4.0),)",
 }
 TORQUE = "follower - P * k * at(y.diff(x), a) * delta(at(y.diff(x), a))"
+RESTING = {  # p and q have no spring; r has, and a damper
+    "T": "(p.diff(t) ** 2 + q.diff(t) ** 2 + (r := Coordinate('r')).diff(t) ** 2) / 2",
+    "V": "5 * r ** 2",
+    "W_c": "-P * (p ** 2 / 2 + q ** 2 + (p + q) * r)",
+    "dW_nc": "-alpha * r.diff(t) * delta(r)",
+    "ends": "()",
+}
 FROM_REST = {
     "torque": case(FREE | {"dW_nc": TORQUE, "parameters": "(own(k, 2.0), own(a, 0.25))"}, 3, F(0), F(0), 200),
     "torque, damped": case(
@@ -144,6 +151,11 @@ FROM_REST = {
         LINKS | {"V": "(q - p) ** 2 / 2", "dW_nc": "P * q * delta(p) - P * (2 * p + 4 * q) * delta(q)"},
         1, F(0), F(0), 8,
     ),
+    "torque, damped inside": case(
+        FREE | {"dW_nc": f"{TORQUE} + internal", "parameters": "(own(k, 2.0), own(a, 0.25))"},
+        2, F(1, 100), F(0), 200,
+    ),
+    "two that rest, damped beside": case(RESTING, 1, F(1, 10), F(0), 8),
 }  # fmt: skip
 GYROSCOPIC = {
     "pipe held at both ends": case(
@@ -312,12 +324,16 @@ def test_alpha_and_beta_are_those_of_the_file_s_own_parts() -> None:
     assert verifier.verify(data).record()["alpha"] == "0.001"
 
 
-@pytest.mark.parametrize("place", ["0", "0.25", "1"])
-def test_beals_control_diverges_alike_wherever_its_sensor_is(place: str, tmp_path: Path) -> None:
-    """At 25.6381813768019637, of a motion that the load alone restores."""
-    changes = FREE | {"dW_nc": CONTROL, "parameters": f"(own(k, 0.1), own(a, {place}))"}
+@pytest.mark.parametrize(("place", "damping"), [("0", F(0)), ("0.25", F(1, 100)), ("1", None)])
+def test_beals_control_diverges_alike_wherever_its_sensor_is(
+    place: str, damping: Fraction | None, tmp_path: Path
+) -> None:
+    """At 25.6381813768019637, of a motion that the load alone restores; internal damping, and its limit (None), vanish
+    with the load there, and decide nothing of a divergence."""
+    changes = FREE | {"dW_nc": f"{CONTROL} + internal", "parameters": f"(own(k, 0.1), own(a, {place}))"}
     kernel = fb.column(file_of(tmp_path, "sample", changes)).kernel
-    found = first_crossing.certify(kernel, Question(12, own=parameters(kernel)), (25.638181, 0.0), 15)
+    asked = Question(12, damping or F(0), kappa=F(0) if damping is None else None, own=parameters(kernel))
+    found = first_crossing.certify(kernel, asked, (25.638181, 0.0), 15)
     assert found.kind == "divergence" and found.load is not None
     assert float(found.load[0]) == pytest.approx(25.6381813768019637, rel=1e-15)
     assert "above 0 up to" in str(verifier.verify(json.loads(json.dumps(certificate.write(kernel, found)))))
@@ -542,6 +558,53 @@ def test_lines_through_the_origin_are_those_of_a_motion_that_rests_there() -> No
         refused(data | {"stretches": [forged, *data["stretches"][1:]]}, match)
 
 
+def test_a_line_more_is_that_of_damping_that_vanishes_with_the_load() -> None:
+    """The first stretch alone has it, from P = x = 0 on, and it stands for what the signs of g − c h prove."""
+    data = written("two that rest, damped beside")
+    first, second, *others = data["stretches"]
+    low, *lines = first["separators"]
+    for separators in (lines, [["0", "0"], *lines], [lines[0], *lines], [low, lines[1], *lines[1:]]):
+        refused(data | {"stretches": [first | {"separators": separators}, second, *others]})
+    moved = [["1/1000", "1/1000"], *second["separators"]]
+    refused(data | {"stretches": [first, second | {"separators": moved}, *others]}, "too many")
+    apart = [[str(F(point) + F(slope)), "0"] for point, slope in first["separators"]]
+    refused(data | {"stretches": [first | {"separators": apart}, second, *others]})
+    without = written("torque, damped")
+    first, *others = without["stretches"]
+    more = first | {"separators": [["0", "1/1000"], *first["separators"]]}
+    refused(without | {"stretches": [more, *others]}, "too many")
+
+
+def test_a_motion_that_rests_and_then_grows_is_refused(tmp_path: Path) -> None:
+    """The same frequencies at small loads, and damping that drives one of the motions to second order in P."""
+    grows = RESTING | {
+        "W_c": "-P * (p ** 2 / 2 + q ** 2)",
+        "dW_nc": RESTING["dW_nc"] + " - P * (p + q) * delta(r) + P * r * delta(p) / 10",
+    }
+    kernel = fb.column(file_of(tmp_path, "sample", grows)).kernel
+    asked = Question(1, F(1, 10), own={})
+    with pytest.raises(Unproven, match="not known to be stable"):
+        first_crossing.certify(kernel, asked, None, 8, F(1, 100))
+    M, C, K = (sum(float(v) * np.array(X, dtype=float) for v, X in zip((1, 1 / 100), terms, strict=False))
+               for terms in matrices_of_any(kernel, 1, {}, (F(1, 10), F(0))))  # fmt: skip
+    assert of_matrices(M, C, K).real.max() > 1e-10
+    stretches = first_crossing.certify(
+        column("two that rest, damped beside").kernel, asked, None, 8, F(1, 100)
+    )  # of a column that differs in nothing but what couples
+    refused(json.loads(json.dumps(certificate.write(kernel, stretches))), "not separated")
+
+
+def test_damping_that_vanishes_with_the_load_where_a_coordinate_has_no_mass(tmp_path: Path) -> None:
+    """The degree in λ is odd: the last root of g lies beyond all roots of h."""
+    lag = RESTING | {
+        "V": "5 * r ** 2 + (r - (s := Coordinate('s'))) ** 2 / 2", "dW_nc": "-alpha * s.diff(t) * delta(s)"
+    }  # fmt: skip
+    kernel = fb.column(file_of(tmp_path, "sample", lag)).kernel
+    found = first_crossing.certify(kernel, Question(1, F(1, 10), own={}), None, 8, F(1, 2))
+    said = verifier.verify(json.loads(json.dumps(certificate.write(kernel, found))))
+    assert "above 0 up to 0.5" in str(said) and len(found.stretches[0].separators) == 7
+
+
 # --- factors that are no fractions ---------------------------------------------------------------------------------
 
 
@@ -762,7 +825,6 @@ def test_all_crossings_are_those_of_a_dense_scan(name: str) -> None:
     [
         ({"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}, "no fraction"),
         ({"T": "T + at(y.diff(t), sqrt(2) / 2) ** 2"}, "a place is no fraction"),
-        (FREE | {"dW_nc": f"{CONTROL} + internal", "parameters": "(own(k, 0.1), own(a, 0.5))"}, "not known to be"),
         (TOP | {"dW_nc": TOP["dW_nc"] + " - P * p * delta(q)"}, "not known to be"),
         (LINKS | {"dW_nc": "-P * q * delta(p) - p.diff(t) * delta(q) + q.diff(t) * delta(p)"}, "not known to be"),
     ],

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
 from types import ModuleType
 from typing import Any
 
@@ -49,9 +50,10 @@ class Question:
 class Boundary:
     """h and g, polynomials in P and x, of degree N and below in x; `damped` is False where g is ∂h/∂x.
 
-    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0. none:
-    the power of P that g was divided by. Where one is not 0, what is said of the roots is said of P > 0. As a system of
-    equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
+    g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
+    none is not 0, what is said of the roots is said of P > 0. As a system of equations: h = g = 0 in the unknowns
+    (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -61,6 +63,22 @@ class Boundary:
     odd: bool = False
     rests: int = 0
     none: int = 0
+    tangent: bool = False
+
+    @cached_property
+    def g_without_tangents(self) -> Bivariate:
+        """g − c h, which is g at the roots of h; c such that it has no part of order `rests` in P and x together.
+
+        With D = det(λ² M + λ C + K), P counted twice: where C does not act on the motions that rest, D is
+        (1 + c λ) times a form of degree 2 rests in λ, and what is of higher order than that. Raises Unproven.
+        """
+        r, zero = self.rests, arb(0)
+        if self.h.rows[0][r].contains(0):
+            raise Unproven("a motion that rests without load is not known to have mass")
+        less = self.g.combined(arb(1), self.h, -self.g.rows[0][r] / self.h.rows[0][r])
+        return Bivariate([
+            arb_poly([zero if a + b <= r else p[b] for b in range(p.degree() + 1)]) for a, p in enumerate(less.rows)
+        ])  # fmt: skip
 
     @property
     def above_zero(self) -> bool:
@@ -128,7 +146,7 @@ def expansion(
         return Boundary(N, h, h.by_x, False, False, known.rests)
     none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
     g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
-    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none)
+    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none, known.tangent)
 
 
 def _sizes(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], degree: int) -> tuple[arb, arb]:

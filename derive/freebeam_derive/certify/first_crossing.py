@@ -13,7 +13,9 @@ Divergence: h(P, 0) = det K / det M = 0.
 
 Motions that the load alone restores rest at P = 0: roots of h, and of g where nothing damps them, come from x = 0
 there. Separators between them pass through P = x = 0, and signs on these and at x = 0 are those of what is left after
-division by the power of P that they hold. Stability is then said of P > 0.
+division by the power of P that they hold. Stability is then said of P > 0. Where their damping vanishes with the load
+roots of h and g leave x = 0 along the same tangents: on the first stretch g − c h (`g_without_tangents`) takes the
+place of g, with a separator more, below all roots of h. It is g at the roots of h, which is what counts.
 """
 
 from __future__ import annotations
@@ -76,11 +78,12 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     """Whether the signs at the separators prove stability for all P of a stretch, P > 0 where motions rest at 0."""
     start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
     separators, roots = stretch.separators, found.N + (found.between if found.damped else 0)
-    if len(separators) != roots:
+    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
+    tangent = from_rest and found.tangent
+    if len(separators) != roots + tangent:
         return False
     lines = [(Fraction(0), Fraction(0)), *separators]
     # positive and ascending all along the stretch
-    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
     if not all(_ascend(lines, t, from_rest and t == 0) for t in (start, end)):
         return False
 
@@ -94,6 +97,12 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
         return signs(found.h, lines) == [(-1) ** k for k in range(found.N + 1)]
     # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
     alternating = [(-1) ** ((k + 1) // 2) for k in range(roots + 1)]
+    if tangent:
+        # the first is below all roots of h; two neighbours about one of these have one sign of g − c h, and N − 1
+        # changes between them leave it no root there. The last root of g, if any, is beyond: there it is g that counts
+        inner, beyond = separators[: 2 * found.N], separators[2 * found.N :]
+        told = signs(found.g_without_tangents, inner) + (signs(found.g, beyond) if beyond else [])
+        return signs(found.h, separators) == alternating and told == [(-1) ** (k // 2) for k in range(roots + 1)]
     of_g = separators[: max(1, 2 * found.between)]
     return signs(found.h, lines) == alternating and signs(found.g, of_g) == alternating[: len(of_g)]
 
@@ -136,11 +145,22 @@ def stretch_over(found: Boundary, a: Fraction, b: Fraction, centre: Boundary | N
         raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
     tried = [Stretch(a, b, middle, separators)]
     if a == 0 and found.rests:
+        lines = _with_lowest(found, middle, separators) if found.tangent else separators
         tried = [
-            Stretch(a, b, a, (*((a, point / middle) for point, _ in separators[:count]), *separators[count:]))
-            for count in range(min(2 * found.rests, len(separators)) + 1)
+            Stretch(a, b, a, (*((a, point / middle) for point, _ in lines[:count]), *lines[count:]))
+            for count in range(min(2 * found.rests + found.tangent, len(lines)) + 1)
         ]
     return next((stretch for stretch in tried if holds(found, stretch)), None)
+
+
+def _with_lowest(found: Boundary, P: Fraction, separators: Sequence[Separator]) -> Sequence[Separator]:
+    """Points between the roots of h and of g − c h, the first of them below all roots of h."""
+    h, g = (real_zeros(which.at(exact(P))) for which in (found.h, found.g_without_tangents))
+    low = max([arb(0), *(x for x in g if 0 < x < h[0])], key=float)
+    places = sorted([low, *h, *(x for x in g if h[0] < x < h[-1])], key=float)
+    middles = [(one + other) / 2 for one, other in pairwise(places)]
+    upper = separators[2 * found.N - 2 :]  # beyond the last root of h, where the last root of g may be
+    return (*((rational(m, 100), Fraction(0)) for m in middles), *upper)
 
 
 def _between(a: Fraction, b: Fraction) -> Fraction:

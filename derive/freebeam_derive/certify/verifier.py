@@ -34,6 +34,8 @@ They are interpolated here from determinants of balls, and checked:
 
 (i) On stretches from 0 to low, lines on which h, and g, have alternating signs leave a root of each between neighbours
     and use up the degrees: the roots are real, positive, simple and (with damping) interlace. Hermite and Biehler.
+    Where motions rest at P = 0 and their damping vanishes with the load, the first stretch has a line more, and g − c h
+    in place of g: about each root of h it has one sign, which is that of g there.
 (ii) On [low, high], outside the box x_low < x < x_high, cells of x in [0, ∞), the last in 1/x, on each of which h or g
     is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
@@ -336,14 +338,15 @@ def _of_beam(data: dict[str, Any]) -> Read:
     return stated, N, system, _stretches(data["stretches"], stated.end, 2 * N if damping else N + 1)
 
 
-def _stretches(data: Any, end: Fraction, count: int, rests: bool = False) -> list[Stretch]:
-    """Stretches without a gap from 0 to the end, with so many ascending lines; rests: which may meet at P = x = 0."""
+def _stretches(data: Any, end: Fraction, count: int, rests: bool = False, more: bool = False) -> list[Stretch]:
+    """Stretches without a gap from 0 to the end, with so many ascending lines; rests: which may meet at P = x = 0;
+    more: the first has one more."""
     stretches = [_stretch(stretch) for stretch in data]
     reached = Fraction(0)
     for s in stretches:
         where = f"between the loads {float(s.start):.10g} and {float(s.end):.10g}"
         require(s.start == reached < s.end, "the stretches leave a gap")
-        require(len(s.lines) == count, f"there are too few separators, or too many, {where}")
+        require(len(s.lines) == count + (more and not reached), f"there are too few separators, or too many, {where}")
         for P in (s.start, s.end):
             places = [point + slope * (P - s.origin) for point, slope in s.lines]
             meet = rests and P == 0 == s.origin
@@ -727,7 +730,8 @@ def _of_forms(data: dict[str, Any]) -> Read:
         return System(at_hand[0], at_hand[1], at_hand[2], kappa is not None, known)
 
     count = known.highest if damped else known.highest // 2 + 1
-    return stated, N, system, _stretches(data["stretches"], stated.end, count, known.resting > 0)
+    more = damped and known.touching
+    return stated, N, system, _stretches(data["stretches"], stated.end, count, known.resting > 0, more)
 
 
 def _space(data: dict[str, Any]) -> Space:
@@ -850,6 +854,7 @@ class Series:
         known = system.degrees
         self.system, self.odd, self.resting = system, bool(known.highest % 2), known.resting
         self.damped = bool(system.C) and not (known.even and not system.vanishing)
+        self.touching = self.damped and known.touching
         self.N, self.of_g = known.highest // 2, (known.highest - 1) // 2
         self.power = next((k for k, X in enumerate(system.C) if any(v != 0 for v in X.entries())), 0)
         rows = system.M[0].nrows()
@@ -876,6 +881,16 @@ class Series:
             of_g = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values]
             self.g = _interpolated(places[: self.of_g + 1], used, of_g[: self.of_g + 1], tops)
             self.g = self._without(self.g, self.power, 1)
+
+    @cached_property
+    def without_tangents(self) -> Rows:
+        """g − c h, without the part of order r in P and x that h and g have in common where r motions rest."""
+        r = self.resting
+        require(self.h[r][0] != 0, "a motion that rests is not known to have mass")
+        c = self.g[r][0] / self.h[r][0]
+        pairs = zip_longest(self.g, self.h, fillvalue=arb_poly())
+        both = [one - c * other for one, other in pairs]
+        return [arb_poly([arb(0) if a + b <= r else p[a] for a in range(p.degree() + 1)]) for b, p in enumerate(both)]
 
     @cached_property
     def sign(self) -> int:
@@ -920,12 +935,17 @@ class Series:
         back = arb_poly([ball(origin), -1])
         h, g = ([p(back) for p in which] for which in (self.h, self.g))
         from_rest = self.resting > 0 and start == 0 == origin
-        for k, (point, slope) in enumerate(stretch.lines):
+        touching = self.touching and start == 0
+        require(from_rest or not touching, f"the lines do not begin where motions rest {where}")
+        less = [p(back) for p in self.without_tangents] if touching else g
+        last = 2 * self.N - 1 if touching else max(1, 2 * self.of_g)
+        for k, (point, slope) in enumerate(stretch.lines[1:] if touching else stretch.lines):
             line = arb_poly([ball(point), ball(-slope)])
             sign_h, sign_g = (-1) ** ((k + 1) // 2 if self.damped else k), (-1) ** (k // 2)
             each = [(h, sign_h, "h")]
-            if self.damped and 0 < k <= max(1, 2 * self.of_g):
-                each.append((g, sign_g, "g"))
+            if self.damped and (touching or k > 0):
+                # where g − c h stands for g, the last root of an odd determinant's g is beyond all its roots
+                each += [(less, sign_g, "g")] if k <= last else [(g, sign_g, "g")] if touching else []
             for which, sign, name in each:
                 along = sign * _along(which, line)
                 if from_rest and point == 0:
@@ -1125,6 +1145,8 @@ def _places(system: System, first: Stretch) -> list[Fraction]:
     places = [point + slope * (load - first.origin) for point, slope in first.lines]
     if not system.C or (known.even and not system.vanishing):
         return places
+    if known.touching:  # the second of the lines is below all roots of h
+        places = places[1:]
     return places[::2] if known.highest % 2 else [*places[::2], places[-1]]
 
 
