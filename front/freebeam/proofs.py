@@ -151,6 +151,11 @@ def rational(name: str, value: object) -> tuple[Fraction, str]:
     return exact, taken
 
 
+def _ratio(kappa: object) -> tuple[Fraction | float, str]:
+    """kappa as `rational` takes it; infinite where external damping alone vanishes."""
+    return (math.inf, "inf") if kappa in (math.inf, "inf") else rational("kappa", kappa)
+
+
 @dataclass(frozen=True)
 class _Asked:
     """What is asked of a proof: the question in floats, its exact nondimensional values, and what they were taken for.
@@ -182,7 +187,7 @@ class _Asked:
             )
         left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
-        taken = {name: rational(name, value) for name, value in given.items()}
+        taken = {name: _ratio(value) if name == "kappa" else rational(name, value) for name, value in given.items()}
         column.own_parameters(dict.fromkeys(parameters, 0))  # refuses what is not known
         exact = {name: value for name, (value, _) in taken.items()}
         inputs, own = {name: text for name, (_, text) in taken.items()}, {}
@@ -217,15 +222,14 @@ class _Asked:
         from freebeam_derive.certify.beam import Beam
         from freebeam_derive.certify.exact_system import ExactSystem
 
-        dampings = self.exact["alpha"], self.exact["beta"]
-        if not self.column.general:
-            beam = Beam(self.column.kernel, self.own)
-            beam.damping(*dampings)
-            return beam
-        vanishing = "kappa" in self.exact
-        if vanishing:
-            dampings = Fraction(1), self.exact["kappa"]
-        return ExactSystem(self.column.kernel, self.own, *dampings, vanishing)
+        if self.column.general:
+            alpha, beta = self.certified.dampings
+            return ExactSystem(self.column.kernel, self.own, alpha, beta, "kappa" in self.exact)
+        if self.exact.get("kappa") == math.inf:
+            raise InputError("kappa = inf: is proven of a series, not of the beam itself; leave out what asks for it")
+        beam = Beam(self.column.kernel, self.own)
+        beam.damping(self.exact["alpha"], self.exact["beta"])
+        return beam
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
@@ -259,13 +263,16 @@ def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dic
     return squares(*values)
 
 
-def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fraction]) -> dict[str, Any]:
+def _nondimensional(given: Mapping[str, Any], squares: Mapping[str, Fraction]) -> dict[str, Any]:
     """SI values as nondimensional ones: roots of rational numbers where the unit of time is one."""
     from freebeam_derive.certify.balls import root
 
     of = {**squares, "load_max": squares["load"], "kappa": squares["beta"] / squares["alpha"]}
-    found = {}
+    found: dict[str, Any] = {}
     for name, value in given.items():
+        if value == math.inf:
+            found[name] = value
+            continue
         if value < 0:  # which is refused, by the value as it was given
             nonnegative(name, float(value))
         found[name] = root(value**2 / of[name])
@@ -299,10 +306,10 @@ def certified_load(
 
     alpha, beta, kappa, load_max, parameters: numbers, fractions, or decimals as text; they are taken exactly, floats as
     their shortest decimals. digits: 1 to 10,000; the relative width of the interval is below 10^-digits. kappa: the
-    limit of vanishing damping at beta = kappa alpha. beam: bending stiffness (N m²), mass per length (kg/m) and length
-    (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max (N) and the result, and
-    there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the crossing, that the column is
-    stable on all of the interval below, and its kind.
+    limit of vanishing damping at beta = kappa alpha, math.inf for beta alone. beam: bending stiffness (N m²), mass per
+    length (kg/m) and length (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max
+    (N) and the result, and there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the
+    crossing, that the column is stable on all of the interval below, and its kind.
 
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """

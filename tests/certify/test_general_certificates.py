@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import json
+import math
 import resource
 import tempfile
 import time
@@ -603,6 +604,21 @@ def test_damping_that_vanishes_with_the_load_where_a_coordinate_has_no_mass(tmp_
     found = first_crossing.certify(kernel, Question(1, F(1, 10), own={}), None, 8, F(1, 2))
     said = verifier.verify(json.loads(json.dumps(certificate.write(kernel, found))))
     assert "above 0 up to 0.5" in str(said) and len(found.stretches[0].separators) == 7
+
+
+def test_external_damping_alone_vanishes_where_it_acts_on_all_mass_and_where_it_does_not() -> None:
+    """Where C is a part of M the crossing is that without damping; with a mass that is not damped it is another."""
+    for name in ("foundation", "Pflueger, beam damped"):
+        kernel, own = column(name).kernel, question(name).own
+        near = fb.critical_load(column(name), 2, kappa=math.inf)
+        assert near.load is not None and near.frequency is not None
+        found = first_crossing.certify(kernel, Question(2, kappa=math.inf, own=own), (near.load, near.frequency), 12)
+        said = verifier.verify(json.loads(json.dumps(certificate.write(kernel, found))))
+        assert "beta -> 0+ at alpha = 0" in str(said) and said.record()["kappa"] == "inf"
+        small, none = (fb.critical_load(column(name), 2, beta=beta).load for beta in (1e-4, 0))
+        assert found.load is not None and small is not None and none is not None
+        assert float(found.load[0]) == pytest.approx(small, rel=1e-6)
+        assert (abs(small / none - 1) < 1e-6) == (name == "foundation")
 
 
 # --- factors that are no fractions ---------------------------------------------------------------------------------

@@ -29,6 +29,7 @@ CASES: dict[str, tuple[str, str, int, dict[str, Any]]] = {
     "undamped": ("free-free", "legendre", 5, {}),
     "damped": ("beck", "legendre", 4, {"alpha": "0.001", "beta": "0.1"}),
     "limit": ("beck", "legendre", 3, {"kappa": 2}),
+    "external limit": ("beck", "legendre", 3, {"kappa": math.inf}),
     "divergence": ("beck", "legendre", 3, {"eta": "0.25"}),
     "none": ("beck", "legendre", 3, {"alpha": "0.001", "load_max": 8}),
     "undamped, modes": ("free-free", "modes", 3, {}),
@@ -196,10 +197,19 @@ def test_damping_that_was_not_asked_for_is_refused(case: str, asked: Data) -> No
     refused(certificate(case) | asked, "the damping")
 
 
-def test_a_limit_without_internal_damping_is_refused() -> None:
-    """External damping alone that vanishes leaves the undamped crossing, where no eigenvalue is simple."""
-    data = certificate("limit") | {"column": "another"}
-    refused(data | {"damping": {"of_M": "1", "of_E": "0", "vanishing": True}}, "no internal damping")
+def test_external_damping_that_vanishes_leaves_the_crossing_where_it_is_without_any() -> None:
+    """Two frequencies meet there; of any other C, or of none, that is not shown."""
+    data = certificate("external limit")
+    said, without = verifier.verify(data), fb.certified_load(fb.column("beck", "legendre"), 3, digits=20).load
+    assert without is not None and said.load is not None and said.record()["kappa"] == "inf"
+    assert F(without[0]) < said.load[1] and said.load[0] < F(without[1])
+    data |= {"column": "another"}
+    for of_M, of_E in (("0", "0"), ("-1", "0"), ("1", "-1"), ("1", "1"), ("1", "1/1000000")):
+        damping = {"of_M": of_M, "of_E": of_E, "vanishing": True}
+        refused(data | {"damping": damping}, None if of_E[0] == "1" else "no damping is there to vanish")
+    refused(data | {"damping": {"of_M": "1", "of_E": "0", "vanishing": False}}, "does not fit kappa")
+    for kappa in ("Infinity", "-inf", "1e9", None):
+        refused(data | {"kappa": kappa, "column": "beck"})
 
 
 @pytest.mark.parametrize("case", ["divergence", "none", "one mode, damped"])
@@ -397,7 +407,7 @@ def forged(data: Data, crossings: list[Any], column: fb.Column, modes: int, give
     for name, factor in (("alpha", "of_E"), ("beta", "of_M"), ("kappa", "of_M")):
         if data[name] is None:
             continue
-        moved = str(F(data[name]) * F(1001, 1000) or F(1, 1000))
+        moved = "1000" if data[name] == "inf" else str(F(data[name]) * F(1001, 1000) or F(1, 1000))
         yield data | {name: moved}
         if data["damping"]:
             yield data | {"damping": data["damping"] | {factor: moved}}

@@ -303,8 +303,8 @@ def coefficients(
         return ball_matrices(*matrices_of_any(kernel, modes, own, dampings, alone))
     M_0, E, H = matrices(kernel, modes, own)
     c_M, c_E = kernel.damping_factors(*map(exact, dampings), **{name: exact(value) for name, value in own.items()})
-    if alone and not arb(c_E) > 0:
-        raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
+    if alone and not (arb(c_E) > 0 or (c_E == 0 and arb(c_M) > 0)):
+        raise Unproven(f"{kernel.COLUMN['name']} has no damping that could vanish")
     return [M_0], _without_zeros([arb(c_M) * M_0 + arb(c_E) * E]), [E, H]
 
 

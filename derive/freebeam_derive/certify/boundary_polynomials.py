@@ -33,17 +33,25 @@ LARGE = 24
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), else None."""
+    """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), math.inf where
+    β alone vanishes and α is 0; else None."""
 
     modes: int
     alpha: Exact = Fraction(0)
     beta: Exact = Fraction(0)
-    kappa: Exact | None = None
+    kappa: Exact | float | None = None
     own: Mapping[str, Fraction] | None = None
 
     @property
     def undamped(self) -> bool:
         return self.kappa is None and self.alpha == 0 == self.beta
+
+    @property
+    def dampings(self) -> tuple[Exact, Exact]:
+        """α and β, or in the limit the direction in which they vanish."""
+        if self.kappa is None:
+            return self.alpha, self.beta
+        return (Fraction(0), Fraction(1)) if isinstance(self.kappa, float) else (Fraction(1), self.kappa)
 
 
 @dataclass(frozen=True)
@@ -290,15 +298,14 @@ def functions_of(kernel: ModuleType, modes: int) -> int:
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
-    dampings = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
     known = None
     with precision(bits):
         if kernel.COLUMN.get("general"):
-            terms = matrices_of_any(kernel, question.modes, own, dampings, limit)
+            terms = matrices_of_any(kernel, question.modes, own, question.dampings, limit)
             known = _structure(terms, limit)
             M, C, K = ball_matrices(*terms)
         else:
-            M, C, K = coefficients_of(kernel, question.modes, own, dampings, limit)
+            M, C, K = coefficients_of(kernel, question.modes, own, question.dampings, limit)
         if limit and not C:
             raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
         return expansion(M, C, K, limit, known)

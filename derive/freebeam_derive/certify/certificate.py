@@ -103,6 +103,10 @@ def _around(value: arb, digits: int) -> tuple[Fraction, Fraction]:
     return Fraction(int((middle - width) * grid), grid), Fraction(int((middle + width) * grid) + 1, grid)
 
 
+def _ratio(kappa: Exact | float | None) -> str | None:
+    return "inf" if isinstance(kappa, float) else None if kappa is None else _rational(kappa)
+
+
 def _rational(value: Exact) -> str:
     assert isinstance(value, Fraction)
     return written(value)
@@ -111,8 +115,7 @@ def _rational(value: Exact) -> str:
 def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Ends, basis, M, E, H and damping of a textbook's column."""
     kappa = question.kappa
-    dampings = (question.alpha, question.beta) if kappa is None else (Fraction(1), kappa)
-    c_M, c_E = kernel.damping_factors(*dampings, **own)
+    c_M, c_E = kernel.damping_factors(*question.dampings, **own)
     return {
         "ends": list(kernel.COLUMN["ends"]),
         "basis": kernel.COLUMN.get("basis", "modes"),
@@ -123,7 +126,7 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
             }
             for letter, (along, points) in kernel.forms(Fraction(1), **own).items()
         },
-        "kappa": None if kappa is None else _rational(kappa),
+        "kappa": _ratio(kappa),
         "damping": None
         if question.undamped
         else {"of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None},
@@ -156,7 +159,7 @@ def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) ->
             for name, (joined, held, opened) in kernel.FIELDS.items()
         },
         "coordinates": list(kernel.COORDINATES),
-        "kappa": None if question.kappa is None else _rational(question.kappa),
+        "kappa": _ratio(question.kappa),
         "forms": {
             "M": [_form(form) for form in bare["M"]],
             "C_1": [_form(form) for form in bare["C"]],

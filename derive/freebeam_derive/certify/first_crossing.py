@@ -192,6 +192,20 @@ def cover(
     return sorted(done, key=lambda s: s.start)
 
 
+def _slopes_through(found: Boundary, P: Fraction, x: Fraction, start: Fraction, share: float) -> list[Fraction]:
+    """Slopes of the separators that pass through a crossing: one between the root of h and that of g that meet there,
+    and, in a limit of vanishing damping, two where two roots of h do, on either side of the root of g."""
+    if not found.damped:
+        return [Fraction(0)]
+    J, bend = found.slopes([exact(P), exact(x)]), found.h.by_x.by_x(exact(P), exact(x))
+    if abs(J[0, 1]) < abs(bend) * exact(x) * arb(2) ** (-LOWEST_BITS // 2):
+        # h is h_P (P − P*) + h_xx (x − x*)² / 2, or about so
+        apart = (abs(2 * J[0, 0] / bend) / exact(P - start)).sqrt() * share
+        return [rational(-J[1, 0] / J[1, 1] + apart * side, 30) for side in (1, -1)]
+    flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
+    return [rational(flat + (steep - flat) * share, 30)]
+
+
 def _towards(
     found: Boundary, P: Fraction, x: Fraction | None, start: Fraction, end: Fraction, share: float
 ) -> Stretch | None:
@@ -203,16 +217,15 @@ def _towards(
     if separators is None:
         return None
     if x is not None:
-        # the separator that the crossing closes in on passes through it
-        slope = Fraction(0)
-        if found.damped:
-            J = found.slopes([exact(P), exact(x)])
-            flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
-            slope = rational(flat + (steep - flat) * share, 30)
-        there = float(x + slope * (start - P))
+        # separators that the crossing closes in on pass through it
+        slopes = _slopes_through(found, P, x, start, share)
+        there = [float(x + slope * (start - P)) for slope in slopes]
         places = [float(point) for point, _ in separators]
-        nearest = min(range(len(places)), key=lambda k: abs(places[k] - there))
-        separators = (*separators[:nearest], (x, slope), *separators[nearest + 1 :])
+        first = min(
+            range(len(places) + 1 - len(there)),
+            key=lambda k: sum(abs(a - b) for a, b in zip(places[k:], there, strict=False)),
+        )
+        separators = (*separators[:first], *((x, slope) for slope in slopes), *separators[first + len(slopes) :])
     stretch = Stretch(start, end, P, separators)
     return stretch if holds(found, stretch) else None
 

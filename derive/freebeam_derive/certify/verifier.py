@@ -9,7 +9,8 @@ What acceptance proves, with C = of_M M + of_E E and K = E + P H, of the series 
       low ≤ P ≤ high.
     - divergence: λ = 0, and no other eigenvalue; det K passes zero.
     The crossing is simple: with damping, and in its limit, the eigenvalue is simple and crosses at a speed that is not
-    zero; without damping two frequencies meet, ω² of a double root of det(K − ω² M), and are no longer real above.
+    zero; without damping two frequencies meet, ω² of a double root of det(K − ω² M), and are no longer real above. So
+    they may in the limit, and do where the damping is external alone.
 
 Stable means: all eigenvalues of λ² M + λ C + K in the open left half plane; without damping all λ² real, negative and
 simple; in the limit (vanishing) that this is so, and that damping of the given direction makes every motion decay to
@@ -199,7 +200,7 @@ class OfBeam(Statement):
     ours: bool
     ends: tuple[str, str]
     basis: str
-    kappa: Fraction | None
+    kappa: Fraction | float | None
     damping: Damping | None
 
     def __str__(self) -> str:
@@ -217,7 +218,7 @@ class OfBeam(Statement):
             "ends": list(self.ends), "basis": self.basis,
             "parameters": {name: said(value) for name, value in self.parameters.items()} if ours else None,
             "alpha": said(self.alpha) if ours else None, "beta": said(self.beta) if ours else None,
-            "kappa": said(self.kappa) if ours and self.kappa is not None else None, "damping": factors,
+            "kappa": _said(self.kappa) if ours else None, "damping": factors,
         }  # fmt: skip
 
     @property
@@ -227,7 +228,7 @@ class OfBeam(Statement):
             return "undamped"
         factors = f"{said(self.damping.of_M)} M + {said(self.damping.of_E)} E"
         if self.kappa is not None:
-            asked = f" (alpha -> 0+, beta = {said(self.kappa)} alpha)" if self.ours else ""
+            asked = f" ({vanishing(self.kappa)})" if self.ours else ""
             return f"in the limit of vanishing damping in the direction of C = {factors}{asked}"
         asked = f" (alpha = {said(self.alpha)}, beta = {said(self.beta)})" if self.ours else ""
         return f"C = {factors}{asked}"
@@ -244,7 +245,7 @@ class OfForms(Statement):
 
     breaks: tuple[Fraction, ...]
     unknowns: tuple[str, ...]
-    kappa: Fraction | None
+    kappa: Fraction | float | None
     size: int
     motions: int
     damped: bool
@@ -259,7 +260,7 @@ class OfForms(Statement):
         of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
         of += " but for gyroscopic terms" if self.gyroscopic else ""
         if self.kappa is not None:
-            of = f", in the limit of vanishing damping, alpha -> 0+ at beta = {said(self.kappa)} alpha"
+            of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
         return self.proven(what + of, self.damped, self.above_zero)
 
     def record(self) -> dict[str, Any]:
@@ -267,9 +268,13 @@ class OfForms(Statement):
             "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
             "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
-            "kappa": None if self.kappa is None else said(self.kappa),
+            "kappa": _said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
         }  # fmt: skip
+
+
+def _said(kappa: Fraction | float | None) -> str | None:
+    return "inf" if isinstance(kappa, float) else None if kappa is None else said(kappa)
 
 
 Read = tuple[Statement, int, Callable[[], "System"], list[Stretch]]
@@ -298,9 +303,24 @@ def _claims(data: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def damping_of(data: dict[str, Any], claims: dict[str, Any]) -> tuple[Fraction | None, Damping | None]:
+def _ratio(value: object) -> Fraction | float | None:
+    """kappa of a file: a number, infinite where beta alone vanishes, or none."""
+    return None if value is None else math.inf if value == "inf" else _number(value)
+
+
+def _direction(kappa: Fraction | float) -> tuple[Fraction, Fraction]:
+    """In which alpha and beta vanish."""
+    return (Fraction(0), Fraction(1)) if isinstance(kappa, float) else (Fraction(1), kappa)
+
+
+def vanishing(kappa: Fraction | float) -> str:
+    """How alpha and beta vanish, in words."""
+    return "beta -> 0+ at alpha = 0" if isinstance(kappa, float) else f"alpha -> 0+ at beta = {said(kappa)} alpha"
+
+
+def damping_of(data: dict[str, Any], claims: dict[str, Any]) -> tuple[Fraction | float | None, Damping | None]:
     """kappa and the damping c_M M + c_E E of a file, each of which must fit the other, alpha and beta."""
-    kappa = None if data["kappa"] is None else _number(data["kappa"])
+    kappa = _ratio(data["kappa"])
     finite, limit = claims["alpha"] != 0 or claims["beta"] != 0, kappa is not None
     require(not (finite and limit), "the damping is finite and vanishes")
     damping = data["damping"]
@@ -310,7 +330,8 @@ def damping_of(data: dict[str, Any], claims: dict[str, Any]) -> tuple[Fraction |
     require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
     require(damping["vanishing"] is limit, "the damping does not fit kappa")
     found = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
-    require(not limit or found.of_E > 0, "no internal damping is there to vanish")
+    there = found.of_E > 0 or found.of_E == 0 < found.of_M
+    require(not limit or there, "no damping is there to vanish")
     return kappa, found
 
 
@@ -408,7 +429,7 @@ def _check_column(stated: OfBeam, forms: dict[str, Form]) -> None:
         same = once and (set(theirs[0]), set(theirs[1])) == known
         require(same, f"the form {name} is not {what} at these parameters")
     if stated.damping is not None:
-        alpha, beta = (stated.alpha, stated.beta) if stated.kappa is None else (Fraction(1), stated.kappa)
+        alpha, beta = (stated.alpha, stated.beta) if stated.kappa is None else _direction(stated.kappa)
         factors = stated.damping.of_M, stated.damping.of_E
         asked = "alpha, beta and kappa"
         require(factors == tuple(kernel.damping_factors(alpha, beta, **own)), f"the damping is not {what} at {asked}")
@@ -701,8 +722,8 @@ def _of_forms(data: dict[str, Any]) -> Read:
     motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
     M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
-    kappa = None if data["kappa"] is None else _number(data["kappa"])
-    dampings = (claims["alpha"], claims["beta"]) if kappa is None else (Fraction(1), kappa)
+    kappa = _ratio(data["kappa"])
+    dampings = (claims["alpha"], claims["beta"]) if kappa is None else _direction(kappa)
     if kappa is not None:
         fits = kappa >= 0 == claims["alpha"] == claims["beta"]
         require(fits, "kappa is negative, or alpha and beta are not 0 in its limit")

@@ -68,7 +68,9 @@ def read(data: dict[str, Any]) -> tuple[OfBeamItself, dict[str, v.Form], int, li
     kappa, damping = v.damping_of(data, claims)
     if damping is not None:
         require(damping.of_M >= 0 and damping.of_E >= 0, "the damping is negative")
-        require(damping.of_E > 0 or damping.of_M > 0, "there is no damping at all")
+        inside = damping.of_E > 0
+        require(inside or damping.of_M > 0, "there is no damping at all")
+        require(inside or not damping.vanishing, "no internal damping is there to vanish")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: v.form(data["forms"][name]) for name in "MEH"}
     require(forms["M"] == (((0, 0, 0, Fraction(1)),), ()), "the mass is not that of the uniform beam")

@@ -23,6 +23,7 @@ from freebeam.cli.options import (
     number,
     number_or_range,
     option,
+    ratio,
     refuse,
     vanishing_or_number,
 )
@@ -64,7 +65,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     READ: ClassVar[Any] = staticmethod(number_or_range)
     beta: Number = option("X", "External damping beta.", default="0", parser=number_or_range)
     kappa: Number | None = option(
-        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.", parser=number_or_range
+        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given, inf for beta alone.", parser=ratio
     )
     digits: int | None = option("D", "Prove the critical load to D digits; 15 where a proof is asked for otherwise.")
     exact: bool = flag(
