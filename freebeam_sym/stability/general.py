@@ -21,6 +21,7 @@ from functools import cached_property
 import numpy as np
 
 from freebeam_sym.checks import InputError
+from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
@@ -129,6 +130,8 @@ class General:
             s: Complex = np.asarray(1 / inverse.astype(complex))
         if not self.damped:
             return s, V.astype(complex), np.zeros(self.size)
+        if without_mass(M):
+            return s, V.astype(complex), _growth_without_mass(C, K, inverse, V)
         W = np.linalg.inv(M @ V)
         return s, V.astype(complex), np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
 
@@ -489,6 +492,19 @@ def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -
     with np.errstate(invalid="ignore"):
         limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
+
+
+def _growth_without_mass(C: Real, K: Real, inverse: Complex, V: Complex) -> Real:
+    """Growth to first order in a damping ε C, of eigenvectors V with ω² = 1/inverse. A coordinate without mass, inverse
+    0, has λ = μ/ε with det(μ C + K) = 0 of all that have none: of its growth the sign alone counts."""
+    D, least = np.linalg.solve(K @ V, C @ V), NOTHING * np.abs(inverse).max()
+    idle = np.abs(inverse) <= least
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = np.where(idle, 0.0, -(np.diagonal(D) / inverse).real / 2)
+    most = np.abs(growth).max(initial=0.0) or 1.0
+    g = np.linalg.eigvals(D[np.ix_(idle, idle)])  # −1/μ
+    growth[idle] = np.where(np.abs(g) > NOTHING * np.abs(g).max(initial=0.0), -most * np.sign(g.real), 0.0)
+    return np.asarray(growth)
 
 
 def _blocks(n: int, first: Real, second: Real) -> Real:

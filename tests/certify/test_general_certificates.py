@@ -621,6 +621,67 @@ def test_external_damping_alone_vanishes_where_it_acts_on_all_mass_and_where_it_
         assert (abs(small / none - 1) < 1e-6) == (name == "foundation")
 
 
+def limit_of(changes: dict[str, str], N: int, near: tuple[float, float] | None, top: int = 40) -> Data:
+    """The certificate of the limit of vanishing internal damping."""
+    with tempfile.TemporaryDirectory() as folder:
+        kernel = fb.column(file_of(Path(folder), "sample", changes)).kernel
+    found = first_crossing.certify(kernel, Question(N, kappa=F(0), own=parameters(kernel)), near, 12, F(top))
+    data: Data = json.loads(json.dumps(certificate.write(kernel, found)))
+    return data
+
+
+def test_damping_that_vanishes_may_act_on_a_coordinate_without_mass(tmp_path: Path) -> None:
+    """A spring that relaxes: the load is the limit of those of small damping. With a negative stiffness of its own the
+    coordinate runs away, at a rate of 1/alpha, though without damping nothing does."""
+    relaxing = {"V": "V + 5 * (at(y, 1) - q) ** 2", "dW_nc": "follower - alpha * q.diff(t) * delta(q)"}
+    column_ = fb.column(file_of(tmp_path, "sample", relaxing))
+    limit, small = fb.critical_load(column_, 3, kappa=0), fb.critical_load(column_, 3, alpha=1e-3)
+    assert limit.load is not None and limit.frequency is not None
+    assert limit.load == pytest.approx(small.load, rel=1e-8)
+    data = limit_of(relaxing, 3, (limit.load, limit.frequency))
+    found = verifier.verify(data)
+    assert found.load is not None and float(found.load[0]) == pytest.approx(limit.load, rel=1e-9)
+    spring = next(n for n, (*_, v) in enumerate(data["forms"]["K"][0]["points"]) if v == "10")
+    for value in ("-10", "1"):
+        refused(altered(data, ("forms", "K", 0, "points", spring, 2), value))
+    refused(altered(data, ("forms", "C_alpha", 0, "points", 0, 2), "-1"))
+    refused(altered(data, ("forms", "C_alpha", 0, "points"), []), "no damping that could vanish")
+    away = relaxing | {"V": "V + 5 * (at(y, 1) - q) ** 2 - 8 * q ** 2"}
+    with pytest.raises(fb.InputError, match="grows at the smallest loads"):
+        fb.critical_load(fb.column(file_of(tmp_path, "sample", away)), 3, kappa=0)
+    with pytest.raises(Unproven, match="not known to decay at the load 0 in the limit"):
+        limit_of(away, 3, None, 1)
+
+
+RING = {  # three lags that drive each other in a ring: (μ + 1)³ + k = 0, stable for k < 8
+    "T": "p.diff(t) ** 2 / 2",
+    "V": "p ** 2 / 2",
+    "W_c": "P * p ** 2 / 2",
+    "dW_nc": "-alpha * (p.diff(t) * delta(p) + q.diff(t) * delta(q) + (r := Coordinate('r')).diff(t) * delta(r)"
+    " + (s := Coordinate('s')).diff(t) * delta(s)) - (q + (k + c * P) * s) * delta(q) - (r - q) * delta(r)"
+    " - (s - r) * delta(s)",
+    "ends": "()",
+}
+
+
+def test_coordinates_without_mass_may_swing_up_among_themselves() -> None:
+    """Which neither h nor g of first order in the damping tells: their stiffness and trace are positive."""
+
+    def ring(k: str, c: str = "0") -> dict[str, str]:
+        return RING | {"parameters": f"(own(k, {k}), own(c, {c}))"}
+
+    data = limit_of(ring("7.99"), 1, (1.0, 0.0), 3)
+    assert "stability is first lost by divergence" in str(verifier.verify(data))
+    for k, c, load in (("8.01", "0", "0"), ("7", "1.5", "0.")):
+        with pytest.raises(Unproven, match=f"decay at the load {load}"):
+            limit_of(ring(k, c), 1, (1.0, 0.0), 3)
+    limit_of(ring("7", "0.999"), 1, (1.0, 0.0), 3)
+    by_k = next(n for n, (*_, v) in enumerate(data["forms"]["K"][0]["points"]) if v == "799/100")
+    refused(altered(data, ("forms", "K", 0, "points", by_k, 2), "801/100"), "may not decay at the load 0")
+    data["forms"]["K"][1]["points"].append([["q", 0, None, 0], ["s", 0, None, 0], "1/10"])
+    refused(data, "may not decay at the load 0.")
+
+
 # --- factors that are no fractions ---------------------------------------------------------------------------------
 
 
@@ -742,6 +803,7 @@ def test_a_mass_that_vanishes_is_told() -> None:
     P, one = flint.arb_poly([0, 1]), flint.arb_poly([1])
     for leading, seen in ((one - P, True), (3 * one - P, False)):
         series = object.__new__(verifier.Series)
+        series.system = verifier.System([], [], [], False)
         series.N, series.damped, series.odd = 3, True, False
         # h = (P − x) (1 − leading x) (7 + x), g = (1 − x) (3 − x)
         series.h = [7 * P, P - 7 * one - 7 * P * leading, 7 * leading - one - P * leading, leading]

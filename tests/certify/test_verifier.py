@@ -481,6 +481,7 @@ def made(h: list[Any], g: list[Any] | None = None) -> verifier.Series:
     """A series of polynomials made by hand, over the powers of x, each over those of P; without damping, g None."""
     series = object.__new__(verifier.Series)
     series.h = [arb_poly(p) for p in h]
+    series.system = verifier.System([], [], [], False)
     series.N, series.damped, series.odd = len(h) - 1, g is not None, False
     series.g = verifier.by_x(series.h) if g is None else [arb_poly(p) for p in g]
     return series
@@ -708,6 +709,7 @@ def test_a_form_of_other_powers_orders_or_ends_is_refused(along: list[Any], poin
 def test_a_mass_that_vanishes_within_the_interval_is_refused(leading: list[int], told: str) -> None:
     """h = (1 − P) + (leading) x and g = 1: det K changes sign at P = 1, and there det M does too, or does not."""
     series: Any = object.__new__(verifier.Series)
+    series.system = verifier.System([], [], [], False)
     series.h, series.g, series.odd = [arb_poly([1, -1]), arb_poly(leading)], [arb_poly([1])], False
     interval = Fraction(99, 100), Fraction(101, 100)
     if not told:

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
+from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
@@ -25,7 +26,7 @@ from flint import arb, arb_mat, arb_poly
 from freebeam_derive.certify.balls import Exact, Unproven, ball_matrices, matrices_of_any, parameters, precision
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
-from freebeam_derive.certify.structure import Structure, structure
+from freebeam_derive.certify.structure import Structure, null_space, structure
 
 LARGE = 24
 """Rows from which on elimination takes less time than FLINT's characteristic polynomial."""
@@ -60,8 +61,9 @@ class Boundary:
 
     odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
     g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
-    none is not 0, what is said of the roots is said of P > 0. As a system of equations: h = g = 0 in the unknowns
-    (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    none is not 0, what is said of the roots is said of P > 0. fast: polynomials in P by powers of μ, of whose roots
+    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. As a system
+    of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -72,6 +74,7 @@ class Boundary:
     rests: int = 0
     none: int = 0
     tangent: bool = False
+    fast: tuple[arb_poly, ...] = ()
 
     @cached_property
     def g_without_tangents(self) -> Bivariate:
@@ -135,7 +138,7 @@ def expansion(
     if N < 1:
         raise Unproven("no motion of it has a frequency: without mass there is none")
     regular = known.degree == 2 * n and not (C and known.even)
-    scale, step = _sizes(M, () if vanishing or regular else C, K, known.degree)
+    scale, step = _sizes(M, () if vanishing or regular else C, K, 2 * N if vanishing else known.degree)
     odd: list[arb_poly] = []
     if damped and not vanishing:
         places = [step * k for k in range(1, known.degree + 2)]
@@ -146,7 +149,8 @@ def expansion(
         places = [(step * k) ** 2 for k in range(1, N + 2)]
         even = _through(places, [determinant(terms) for terms in still])
         if damped:
-            odd = _through(places[:N], [_first_order(terms, C) for terms in still[:N]])
+            count = N + known.degree % 2
+            odd = _through(places[:count], [_first_order(terms, C) for terms in still[:count]])
     highest = [highest_power(a, n, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
     degrees = [min(power, known.degree) for power in highest]
     h = _in_square(even, [d // 2 + 1 for d in degrees], scale, known, 0)
@@ -298,28 +302,49 @@ def functions_of(kernel: ModuleType, modes: int) -> int:
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
-    known = None
+    known, fast = None, 0
     with precision(bits):
         if kernel.COLUMN.get("general"):
             terms = matrices_of_any(kernel, question.modes, own, question.dampings, limit)
-            known = _structure(terms, limit)
+            known, fast = _structure(terms, limit)
             M, C, K = ball_matrices(*terms)
         else:
             M, C, K = coefficients_of(kernel, question.modes, own, question.dampings, limit)
         if limit and not C:
             raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
-        return expansion(M, C, K, limit, known)
+        found = expansion(M, C, K, limit, known)
+        return replace(found, fast=_fast(*terms, fast)) if fast else found
 
 
-def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> Structure | None:
-    """What holds exactly of matrices; None where not all of them are fractions. Raises Unproven."""
+def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> tuple[Structure | None, int]:
+    """What holds exactly of matrices, None where not all of them are fractions; and how many eigenvalues go to infinity
+    in a limit of vanishing damping, which make g of as high a degree as h. Raises Unproven."""
     if any(isinstance(v, arb) for powers in terms for X in powers for v in X.flat):
-        return None
+        return None, 0
     known = structure(*terms)
-    if limit:
-        M, _, K = terms
-        still = structure(M, [], K)
-        if still.degree != known.degree:
-            raise Unproven("damping that vanishes acts on a coordinate without mass")
-        known = replace(known, even=False)
-    return known
+    if not limit:
+        return known, 0
+    M, _, K = terms
+    still = structure(M, [], K).degree
+    fast = known.degree - still
+    if fast and still != 2 * (len(M[0]) - null_space(M[0]).shape[1]):
+        raise Unproven("damping that vanishes acts on a coordinate that has neither mass nor stiffness")
+    return replace(known, even=False, degree=still + min(fast, 1)), fast
+
+
+def _fast(M: list[Any], C: list[Any], K: list[Any], degree: int) -> tuple[arb_poly, ...]:
+    """det(μ C + K) of coordinates without mass, polynomials in P by powers of μ up to a degree, in balls.
+
+    ε^2m det((μ/ε)² M + μ C + K), with M of rank m, is that times μ^2m and a constant for ε → 0. Raises Unproven.
+    """
+    right, left = null_space(M[0]), null_space(M[0].T).T
+    if any((Y != 0).any() for X in M[1:] for Y in (left @ X, X @ right)):
+        raise Unproven("damping that vanishes acts on a coordinate whose mass comes with the load")
+    of_C, of_K = ([arb_mat([[arb(v) for v in row] for row in (left @ X @ right).tolist()]) for X in Y] for Y in (C, K))
+    places = [arb(k) for k in range(1, degree + 2)]
+    none = 0 * of_K[0]
+    whole = [
+        determinant([mu * a + b for a, b in zip_longest(of_C, of_K, fillvalue=none)]) for mu in places
+    ]  # fmt: skip
+    in_mu = _through(places, whole)
+    return tuple(arb_poly([p[j] for p in in_mu]) for j in range(degree + 1))

@@ -36,6 +36,7 @@ from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
 LOWEST_BITS = 160
 MOST_BITS = 60_000
 DEEPEST = 120  # bisections of the load axis before a proof is given up
+FAST_HALVINGS = 12  # of it where all that is asked is the sign of some determinants
 Separator = tuple[Fraction, Fraction]
 
 
@@ -206,6 +207,29 @@ def _slopes_through(found: Boundary, P: Fraction, x: Fraction, start: Fraction, 
     return [rational(flat + (steep - flat) * share, 30)]
 
 
+def check_fast(found: Boundary, end: Fraction) -> None:
+    """Coordinates without mass on which damping ε C acts decay by themselves, at a rate of 1/ε, for 0 ≤ P ≤ end.
+
+    By Routh's scheme on balls of loads. Raises Unproven.
+    """
+    waiting = [(Fraction(0), end)] if found.fast else []
+    while waiting:
+        a, b = waiting.pop()
+        P = exact(a).union(exact(b))
+        upper, lower = ([p(P) / found.fast[-1](P) for p in found.fast[k::-2]] for k in (-1, -2))
+        while lower and lower[0] > 0:
+            left = [u - upper[0] / lower[0] * v for u, v in zip_longest(upper[1:], lower[1:], fillvalue=arb(0))]
+            upper, lower = lower, left
+        if lower:
+            if (b - a) * 2**FAST_HALVINGS < end:
+                raise Unproven(
+                    f"coordinates without mass are not known to decay at the load {float(a):.10g} in the limit of "
+                    "vanishing damping, which acts on them"
+                )
+            middle = (a + b) / 2
+            waiting += [(middle, b), (a, middle)]
+
+
 def _towards(
     found: Boundary, P: Fraction, x: Fraction | None, start: Fraction, end: Fraction, share: float
 ) -> Stretch | None:
@@ -268,6 +292,7 @@ def certify(
                 if near is not None:
                     return _certify_near(found, question, near, digits, bits)
                 proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
+                check_fast(found, load_max)
                 stretches = tuple(cover(found, Fraction(0), load_max))
                 return Enclosure(question, "none", None, None, load_max, stretches, proof, found.above_zero)
             except Unproven as error:
@@ -300,6 +325,7 @@ def _certify_near(
     low, high = middle - abs(middle) * tolerance / 2, middle + abs(middle) * tolerance / 2
     if not exact(low) < P < exact(high):
         raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")
+    check_fast(found, high)
     point = rational(squares[0], bits) if flutter else None
     kind, there = "flutter" if flutter else "divergence", f"{float(middle):.10g}"
     try:

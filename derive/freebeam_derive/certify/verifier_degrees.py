@@ -48,7 +48,7 @@ def degrees(M: Terms, C: Terms, K: Terms) -> Degrees:
     apart, touching = True, False
     if C and resting:
         # C at P = 0 on what K takes to nothing, from the right and from the left
-        rows, columns = _kernel(still), _kernel(still.transpose()).transpose()
+        rows, columns = kernel(still), kernel(still.transpose()).transpose()
         sides = _only_zeros(rows * C[0]), _only_zeros(C[0] * columns)
         meeting = all(_only_zeros(rows * X * columns) for X in C[1:2])
         apart, touching = any(sides), all(sides) and meeting and not _only_zeros(C[0])
@@ -81,7 +81,7 @@ def _lost(M: Terms, C: Terms, K: Terms) -> int:
     return found
 
 
-def _kernel(A: fmpq_mat) -> fmpq_mat:
+def kernel(A: fmpq_mat) -> fmpq_mat:
     """Rows u with u A = 0, and a row of zeros."""
     found, count = A.transpose().numer_denom()[0].nullspace()
     n = A.nrows()
