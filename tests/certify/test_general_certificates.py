@@ -877,6 +877,34 @@ def test_hostile_files_are_refused_soon(tmp_path: Path, monkeypatch: pytest.Monk
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000
 
 
+def test_forms_that_take_too_long_are_refused_by_terms_sizes_and_digits_together(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """None of the three is too large by itself: a certificate has as many terms, and one as long numbers."""
+    data, long = written("damped crack"), "1/" + "7" * 150
+    monkeypatch.setattr(verifier.Space, "matrix", lambda *_: pytest.fail("a matrix was computed"))
+    term = data["forms"]["K"][0]["along"][0]
+    many = altered(data, ("forms", "K", 0, "along"), [term] * 900)
+    with pytest.raises(pytest.fail.Exception):
+        verifier.verify(many)
+    with pytest.raises(pytest.fail.Exception):
+        verifier.verify(altered(data, ("forms", "K", 0, "along", 0, 5), [long]))
+    refused(altered(many, ("forms", "K", 0, "along", 0, 5), [*["1"] * 5, long]), "more terms, or longer ones")
+
+
+@pytest.mark.parametrize("size", [F(1), F(1, 10)])
+def test_damping_that_couples_rigid_motions_is_refused_whatever_its_size(size: Fraction) -> None:
+    """A force in proportion to the velocity of a free beam with a mass at an end, which it is not of the rest."""
+    changes = FREE_MASS | {"dW_nc": "follower + internal + external"}
+    with tempfile.TemporaryDirectory() as folder:
+        kernel = fb.column(file_of(Path(folder), "sample", changes)).kernel
+    asked = Question(3, F(1, 100), size, own=parameters(kernel))
+    with pytest.raises(Unproven, match="beta: this damping couples the rigid motions"):
+        first_crossing.certify(kernel, asked, None, 8, F(1))
+    asked = Question(3, F(1, 100), F(0), own=parameters(kernel))
+    assert first_crossing.certify(kernel, asked, None, 8, F(1)).kind == "none"
+
+
 # --- all crossings ----------------------------------------------------------------------------------------------------
 
 
