@@ -180,7 +180,7 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        if not any(hasattr(column.kernel, part) for part in ("forms", "equations")):
+        if not hasattr(column.kernel, "complete"):  # from numbers of any kind
             raise InputError(
                 f"{column.name}: is assembled from tables in floats, of which nothing can be proven; state the column "
                 "in a file, such as with Piecewise"

@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any
 
 import flint
+import mpmath
 import numpy as np
 import pytest
 from scipy.linalg import eigvals
@@ -905,6 +906,50 @@ def test_damping_that_couples_rigid_motions_is_refused_whatever_its_size(size: F
     assert first_crossing.certify(kernel, asked, None, 8, F(1)).kind == "none"
 
 
+SAMPLED: dict[str, tuple[dict[str, str], Any, Any]] = {  # changes, bending stiffness and mass
+    "exponential": (
+        {"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}, lambda x: mpmath.exp(-x), lambda x: mpmath.mpf(1)
+    ),
+    "powers": (
+        {
+            "V": "integral((1 + x) ** a * y.diff(x, 2) ** 2) / 2",
+            "T": "integral(sqrt(1 - x / 2) * log(3 + x) / (2 + sin(x)) * y.diff(t) ** 2) / 2",
+            "parameters": "(Parameter(a, 'a', 0.5, 0.0, 3.0),)",
+        },
+        lambda x: (1 + x) ** mpmath.mpf("0.5"),
+        lambda x: mpmath.sqrt(1 - x / 2) * mpmath.log(3 + x) / (2 + mpmath.sin(x)),
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", SAMPLED)
+def test_a_factor_that_is_no_polynomial_is_integrated_in_balls(name: str, tmp_path: Path) -> None:
+    """Two frequencies of the series x², x³, … in mpmath's quadrature meet between the ends of the load's interval."""
+    changes, stiffness, mass = SAMPLED[name]
+    path = file_of(tmp_path, "sample", changes)
+    path.write_text(path.read_text().replace("exp, pi", "exp, log, pi, sin"))
+    found, N = fb.certified_load(fb.column(path), 3, digits=15), 3
+    assert found.load is not None and found.certificate is None and "no fraction" in found.missing
+
+    def integral(f: Any) -> Any:
+        return mpmath.quad(f, [0, 1])
+
+    with mpmath.workdps(50):
+        powers = range(2, N + 2)
+        M = mpmath.matrix([[integral(lambda x: mass(x) * x ** (i + j)) for j in powers] for i in powers])  # noqa: B023
+        E = mpmath.matrix([
+            [integral(lambda x: stiffness(x) * i * (i - 1) * j * (j - 1) * x ** (i + j - 4)) for j in powers]  # noqa: B023
+            for i in powers
+        ])  # fmt: skip
+        H = mpmath.matrix([[j - mpmath.mpf(i * j) / (i + j - 1) for j in powers] for i in powers])
+        still, grows = (
+            mpmath.eig(mpmath.inverse(M) * (E + mpmath.mpf(load) * H), left=False, right=False) for load in found.load
+        )
+        assert max(abs(s.imag) for s in still) < 1e-30 < max(abs(s.imag) for s in grows)
+        omega = min(abs(mpmath.sqrt(s).real - mpmath.mpf(found.frequency[0])) for s in grows)
+        assert omega < 1e-6  # of two that meet it moves with the root of the load's interval
+
+
 # --- all crossings ----------------------------------------------------------------------------------------------------
 
 
@@ -929,7 +974,6 @@ def test_all_crossings_are_those_of_a_dense_scan(name: str) -> None:
 @pytest.mark.parametrize(
     ("changes", "match"),
     [
-        ({"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}, "no fraction"),
         ({"T": "T + at(y.diff(t), sqrt(2) / 2) ** 2"}, "a place is no fraction"),
         (TOP | {"dW_nc": TOP["dW_nc"] + " - P * p * delta(q)"}, "not known to be"),
         (LINKS | {"dW_nc": "-P * q * delta(p) - p.diff(t) * delta(q) + q.diff(t) * delta(p)"}, "not known to be"),

@@ -21,6 +21,7 @@ from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
+from freebeam_derive.certify.moments import enclosing
 from freebeam_derive.certify.numbers import Number, plain
 
 
@@ -295,7 +296,7 @@ def coefficients(
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
     dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. alone: C is to
-    be that of alpha and beta and no other. Raises Unproven for a column with a factor that is no polynomial in x, for
+    be that of alpha and beta alone. Raises Unproven for a column with a factor whose integrals are not known, for
     damping that couples its rigid motions to the bending, and where there is another C beside that of alpha and beta
     which alone is asked for.
     """
@@ -333,33 +334,23 @@ def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tupl
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given: dict[str, Any] = {name: fmpq(*value.as_integer_ratio()) for name, value in own.items()}
 
-    def asked() -> tuple[Any, Any, list[Any], Any]:
-        parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
-        M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
+    def asked(of: Any) -> tuple[Any, Any, list[Any], Any]:
+        parts = [of.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
+        M, K = of.mass_terms(basis, **given), of.stiffness_terms(basis, **given)
         return M, K, parts, kernel.rigid_motions(basis, **given)
 
     try:
-        return asked()
+        return asked(kernel)
     except (AttributeError, DomainError, TypeError, ValueError):
-        pass  # a root of a number, say
+        pass  # a root of a number, say, or a factor that is no polynomial in x
     given = {name: Number(value) for name, value in given.items()}
     basis = basis._replace(order=array([Number(k) for k in basis.order]))
     try:
-        places = [*kernel.places(Number(1), **given), *_seen_at(kernel.forms(Number(1), **given))]
-        if any(isinstance(place, arb) for place in places):
-            raise TypeError("a place is no fraction")
-        M, K, parts, R = asked()
+        M, K, parts, R = asked(enclosing(kernel))
         M, K, *parts = ([array_of(plain, X) for X in terms] for terms in (M, K, *parts))
         return M, K, parts, array_of(plain, R)
     except (AttributeError, DomainError, TypeError, ValueError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {error}") from None
-
-
-def _seen_at(forms: Mapping[str, Any]) -> Iterator[Any]:
-    """The places of the values in the forms of M, C and K."""
-    for _, points in (form for name in "MCK" for form in forms[name]):
-        for test, trial, _ in points:
-            yield from (place for _, _, place, _ in (test, trial) if place is not None)
 
 
 def array_of(change: Callable[[Any], Any], X: Any) -> Any:
