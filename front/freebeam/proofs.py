@@ -323,7 +323,7 @@ def certified_load(
     load = frequency = None
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
-        frequency = _frequency(asked, enclosure.square, digits)
+        frequency = _frequency(asked, enclosure.square, digits, enclosure.turn)
     data, missing = None, ""
     try:
         data = certificate.write(column.kernel, enclosure) if beam is None else None
@@ -367,11 +367,18 @@ def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -
         raise InputError(f"not proven for {asked.column.name}, N = {asked.question.modes}: {error}") from error
 
 
-def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
-    """ω from an interval of ω², as text; zero where there is none."""
+def _frequency(
+    asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int, turn: Fraction = Fraction(0)
+) -> tuple[str, str]:
+    """ω from an interval of ω², as text; zero where there is none. turn: of (ω + turn)², where it is the slower of two
+    that the turning frame makes of one."""
     from freebeam_derive.certify.decimals import outward, roots
 
-    return ("0", "0") if square is None else outward(*asked.frequency(roots(*square)), digits + 1)
+    if square is None:
+        return "0", "0"
+    low, high = roots(*square)
+    low, high = sorted((abs(low - turn), abs(high - turn))) if not low < turn < high else (Fraction(0), high - low)
+    return outward(*asked.frequency((low, high)), digits + 1)
 
 
 def certified_crossings(

@@ -27,7 +27,7 @@ import freebeam as fb
 from freebeam.cli import main
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven, matrices_of_any, parameters
-from freebeam_derive.certify.boundary_polynomials import Question, functions_of
+from freebeam_derive.certify.boundary_polynomials import Question, boundary, functions_of
 from tests.stated import FREE, TIMOSHENKO, file_of
 
 F = Fraction
@@ -291,7 +291,7 @@ def test_a_true_certificate_is_accepted_and_says_what_it_proves(name: str) -> No
 @pytest.mark.parametrize("name", CASES)
 def test_the_verifier_s_matrices_have_the_kernel_s_eigenvalues(name: str) -> None:
     data, asked = written(name), CASES[name]
-    _, N, system, _ = verifier._of_forms(data)
+    _, N, system, *_ = verifier._of_forms(data)
     load = 0.7 * crossings(name)[0][0]
     with flint.ctx.workprec(300):
         found = system()
@@ -681,6 +681,98 @@ def test_coordinates_without_mass_may_swing_up_among_themselves() -> None:
     refused(altered(data, ("forms", "K", 0, "points", by_k, 2), "801/100"), "may not decay at the load 0")
     data["forms"]["K"][1]["points"].append([["q", 0, None, 0], ["s", 0, None, 0], "1/10"])
     refused(data, "may not decay at the load 0.")
+
+
+# --- frequencies that pass through one another ------------------------------------------------------------------------
+
+PLANES = {
+    "T": SHAFT["T"],
+    "V": "integral(y.diff(x, 2) ** 2 + 3 * psi.diff(x, 2) ** 2) / 2",
+    "W_c": SHAFT["W_c"],
+    "dW_nc": "follower - P * at(psi.diff(x), 1) * at(delta(psi), 1)",
+}
+EQUAL = SHAFT | {"V": SHAFT["V"].replace("6 * psi.diff(x, 2) ** 2 / 5", "psi.diff(x, 2) ** 2")}
+
+
+@pytest.mark.parametrize(("changes", "turn"), [(PLANES, 0), (EQUAL, 1)])
+def test_frequencies_may_pass_through_one_another(changes: dict[str, str], turn: int, tmp_path: Path) -> None:
+    """Two planes that nothing couples, and a shaft that spins and is equally stiff both ways: the load is Beck's of as
+    many functions, and below it two frequencies change their order while no eigenvalue grows."""
+    column_ = fb.column(file_of(tmp_path, "sample", changes))
+    found, terms = fb.certified_load(column_, 3, digits=12), column_.coefficients(3, False, 0.0, 0.0)
+    alone = beck()
+    assert (
+        found.load is not None and alone.load is not None and alone.square is not None and found.frequency is not None
+    )
+    assert F(found.load[0]) < alone.load[1] and alone.load[0] < F(found.load[1])
+    assert float(found.frequency[0]) == pytest.approx(float(alone.square[0]) ** 0.5 - turn, rel=1e-9)
+    gaps = []
+    for share in np.linspace(0.6, 0.999, 400):
+        values = of_matrices(*terms.at(share * float(found.load[0])))
+        assert abs(values.real).max() < 1e-5 * abs(values).max()
+        gaps.append(np.diff(np.sort(values.imag)[-6:] if turn else np.sort(values.imag**2)[::2]).min())
+    least = int(np.argmin(gaps))
+    assert 0 < least < 399 and gaps[least] < min(gaps[0], gaps[-1]) / 10  # which they pass on either side of
+    assert of_matrices(*terms.at(1.0001 * float(found.load[1]))).real.max() > 1e-3
+    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    assert ("seen from rest" in str(said)) == bool(turn) == ("leaving each other alone" not in str(said))
+    with pytest.raises(Unproven, match=r"could not be shown|not known to be stable"):  # of all in one
+        whole = boundary(column_.kernel, Question(3, own=parameters(column_.kernel)), 300)
+        first_crossing.cover(whole, F(0), alone.load[0], 40)
+
+
+def test_forged_parts_are_refused() -> None:
+    data = parted(PLANES)
+    assert data["parts"] == [["y"], ["psi"]]
+    refused({key: value for key, value in data.items() if key not in ("parts", "beside")})
+    for parts in (
+        [["psi"], ["y"]],
+        [["y"]],
+        [["y", "psi"]],
+        [["y"], ["y"]],
+        [["y"], ["psi"], []],
+        [["y"], ["q"]],
+        None,
+    ):
+        refused(data | {"parts": parts})
+    for beside in ([], [[]], [data["stretches"]], [data["beside"][0][:-1]], data["beside"] * 2, None):
+        refused(data | {"beside": beside})
+    short = data["beside"][0][-1] | {"end": data["load"][0]}
+    refused(data | {"beside": [[*data["beside"][0][:-1], short]]}, "not shown up to the load")
+    stiff = next(n for n, term in enumerate(data["forms"]["K"][0]["along"]) if term[1] == "psi")
+    for value in ("1", "9/10", "-3"):
+        refused(altered(data, ("forms", "K", 0, "along", stiff, 5), [value]))
+    for form in ("M", "K"):
+        coupled = copy.deepcopy(data)
+        coupled["forms"][form][0]["along"].append([0, "y", 0, "psi", 0, ["1/1000000"]])
+        refused(coupled, "do not leave each other alone")
+    damped_ = copy.deepcopy(data)
+    damped_["forms"]["C_1"] = [{"along": [[0, "y", 0, "y", 0, ["1"]]], "points": []}]
+    refused(damped_, "not to be taken apart")
+
+
+def test_forged_frames_are_refused() -> None:
+    data = parted(EQUAL)
+    assert data["parts"] == [["y", "psi"]] and data["beside"] == []
+    refused({key: value for key, value in data.items() if key not in ("parts", "beside")})
+    refused(data | {"kind": "divergence", "frequency_squared": None}, "not one of a frame")
+    in_frame = [str(F(v) - 20) for v in data["frequency_squared"]]
+    refused(data | {"frequency_squared": in_frame})
+    for form, power in (("M", 0), ("C_1", 0), ("K", 0), ("K", 1)):
+        for n in range(len(data["forms"][form][power]["along"])):
+            place = ("forms", form, power, "along", n, 5, 0)
+            refused(altered(data, place, str(F(at(data, place)) * F(1000001, 1000000) or F(1, 10**6))))
+    tied = copy.deepcopy(data)
+    tied["forms"]["K"][0]["along"].append([0, "y", 0, "psi", 0, ["1/1000000"]])
+    refused(tied)
+
+
+def parted(changes: dict[str, str]) -> Data:
+    with tempfile.TemporaryDirectory() as folder:
+        found = fb.certified_load(fb.column(file_of(Path(folder), "sample", changes)), 3, digits=12)
+    data: Data = json.loads(json.dumps(found.certificate))
+    verifier.verify(data)
+    return data
 
 
 # --- factors that are no fractions ---------------------------------------------------------------------------------

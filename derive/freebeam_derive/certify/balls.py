@@ -314,19 +314,28 @@ def matrices_of_any(
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """The same of a column beyond the textbook's, as arrays (n, n) of fractions, of balls where a factor is none.
     Raises Unproven, as `coefficients` does."""
+    return named_matrices(kernel, modes, own, dampings, alone)[:3]
+
+
+def named_matrices(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
+) -> tuple[list[Any], list[Any], list[Any], list[str]]:
+    """The same, and for each row the field or coordinate that it is of, but for rigid motions."""
     name = kernel.COLUMN["name"]
     for damping, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
     M, K, parts, R = _stated(kernel, modes, own)
-    T = _elastic(R, M[0])
+    T, dropped = _elastic(R, M[0])
     M, K, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, K, *parts))
     bare, of_alpha, of_beta = parts
     if alone and not all(v == 0 for X in bare for v in X.flat):
         raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
     alpha, beta = map(_size, dampings)
     C = [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
-    return M, C, K
+    numbers = kernel.basis(modes).numbers
+    names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
+    return M, C, K, [of for n, of in enumerate(names) if n not in dropped]
 
 
 def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, Any, list[Any], Any]:
@@ -371,11 +380,12 @@ def _size(damping: Exact) -> fmpq | arb:
     return fmpq(*damping.as_integer_ratio()) if isinstance(damping, Fraction | int) else exact(damping)
 
 
-def _elastic(R: Any, M: Any) -> Any:
-    """Functions that are M-orthogonal to the rigid motions R, as columns; None where there are none of these."""
+def _elastic(R: Any, M: Any) -> tuple[Any, list[int]]:
+    """Functions that are M-orthogonal to the rigid motions R, as columns, None where there are none of these; each is a
+    coordinate and what of R makes it orthogonal, but for some coordinates, whose numbers are given too."""
     count = R.shape[1]
     if not count:
-        return None
+        return None, []
     left, dropped = R.copy(), []
     for k in range(count):
         row = next(i for i in range(len(R)) if left[i, k] != 0)
@@ -389,7 +399,7 @@ def _elastic(R: Any, M: Any) -> Any:
         solved = kind(A.tolist()).solve(kind(B.tolist()))
     except ZeroDivisionError:
         raise Unproven("rigid motions are not known to be independent and to have mass") from None
-    return others - R @ np.array(solved.tolist())
+    return others - R @ np.array(solved.tolist()), dropped
 
 
 def _without_zeros(terms: list[arb_mat]) -> list[arb_mat]:

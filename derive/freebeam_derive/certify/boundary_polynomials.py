@@ -23,9 +23,18 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.balls import Exact, Unproven, ball_matrices, matrices_of_any, parameters, precision
+from freebeam_derive.certify.balls import (
+    Exact,
+    Unproven,
+    ball_matrices,
+    matrices_of_any,
+    named_matrices,
+    parameters,
+    precision,
+)
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
+from freebeam_derive.certify.parts import Part, split
 from freebeam_derive.certify.structure import Structure, null_space, structure
 
 LARGE = 24
@@ -62,8 +71,9 @@ class Boundary:
     odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
     g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
     none is not 0, what is said of the roots is said of P > 0. fast: polynomials in P by powers of μ, of whose roots
-    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. As a system
-    of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. names,
+    turn: of a part, see `parts`, where x = (ω ± turn)². As a system of equations: h = g = 0 in the unknowns (P, x), or
+    det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -75,6 +85,8 @@ class Boundary:
     none: int = 0
     tangent: bool = False
     fast: tuple[arb_poly, ...] = ()
+    names: tuple[str, ...] = ()
+    turn: Fraction = Fraction(0)
 
     @cached_property
     def g_without_tangents(self) -> Bivariate:
@@ -302,18 +314,43 @@ def functions_of(kernel: ModuleType, modes: int) -> int:
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
-    known, fast = None, 0
     with precision(bits):
         if kernel.COLUMN.get("general"):
-            terms = matrices_of_any(kernel, question.modes, own, question.dampings, limit)
-            known, fast = _structure(terms, limit)
-            M, C, K = ball_matrices(*terms)
-        else:
-            M, C, K = coefficients_of(kernel, question.modes, own, question.dampings, limit)
-        if limit and not C:
-            raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
-        found = expansion(M, C, K, limit, known)
-        return replace(found, fast=_fast(*terms, fast)) if fast else found
+            return _of_any(*matrices_of_any(kernel, question.modes, own, question.dampings, limit), limit)
+        return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
+
+
+def boundaries(kernel: ModuleType, question: Question, bits: int, from_rest: bool) -> list[Boundary]:
+    """The same of each part that leaves the others alone, seen from rest where that is asked for. Raises Unproven."""
+    if not kernel.COLUMN.get("general"):
+        return [boundary(kernel, question, bits)]
+    with precision(bits):
+        parts, limit = _parts(kernel, question, from_rest), question.kappa is not None
+        found = [replace(_of_any(p.M, p.C, p.K, limit), names=p.names, turn=p.turn) for p in parts]
+    if any(part.rests for part in found if part.turn):
+        raise Unproven("a frequency in a frame that turns is its rate, without load")
+    return found
+
+
+def turns(kernel: ModuleType, question: Question) -> bool:
+    """Whether some motions are coupled by a turning frame alone. Raises Unproven."""
+    return bool(kernel.COLUMN.get("general")) and any(part.turn for part in _parts(kernel, question, True))
+
+
+def _parts(kernel: ModuleType, question: Question, from_rest: bool) -> list[Part]:
+    limit = question.kappa is not None
+    own = parameters(kernel, question.own)
+    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, from_rest)
+
+
+def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
+    """h and g of matrices of fractions or balls. Raises Unproven."""
+    known, fast = _structure((M, C, K), limit)
+    of_M, of_C, of_K = ball_matrices(M, C, K)
+    if limit and not of_C:
+        raise Unproven("kappa: there is no damping that could vanish")
+    found = expansion(of_M, of_C, of_K, limit, known)
+    return replace(found, fast=_fast(M, C, K, fast)) if fast else found
 
 
 def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> tuple[Structure | None, int]:

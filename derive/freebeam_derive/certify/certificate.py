@@ -7,6 +7,7 @@ it need not trust the emitted kernels, nor the program that wrote it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import zip_longest
 from types import ModuleType
@@ -20,7 +21,7 @@ from freebeam_derive.certify.beam_itself import ExactCrossing
 from freebeam_derive.certify.beam_stability import Evidence
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.decimals import written
-from freebeam_derive.certify.first_crossing import Enclosure
+from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 
 FORMAT, GENERAL, ITSELF = (f"freebeam certificate {n}" for n in (1, 2, 3))
 
@@ -46,16 +47,25 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],
         "load_max": None if found.load_max is None else written(found.load_max),
         "proof": dict(found.proof),
-        "stretches": [
-            {
-                "start": written(s.start),
-                "end": written(s.end),
-                "origin": written(s.origin),
-                "separators": [[written(point), written(slope)] for point, slope in s.separators],
-            }
-            for s in found.stretches
-        ],
+        "stretches": _stretches(found.stretches),
+        **(
+            {"parts": list(map(list, found.parts)), "beside": list(map(_stretches, found.beside))}
+            if found.parts
+            else {}
+        ),
     }
+
+
+def _stretches(stretches: Sequence[Stretch]) -> list[dict[str, Any]]:
+    return [
+        {
+            "start": written(s.start),
+            "end": written(s.end),
+            "origin": written(s.origin),
+            "separators": [[written(point), written(slope)] for point, slope in s.separators],
+        }
+        for s in stretches
+    ]
 
 
 def write_of_beam(

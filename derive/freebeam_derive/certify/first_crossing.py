@@ -20,8 +20,9 @@ place of g, with a separator more, below all roots of h. It is g at the roots of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise, zip_longest
 from types import ModuleType
@@ -30,7 +31,7 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of, turns
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
 
 LOWEST_BITS = 160
@@ -57,6 +58,8 @@ class Stretch:
 class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
+    parts: names of motions that leave the others alone, first of those that lose stability; beside: stretches of the
+    others, up to the upper end of load. turn: the rate of a frame that couples the first; square is that of ω ± turn.
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
     no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
     motion rests, or nothing is damped.
@@ -70,6 +73,9 @@ class Enclosure:
     stretches: tuple[Stretch, ...]
     proof: Mapping[str, bool]
     above_zero: bool = False
+    parts: tuple[tuple[str, ...], ...] = ()
+    beside: tuple[tuple[Stretch, ...], ...] = ()
+    turn: Fraction = Fraction(0)
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
@@ -282,25 +288,97 @@ def certify(
     Raises Unproven with what could not be established.
     """
     say = progress or (lambda _: None)
+    try:
+        return _with_bits(kernel, question, near, digits, load_max, say, False)
+    except Unproven:
+        if not turns(kernel, question):
+            raise
+    return _with_bits(kernel, question, near, digits, load_max, say, True)
+
+
+def _with_bits(
+    kernel: ModuleType,
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    load_max: Fraction,
+    say: Callable[[str], None],
+    from_rest: bool,
+) -> Enclosure:
+    """As `certify`; from_rest: what a turning frame couples as it is seen from there."""
     bits = bits_for(functions_of(kernel, question.modes), digits)
     reason = ""
     while bits <= MOST_BITS:
         with precision(bits):
             say(f"{bits} bits")
             try:
-                found = boundary(kernel, question, bits)
-                if near is not None:
-                    return _certify_near(found, question, near, digits, bits)
-                proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
-                check_fast(found, load_max)
-                stretches = tuple(cover(found, Fraction(0), load_max))
-                return Enclosure(question, "none", None, None, load_max, stretches, proof, found.above_zero)
+                return _certify(boundaries(kernel, question, bits, from_rest), question, near, digits, bits, load_max)
             except Unproven as error:
                 if reason == str(error):
                     raise
                 reason = str(error)
         bits *= 2
     raise Unproven(reason)
+
+
+def _certify(
+    parts: list[Boundary],
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    bits: int,
+    load_max: Fraction,
+) -> Enclosure:
+    """Of parts that leave each other alone: one loses stability, and none of the others up to there."""
+    if near is None:
+        proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
+        first, others, end = parts[0], parts[1:], load_max
+        stretches = _stable(first, end)
+        found = Enclosure(question, "none", None, None, end, stretches, proof, first.above_zero, turn=first.turn)
+    else:
+        first, start = _place(parts, near)
+        others = [part for part in parts if part is not first]
+        found = _certify_near(first, question, near, start, digits, bits)
+        assert found.load is not None
+        end = found.load[1]
+    if not others and not first.turn:
+        return found
+    try:
+        beside = tuple(_stable(part, end) for part in others)
+    except Unproven as error:
+        raise Unproven(f"{error}; of motions that others leave alone") from error
+    above_zero = any(part.above_zero for part in parts)
+    return replace(found, above_zero=above_zero, parts=tuple(part.names for part in (first, *others)), beside=beside)
+
+
+def _stable(part: Boundary, end: Fraction) -> tuple[Stretch, ...]:
+    check_fast(part, end)
+    return tuple(cover(part, Fraction(0), end))
+
+
+def _place(parts: list[Boundary], near: tuple[float | Fraction, float]) -> tuple[Boundary, list[arb]]:
+    """Which part has a crossing near a candidate, and where Newton's method for it starts."""
+    load, omega = exact(Fraction(near[0])), arb(near[1])
+    each = [
+        (part, [load, (omega + side * exact(part.turn)) ** 2] if near[1] > 0 else [load])
+        for part in parts
+        for side in ((1, -1) if part.turn else (1,))
+        if near[1] > 0 or not part.turn  # where x = 0 is no divergence
+    ]
+    if not each:
+        raise Unproven("a divergence is not one of a frame that turns")
+
+    def distance(item: tuple[Boundary, list[arb]]) -> float:
+        part, z = item
+        try:
+            for _ in range(4):
+                z = [v.mid() for v in newton(part, z)]
+        except Unproven:
+            return math.inf
+        found = sum(float(abs(v / w - 1)) for v, w in zip(z, item[1], strict=True))
+        return found if math.isfinite(found) else math.inf
+
+    return each[0] if len(each) == 1 else min(each, key=distance)
 
 
 def refined(found: Boundary, z: Sequence[arb], bits: int, reached: int) -> list[arb]:
@@ -312,10 +390,15 @@ def refined(found: Boundary, z: Sequence[arb], bits: int, reached: int) -> list[
 
 
 def _certify_near(
-    found: Boundary, question: Question, near: tuple[float | Fraction, float], digits: int, bits: int
+    found: Boundary,
+    question: Question,
+    near: tuple[float | Fraction, float],
+    z: list[arb],
+    digits: int,
+    bits: int,
 ) -> Enclosure:
-    start, flutter = exact(Fraction(near[0])), near[1] > 0
-    P, *squares = refined(found, [start, arb(near[1]) ** 2] if flutter else [start], bits, 20)
+    start, flutter = z[0], len(z) > 1
+    P, *squares = refined(found, z, bits, 20)
     if not abs(P - start) < abs(start) * arb("1e-3"):
         raise Unproven(f"no crossing was found near the load {float(near[0]):.10g}")
     if any(not x > 0 for x in squares):
@@ -355,7 +438,7 @@ def _certify_near(
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
-    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero, turn=found.turn)
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

@@ -41,9 +41,12 @@ They are interpolated here from determinants of balls, and checked:
     is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
-(v) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), as fast as
-    1 over the damping; g has then the degree of h, and a root beyond all roots of h.
-(iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. ∎
+(iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
+(v) Motions that leave each other alone in M, C and K (`apart`) have stretches each, to low where stability is lost, to
+    high of the others; (ii) to (iv) are of the first. Of two alike that a frame alone couples which turns at a rate c,
+    the ω of this theorem are as seen from rest, and ω ± c in the frame (`from_rest`): two pairs meet at P* there.
+(vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
+    of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
 Products of trial functions are integrated as the bilinear forms say, in closed form; on segments all is rational until
 determinants are taken. Numbers are balls: a comparison is true only where it is proven. Where `column` is one of this
@@ -69,6 +72,7 @@ from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_m
 
 from freebeam_derive.certify.decimals import read, roots, said, shown
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
+from freebeam_derive.certify.verifier_parts import from_rest, taken
 from freebeam_kernels import COLUMNS
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
@@ -76,6 +80,7 @@ CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "k
          "load_max", "proof", "stretches"}  # fmt: skip
 FIELDS = CLAIM | {"ends", "basis", "kappa", "damping"}
 GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid", "kappa"}
+APART = {"parts", "beside"}  # of motions that leave each other alone
 ORDERS = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2), "sliding": (1, 3)}
 Basis = tuple[Callable[..., arb], Callable[..., arb]]
 Line = tuple[Fraction, Fraction]
@@ -152,6 +157,11 @@ class Statement:
         value = self.load_max if self.load is None else self.load[0]
         assert value is not None
         return value
+
+    @property
+    def top(self) -> Fraction:
+        """The load up to which nothing else happens."""
+        return self.end if self.load is None else self.load[1]
 
     @property
     def frequency(self) -> tuple[Fraction, Fraction] | None:
@@ -253,6 +263,8 @@ class OfForms(Statement):
     damped: bool
     above_zero: bool
     gyroscopic: bool = False
+    parts: tuple[tuple[str, ...], ...] = ()
+    turn: fmpq | None = None
 
     def __str__(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
@@ -263,6 +275,11 @@ class OfForms(Statement):
         of += " but for gyroscopic terms" if self.gyroscopic else ""
         if self.kappa is not None:
             of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
+        if len(self.parts) > 1:
+            of += f", {' and '.join(map('-'.join, self.parts))} leaving each other alone"
+        if self.turn is not None:
+            frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
+            of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
         return self.proven(what + of, self.damped, self.above_zero)
 
     def record(self) -> dict[str, Any]:
@@ -272,6 +289,7 @@ class OfForms(Statement):
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
             "kappa": _said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
+            "parts": [*map(list, self.parts)], "turn": None if self.turn is None else str(self.turn),
         }  # fmt: skip
 
 
@@ -279,8 +297,9 @@ def _said(kappa: Fraction | float | None) -> str | None:
     return "inf" if isinstance(kappa, float) else None if kappa is None else said(kappa)
 
 
-Read = tuple[Statement, int, Callable[[], "System"], list[Stretch]]
-"""The statement, the number of functions, the matrices at the precision in hand, and the stretches."""
+Checked = tuple[Callable[[], "System"], list[Stretch]]
+Read = tuple[Statement, int, Callable[[], "System"], list[Stretch], list[Checked]]
+"""The statement, the number of functions, the matrices at the precision in hand, the stretches, and those of others."""
 
 
 def _claims(data: dict[str, Any]) -> dict[str, Any]:
@@ -358,7 +377,7 @@ def _of_beam(data: dict[str, Any]) -> Read:
         C = [ball(damping.of_M) * M + ball(damping.of_E) * E] if damping else []
         return System([M], C, [E, H], kappa is not None)
 
-    return stated, N, system, _stretches(data["stretches"], stated.end, 2 * N if damping else N + 1)
+    return stated, N, system, _stretches(data["stretches"], stated.end, 2 * N if damping else N + 1), []
 
 
 def _stretches(data: Any, end: Fraction, count: int, rests: bool = False, more: bool = False) -> list[Stretch]:
@@ -677,8 +696,8 @@ def nothing(*matrices: fmpq_mat) -> bool:
     return all(v == 0 for X in matrices for v in X.entries())
 
 
-def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> list[list[fmpq_mat]]:
-    """M, C, K of the trial functions that are M_0-orthogonal to the rigid motions R; C empty where it is nothing.
+def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> tuple[fmpq_mat, list[list[fmpq_mat]]]:
+    """Trial functions that are M_0-orthogonal to the rigid motions R, and their M, C, K; C empty where it is nothing.
 
     Checked is that R meets the conditions, that M_0 is regular on it, that M, C and K take it to M_0 R for every load,
     and that among these motions K² = 0 and C = c M_0 with c ≥ 0, so that λ is 0 or −c.
@@ -705,13 +724,38 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
     M, C, K = ([W.transpose() * X * W for X in powers] for powers in terms)
     while C and nothing(C[-1]):
         C.pop()
-    return [M, C, K]
+    return W, [M, C, K]
+
+
+# --- motions that leave each other alone --------------------------------------------------------------------------
+
+
+def apart(space: Space, names: Any, W: fmpq_mat, terms: list[list[fmpq_mat]]) -> list[list[int]]:
+    """Which trial functions are of which names; each of one part, and no matrix couples two parts."""
+    parts = [_list(part, MOST_NAMES) for part in _list(names, MOST_NAMES)]
+    whole = [*space.fields, *space.coordinates]
+    listed = sorted(name for part in parts for name in part)
+    require(listed == sorted(whole) and all(parts), "the parts are not all fields and coordinates")
+    segments = len(space.breaks) - 1
+    of: list[int] = []
+    for name in whole:
+        of += [next(k for k, part in enumerate(parts) if name in part)] * (
+            space.D * segments if name in space.fields else 1
+        )
+    seen = [{of[i] for i in range(space.size) if W[i, n] != 0} for n in range(W.ncols())]
+    require(all(len(each) == 1 for each in seen), "a trial function is of two parts")
+    rows = [[n for n, each in enumerate(seen) if each == {k}] for k in range(len(parts))]
+    for k, own in enumerate(rows):
+        others = [n for n in range(W.ncols()) if n not in own]
+        alone = not others or nothing(*(Y for powers in terms for Y in taken(powers, own, others)))
+        require(bool(own) and alone, f"{' and '.join(parts[k])} and the others do not leave each other alone")
+    return rows
 
 
 def _of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
-    differ = ", ".join(sorted(GENERAL_FIELDS ^ set(data)))[:100]
-    require(set(data) == GENERAL_FIELDS, f"fields are missing, or not known: {differ}")
+    differ = ", ".join(sorted(GENERAL_FIELDS ^ (set(data) - APART)))[:100]
+    require(set(data) in (GENERAL_FIELDS, GENERAL_FIELDS | APART), f"fields are missing, or not known: {differ}")
     claims, space, given = _claims(data), _space(data), data["forms"]
     require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
     powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
@@ -734,29 +778,76 @@ def _of_forms(data: dict[str, Any]) -> Read:
     sizes = {"C_1": fmpq(1), "C_alpha": exact(dampings[0]), "C_beta": exact(dampings[1])}
     parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
     C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
-    M, C, K = reduced(space, motions, M, C, K)
-    require(bool(C) or kappa is None, "there is no damping that could vanish")
-    N, known, fast = M[0].nrows(), degrees(M, C, K), None
-    if kappa is not None:
-        still = degrees(M, [], K).highest
-        if known.highest > still:
-            fast = Fast.of(M, C, K, still, known.highest - still)
-        known = replace(known, highest=still + (fast is not None))
-    damped = bool(C) and not (known.even and kappa is None)
-    require(known.highest > 1, "no motion has a frequency")
+    W, whole = reduced(space, motions, M, C, K)
+    split, limit, rates = "parts" in data, kappa is not None, whole[1]
+    require(bool(rates) or not limit, "there is no damping that could vanish")
+    require(not split or limit or degrees(*whole).even, "what is damped is not to be taken apart")
+    groups = apart(space, data["parts"], W, whole) if split else [list(range(W.ncols()))]
+    each = []
+    for rows in groups:
+        M, C, K = (taken(terms, rows, rows) for terms in whole)
+        each.append(Part.of(M, C, K, limit, split))
+    damped = any(part.damped for part in each)
     stated = OfForms(
-        **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=N,
-        motions=len(motions), damped=damped, gyroscopic=bool(C) and not damped,
-        above_zero=bool(known.resting) or (damped and nothing(C[0])),
+        **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
+        motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
+        above_zero=any(part.above_zero for part in each), parts=tuple(map(tuple, data.get("parts", []))),
+        turn=each[0].turn,
     )  # fmt: skip
+    require(each[0].turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
+    beside = _list(data.get("beside", []), MOST_NAMES)
+    require(len(beside) == len(each) - 1, "the stretches of each part are not there")
+    first = each[0].stretches(data["stretches"], stated.end)
+    others = [(part.system, part.stretches(lines, stated.top)) for part, lines in zip(each[1:], beside, strict=True)]
+    return stated, W.ncols(), each[0].system, first, others
 
-    def system() -> System:
-        at_hand = [[arb_mat(X) for X in powers] for powers in (M, C, K)]
-        return System(at_hand[0], at_hand[1], at_hand[2], kappa is not None, known, fast)
 
-    count = known.highest if damped else known.highest // 2 + 1
-    more = damped and known.touching
-    return stated, N, system, _stretches(data["stretches"], stated.end, count, known.resting > 0, more)
+@dataclass(frozen=True)
+class Part:
+    """Motions that leave all others alone: M, C and K by powers of the load, exact. limit: of vanishing damping. turn:
+    the rate of a frame that couples two of them, of which M and K are one's as seen from rest."""
+
+    M: list[fmpq_mat]
+    C: list[fmpq_mat]
+    K: list[fmpq_mat]
+    limit: bool
+    known: Degrees
+    fast: Fast | None
+    turn: fmpq | None
+
+    @staticmethod
+    def of(M: list[fmpq_mat], C: list[fmpq_mat], K: list[fmpq_mat], limit: bool, split: bool) -> Part:
+        """split: whether there may be others; then a frame that turns is looked for."""
+        C, turn, fast = [] if nothing(*C) else C, None, None
+        if split and C and not limit and (found := from_rest(M, C, K)):
+            (M, C, K), turn = found
+        known = degrees(M, C, K)
+        if limit:
+            require(bool(C), "there is no damping that could vanish")
+            still = degrees(M, [], K).highest
+            if known.highest > still:
+                fast = Fast.of(M, C, K, still, known.highest - still)
+            known = replace(known, highest=still + (fast is not None))
+        require(known.highest > 1, "no motion has a frequency")
+        return Part(M, C, K, limit, known, fast, turn)
+
+    @property
+    def damped(self) -> bool:
+        return bool(self.C) and (self.limit or not self.known.even)
+
+    @property
+    def above_zero(self) -> bool:
+        return bool(self.known.resting) or (self.damped and nothing(self.C[0]))
+
+    def system(self) -> System:
+        """At the precision in hand."""
+        M, C, K = ([arb_mat(X) for X in powers] for powers in (self.M, self.C, self.K))
+        return System(M, C, K, self.limit, self.known, self.fast)
+
+    def stretches(self, data: Any, end: Fraction) -> list[Stretch]:
+        count = self.known.highest if self.damped else self.known.highest // 2 + 1
+        more = self.damped and self.known.touching
+        return _stretches(data, end, count, self.known.resting > 0, more)
 
 
 def _space(data: dict[str, Any]) -> Space:
@@ -1193,16 +1284,13 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
         require(kind in (FORMAT, GENERAL, *(others or ())), "this is no certificate of a known format")
         if others and kind in others:
             return others[kind](certificate)
-        stated, N, system, stretches = (_of_forms if kind == GENERAL else _of_beam)(certificate)
+        stated, N, system, stretches, beside = (_of_forms if kind == GENERAL else _of_beam)(certificate)
         widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
         # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
         with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
-            found = system()
-            if found.fast is not None:
-                found.fast.decay(stated.load[1] if stated.load else stated.end)
-            series = Series(found, stated.end, _places(found, stretches[0]))
-            for stretch in stretches:
-                series.check_stable(stretch)
+            series = _stable(system(), stretches, stated.end, stated.top)
+            for of, separated in beside:
+                _stable(of(), separated, stated.top, stated.top)
             if stated.load is not None:
                 series.check_crossing(*stated.load, stated.square)
         return stated
@@ -1211,6 +1299,16 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:100]
         raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
+
+
+def _stable(system: System, stretches: list[Stretch], end: Fraction, top: Fraction) -> Series:
+    """The series, stable from no load to an end; coordinates without mass decay to the top."""
+    if system.fast is not None:
+        system.fast.decay(top)
+    series = Series(system, end, _places(system, stretches[0]))
+    for stretch in stretches:
+        series.check_stable(stretch)
+    return series
 
 
 def _places(system: System, first: Stretch) -> list[Fraction]:
