@@ -112,6 +112,7 @@ def exact_range(
     else:
         parameters = parameters | {parameter: (start + end) / 2}
     asked = proofs._Asked.of(column, modes, parameters, kappa, None, **given)
+    asked.check_of_beam()
     asked = replace(asked, inputs={**asked.inputs, parameter: f"{first} to {last}"})
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:

@@ -225,11 +225,15 @@ class _Asked:
         if self.column.general:
             alpha, beta = self.certified.dampings
             return ExactSystem(self.column.kernel, self.own, alpha, beta, "kappa" in self.exact)
-        if self.exact.get("kappa") == math.inf:
-            raise InputError("kappa = inf: is proven of a series, not of the beam itself; leave out what asks for it")
+        self.check_of_beam()
         beam = Beam(self.column.kernel, self.own)
         beam.damping(self.exact["alpha"], self.exact["beta"])
         return beam
+
+    def check_of_beam(self) -> None:
+        """Raises InputError for the limit of external damping alone."""
+        if self.exact.get("kappa") == math.inf:
+            raise InputError("kappa = inf: of the beam itself this limit is not proven; of a series it is")
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""

@@ -348,7 +348,7 @@ def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
     known, fast = _structure((M, C, K), limit)
     of_M, of_C, of_K = ball_matrices(M, C, K)
     if limit and not of_C:
-        raise Unproven("kappa: there is no damping that could vanish")
+        raise Unproven("kappa: something has no damping that could vanish")
     found = expansion(of_M, of_C, of_K, limit, known)
     return replace(found, fast=_fast(M, C, K, fast)) if fast else found
 
