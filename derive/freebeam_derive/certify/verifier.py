@@ -1099,7 +1099,6 @@ class Series:
         h, g = ([p(back) for p in which] for which in (self.h, self.g))
         from_rest = self.resting > 0 and start == 0 == origin
         touching = self.touching and start == 0
-        require(from_rest or not touching, f"the lines do not begin where motions rest {where}")
         less = [p(back) for p in self.without_tangents] if touching else g
         last = 2 * self.N - 1 if touching else max(1, 2 * self.of_g)
         for k, (point, slope) in enumerate(stretch.lines[1:] if touching else stretch.lines):
