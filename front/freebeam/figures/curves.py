@@ -133,8 +133,8 @@ def _loads(question: Question, loads: ArrayLike | None, points: int, critical: l
         top = 1.25 * max(critical)
     else:
         raise InputError(
-            f"loads: {question.column.name} has no critical load up to P = {question.load_max:g}; give the largest load "
-            "to draw"
+            f"loads: {question.column.name} has no critical load up to P = {question.load_max:g}; give the largest "
+            "load to draw"
         )
     P = np.linspace(0.0, top, points)
     for load in critical[:1]:
