@@ -131,7 +131,9 @@ function watchMap(view) {
   const watch = new IntersectionObserver((entries) => {
     const before = view.seen;
     view.seen = entries[entries.length - 1].isIntersecting;
-    if (view.seen && !before && view.map?.id !== view.mapKey) view.askMap?.();
+    if (!view.seen || before || view.map?.id === view.mapKey) return;
+    clearTimeout(view.resting); // it would begin the same map again
+    view.askMap?.();
   });
   watch.observe(view.part.map);
 }
