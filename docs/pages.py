@@ -123,6 +123,7 @@ def _row(statement: Column, reference: Reference) -> str:
     seen = f", seen at <{reference.seen}>" if reference.seen.startswith("http") and " " not in reference.seen else ""
     seen = seen or (f", seen in {reference.seen}" if reference.seen else "")
     rule = "" if reference.rule == "rounded" else f" ({reference.rule})"
+    rule += f" (of {reference.modes} modes, not of the beam)" if reference.modes else ""
     return f"| {reference.load}{rule} | {reference.kind} | {at or 'defaults'} | {reference.by}{seen} |"
 
 

@@ -195,12 +195,29 @@ def beam_errors(
 
 def _elastic(system: System) -> tuple[Real, Real, Complex, Complex]:
     """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
+    E, B, M, C, K = _in_coordinates(system)
+    values, vectors = massless(M, C, K) if without_mass(M) else eigen(C, K)[:2]
+    return E, B, values, vectors
+
+
+def _elastic_values(system: System) -> Complex:
+    """λ of the elastic motion alone, any order."""
+    _, _, M, C, K = _in_coordinates(system)
+    if without_mass(M):
+        return np.asarray(np.linalg.eigvals(reduced(M, C, K).matrix), complex)
+    if C.any():
+        return np.asarray(np.linalg.eigvals(state_matrix(np.eye(len(K)), C, K)), complex)
+    root = np.sqrt(-np.linalg.eigvals(K).astype(complex))
+    return np.append(root, -root) + 0j  # the sum leaves no negative zeros
+
+
+def _in_coordinates(system: System) -> tuple[Real, Real, Real, Real, Real]:
+    """E and B of `coordinates` for the elastic functions, and M, C and K in these coordinates."""
     e = slice(system.rigid_count, None)
     M = system.M[e, e]
     E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    values, vectors = massless(B.T @ M @ B, C, E + load) if without_mass(M) else eigen(C, E + load)[:2]
-    return E, B, values, vectors
+    return E, B, B.T @ M @ B, C, E + load
 
 
 def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
@@ -318,7 +335,7 @@ def eigenvalues(
     if column.general:
         each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
         systems = (column.system(modes, **each) for each in each_given)
-        rows = [_elastic(system)[2] for system in systems]
+        rows = [_elastic_values(system) for system in systems]
         if len({len(row) for row in rows}) > 1:
             raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
         return np.array([row[sorting(row)] for row in rows]).reshape(*shape, -1)

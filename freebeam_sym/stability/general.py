@@ -20,7 +20,7 @@ from functools import cached_property
 
 import numpy as np
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
@@ -101,6 +101,15 @@ class General:
         companion[:n] = np.concatenate(list(R), axis=1)
         companion[np.arange(n, n * d), np.arange(n * (d - 1))] = 1
         return base, np.linalg.eigvals(companion).astype(complex)
+
+    @cached_property
+    def unit(self) -> float | None:
+        """The least |P| with det K(P) = 0, P complex; None where there is none."""
+        base, mu = self._roots
+        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
+        roots = np.abs(base + 1 / mu)
+        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
+        return float(roots.min()) if len(roots) else None
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
@@ -226,11 +235,7 @@ class General:
     @cached_property
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
-        base, mu = self._roots
-        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
-        roots = np.abs(base + 1 / mu)
-        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
-        unit = float(roots.min()) if len(roots) else 1.0
+        unit = self.unit or 1.0
         for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)
             if operator is not None and not operator.passed_before():
@@ -249,13 +254,13 @@ class General:
             return None
 
     def flutters(self, bound: float) -> Iterator[Event]:
-        """Raises InputError where something grows at the smallest loads."""
+        """Raises Unstable where something grows at the smallest loads."""
         operator = self._operator
         low = 1e-4 * bound if operator is None or operator.P else 0.0
         if operator is not None:
             low = min(low, operator.P / 2)
         if low and self.unstable(low) and self.unstable(low / 8):
-            raise InputError("something grows at the smallest loads: there is no first loss of stability")
+            raise Unstable("something grows at the smallest loads: there is no first loss of stability")
         if operator is None:
             steps = np.linspace(0, bound, 257)[1:]
             if any(self.unstable(P) for P in steps * (1 - NEAR)):
