@@ -1,9 +1,10 @@
 """Where the eigenvalues s of a column with a load are, from the gaps between its frequencies without load.
 
 Without load they are ω_k², ω₁ < ω₂ < …; where the load's form is |b(y, v)| ≤ C a(y, y)^(1/2) (mass of v)^(1/2), no
-eigenvalue s has Re s = ω_k ω_{k+1} for |p| C < ω_{k+1} − ω_k (Lemma 6). Of the lowest K the column's own F(0, s) tells:
-K changes of its sign. That there are no more below R_K, and how wide the later gaps are, comes from the uniform beam
-beside it (variable_section.py, Lemma 7). docs/theorem.md has the proofs.
+eigenvalue s has Re s = ω_k ω_{k+1} for |p| C < ω_{k+1} − ω_k (Lemma 6). Of a
+column on one segment the lowest K are told by its own F(0, s), K changes of sign; that there are no more below R_K, and
+how wide the later gaps are, by the uniform beam beside it (variable_section.py, Lemma 7). Of one in uniform parts both
+are told by its characteristic function in closed form (stepped_section.py, Lemma 8). docs/theorem.md has the proofs.
 """
 
 from __future__ import annotations
@@ -15,7 +16,9 @@ import numpy as np
 from flint import arb
 
 from freebeam_derive.certify.balls import Unproven, exact, precision, rational
+from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.variable_section import VariableSection
 
@@ -29,7 +32,7 @@ class FrequencyGaps:
     """The lines of a column between its frequencies without load, as `Strips` has them for a uniform beam.
 
     system: a column without damping. load: the largest |p|. lowest: m, from which on every line is free of eigenvalues
-    for |p| ≤ load; reach: up to which |p| they are. count: K, how many frequencies were enclosed one by one. Raises
+    for |p| ≤ load; reach: up to which |p| they are. count: K, from which on all are known to be free together. Raises
     NoStrips for a column that is not served, and Unproven.
     """
 
@@ -38,26 +41,39 @@ class FrequencyGaps:
     def __init__(self, system: ExactSystem, load: arb) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
-        section = VariableSection(system.kernel, system.own)
-        self.size = section.load_size
-        self.count, (top, gap) = self._first_far(section, load)
-        self._squares = self._enclosed(self.count, top)
-        self.lowest, self._gap = self.count, gap
-        self._lines = {self.count: top}
+        forms = ColumnForms(system.kernel, system.own)
+        self.size = forms.load_size
+        needed = load * self.size
+        if forms.stepped:
+            known, gap = self._of_parts(forms, needed)
+            self._lines: dict[int, arb] = {}
+        else:
+            K, (top, gap) = self._first_far(VariableSection(forms), needed)
+            known = [tuple(exact(side).sqrt() for side in sides) for sides in self._enclosed(K, top)]
+            self._lines = {K: top}
+        self.count = self.lowest = len(known)
         for k in range(self.count - 1, 0, -1):
-            low, high = exact(self._squares[k - 1][1]).sqrt(), exact(self._squares[k][0]).sqrt()
-            if not (high - low) > load * self.size:
+            low, high = known[k - 1][1], known[k][0]
+            if not (high - low) > needed:
                 break
-            self.lowest, self._gap = k, self._gap.min((high - low).lower())
+            self.lowest, gap = k, gap.min((high - low).lower())
             self._lines[k] = low * high
-        self.reach = (self._gap / self.size).lower()
+        if self.lowest not in self._lines:
+            raise NoStrips("the gaps between frequencies are too narrow for such a load")
+        self.reach = (gap / self.size).lower()
 
-    def _first_far(self, section: VariableSection, load: arb) -> tuple[int, tuple[arb, arb]]:
+    def _first_far(self, section: VariableSection, needed: arb) -> tuple[int, tuple[arb, arb]]:
         for k in range(2, MOST):
             R, gap = section.far_gap(k)
-            if gap > load * self.size:
+            if gap > needed:
                 return k, (R, gap)
         raise NoStrips("the gaps between high frequencies could not be shown to be wide enough for such a load")
+
+    def _of_parts(self, forms: ColumnForms, needed: arb) -> tuple[list[tuple[arb, ...]], arb]:
+        """Bounds of all frequencies ω up to the first beyond which all gaps are as wide as needed, and those gaps."""
+        parts = SteppedSection(forms)
+        beyond, gap = parts.gap_beyond(needed)
+        return [(g.lower() ** 2, g.upper() ** 2) for g in parts.lowest(beyond)], gap
 
     def _enclosed(self, count: int, top: arb) -> list[tuple[Fraction, Fraction]]:
         """Intervals in each of which F(0, s) changes sign, all below `top`: so many eigenvalues are there at least."""
