@@ -287,7 +287,7 @@ def test_a_frequency_left_out_proves_nothing(monkeypatch: pytest.MonkeyPatch) ->
 
 def test_a_frequency_of_parts_left_out_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     right = SteppedSection.lowest
-    wrong = lambda self, above: [g for n, g in enumerate(right(self, above)) if n != 1]  # noqa: E731
+    wrong = lambda self, *given: [g for n, g in enumerate(right(self, *given)) if n != 1]  # noqa: E731
     assert missing(monkeypatch, SteppedSection, "lowest", wrong, "0.1").startswith("low frequencies")
 
 

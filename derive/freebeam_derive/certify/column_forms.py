@@ -8,6 +8,7 @@ to the next. `load_size` is the constant of Lemma 6 in docs/theorem.md.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from copy import copy
 from fractions import Fraction
 from functools import cached_property
 from itertools import product
@@ -16,7 +17,7 @@ from typing import Any
 
 from flint import arb
 
-from freebeam_derive.certify.balls import exact, parameters
+from freebeam_derive.certify.balls import Range, exact, parameters
 from freebeam_derive.certify.comparison_form import ORDERS
 from freebeam_derive.certify.strips import Line, NoStrips, rigid_motions
 
@@ -255,6 +256,31 @@ def _of_points(points: Mapping[Place, Fraction], one: Line, other: Line) -> Frac
         ),
         Fraction(0),
     )
+
+
+def over_both(low: ColumnForms, high: ColumnForms) -> ColumnForms:
+    """Of all values of a parameter between, that masses or springs alone hang on, linearly: these as balls.
+
+    Raises NoStrips where more than that hangs on it, and where not all frequencies rise with it or not all fall.
+    """
+    both: Any = copy(low)
+    same = ("breaks", "kinds", "m", "EI", "elastic", "load", "load_points")
+    if any(getattr(low, part) != getattr(high, part) for part in same):
+        raise low.other("has a parameter over a range that more than masses and springs hang on")
+    stiffer = {
+        (other.get(key, Fraction(0)) > f) == rises
+        for one, other, rises in ((low.masses, high.masses, False), (low.springs, high.springs, True))
+        for key, f in ({key: Fraction(0) for key in other} | one).items()
+        if f != other.get(key, Fraction(0))
+    }
+    if len(stiffer) != 1:
+        raise low.other("has a parameter over a range by which not all frequencies rise, or all fall")
+    both.masses, both.springs = (
+        {key: exact(Range(*sorted((one.get(key, Fraction(0)), other.get(key, Fraction(0)))))) for key in {*one, *other}}
+        for one, other in ((low.masses, high.masses), (low.springs, high.springs))
+    )
+    found: ColumnForms = both
+    return found
 
 
 def at(f: Polynomial, x: Fraction) -> Fraction:

@@ -9,14 +9,15 @@ are told by its characteristic function in closed form (stepped_section.py, Lemm
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from freebeam_derive.certify.balls import Unproven, exact, precision, rational
-from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
+from freebeam_derive.certify.column_forms import ColumnForms, over_both
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips
@@ -41,11 +42,12 @@ class FrequencyGaps:
     def __init__(self, system: ExactSystem, load: arb) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
-        forms = ColumnForms(system.kernel, system.own)
-        self.size = forms.load_size
+        at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
+        forms = at_ends[0]
+        self.size = max((each.load_size for each in at_ends), key=float)  # which falls with masses
         needed = load * self.size
-        if forms.stepped:
-            known, gap = self._of_parts(forms, needed)
+        if len(at_ends) == 2 or forms.stepped:
+            known, gap = self._of_parts(at_ends, needed)
             self._lines: dict[int, arb] = {}
         else:
             K, (top, gap) = self._first_far(VariableSection(forms), needed)
@@ -69,11 +71,17 @@ class FrequencyGaps:
                 return k, (R, gap)
         raise NoStrips("the gaps between high frequencies could not be shown to be wide enough for such a load")
 
-    def _of_parts(self, forms: ColumnForms, needed: arb) -> tuple[list[tuple[arb, ...]], arb]:
-        """Bounds of all frequencies ω up to the first beyond which all gaps are as wide as needed, and those gaps."""
-        parts = SteppedSection(forms)
-        beyond, gap = parts.gap_beyond(needed)
-        return [(g.lower() ** 2, g.upper() ** 2) for g in parts.lowest(beyond)], gap
+    def _of_parts(self, at_ends: list[ColumnForms], needed: arb) -> tuple[list[tuple[arb, ...]], arb]:
+        """Bounds of all frequencies ω up to the first beyond which all gaps are as wide as needed, and those gaps.
+
+        Over a range masses and springs are between those at its ends, and so is each frequency (Courant and Fischer).
+        """
+        whole = at_ends[0] if len(at_ends) == 1 else over_both(*at_ends)
+        beyond, gap = SteppedSection(whole).gap_beyond(needed)
+        parts = [SteppedSection(forms) for forms in at_ends]
+        count = max(len(each.lowest(beyond)) for each in parts)
+        shared = zip(*(each.lowest(beyond, count) for each in parts), strict=False)
+        return [(min(g.lower() for g in each) ** 2, max(g.upper() for g in each) ** 2) for each in shared], gap
 
     def _enclosed(self, count: int, top: arb) -> list[tuple[Fraction, Fraction]]:
         """Intervals in each of which F(0, s) changes sign, all below `top`: so many eigenvalues are there at least."""
@@ -98,3 +106,12 @@ class FrequencyGaps:
         basis = kernel.basis(count + FLOATS)
         M, K = (np.asarray(f(basis, P, **self._float), dtype=float) for f in (kernel.mass, kernel.stiffness))
         return np.sort_complex(np.linalg.eigvals(np.linalg.solve(M, K)))[:count]
+
+
+def _at_ends(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
+    """Own parameters, at both ends of the range where one is one."""
+    found: list[dict[str, Any]] = [
+        {name: (value.low, value.high)[n] if isinstance(value, Range) else value for name, value in own.items()}
+        for n in (0, 1)
+    ]
+    return found if found[0] != found[1] else found[:1]

@@ -101,7 +101,7 @@ class SteppedSection:
         """
         place, forms = self.forms.breaks[node], self.forms
         mu, J, k, c = (
-            acb(exact(table.get((place, d), Fraction(0)))) for table in (forms.masses, forms.springs) for d in (0, 1)
+            acb(_ball(table.get((place, d), Fraction(0)))) for table in (forms.masses, forms.springs) for d in (0, 1)
         )
         by_turn, by_mass = (0 if J == 0 else 3), (0 if mu == 0 else 1)
         a = c * _power(e, by_turn + 1) - J
@@ -126,12 +126,15 @@ class SteppedSection:
             z = _applied(self._joint(node, 1 / x), z)
         return z[self._end][0].real, z[self._end][1].real
 
-    def lowest(self, above: arb) -> list[arb]:
-        """γ of all frequencies, ascending, each alone in its ball, until one is above a bound. Raises Unproven."""
+    def lowest(self, above: arb, count: int = 1) -> list[arb]:
+        """γ of all frequencies, ascending, each alone in its ball, until one is above a bound and there are so many.
+
+        Raises Unproven.
+        """
         low = Fraction(float(self.forms.lowest.sqrt().lower())) * Fraction(63, 64)
         width = STEP / Fraction(float(sum(self.rates, arb(0)).mid()))
         found: list[arb] = []
-        while not (found and found[-1] > above):
+        while len(found) < count or not found[-1] > above:
             found += self._between(low, low + width, 0)
             low += width
         return found
@@ -272,6 +275,10 @@ def _cells_apart(waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb]
         for half in ((a, (a + b) / 2), ((a + b) / 2, b)):
             waiting.append(([*cell[:n], half, *cell[n + 1 :]], depth + 1))
     return True
+
+
+def _ball(value: Any) -> arb:
+    return value if isinstance(value, arb) else exact(value)
 
 
 def _along(wave: Wave, values: Sequence[arb]) -> arb:
