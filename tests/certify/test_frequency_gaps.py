@@ -24,8 +24,8 @@ from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.stepped_section import SteppedSection
-from freebeam_derive.certify.strips import NoStrips
-from freebeam_derive.certify.variable_section import VariableSection
+from freebeam_derive.certify.strips import NoStrips, modes_of
+from freebeam_derive.certify.variable_section import VariableSection, _free
 
 BITS = 64
 CASES: dict[str, tuple[str, dict[str, str]]] = {
@@ -78,6 +78,34 @@ def test_the_load_is_no_larger_than_its_bound(name: str) -> None:
     with precision(BITS):
         bound = float(ColumnForms(it.kernel, it.own).load_size)
     assert size * (1 - 1e-12) <= bound < 2 * size  # rounding of the series
+
+
+@pytest.mark.parametrize("kinds", [("clamped", "free"), ("pinned", "pinned"), ("sliding", "free")])
+@pytest.mark.parametrize("k", [4, 20])
+def test_the_constants_of_lemma_7_are_above_what_they_bound(kinds: tuple[str, str], k: int) -> None:
+    """With Σ D w² = 1: ‖w'‖², ‖w‖² and w, w' at the right end, of 60 modes; the bounds read off what they take away."""
+    h, none = arb("0.01"), arb(0)
+    with precision(BITS):
+        modes = modes_of(kinds, 60, BITS)
+        beside = modes.lattice(k), modes.lattice(k + 1)
+        G = (beside[0] + beside[1]) / 2
+
+        def free(A: arb, C: arb, ends: dict[tuple[int, int, int], arb]) -> float:
+            return float(_free(modes, G, beside, ((A, none, C), ends), kinds))
+
+        least = free(none, none, {})
+        bounds = [(1 - free(*given) / least) / 0.01 for given in (
+            (h, none, {}), (none, h, {}), (none, none, {(1, 0, 0): h}), (none, none, {(1, 1, 1): h})
+        )]  # fmt: skip
+        slopes = np.array(modes.form({(0, 1, 1): 1}, {}).tolist(), dtype=float)
+        gamma = np.array([float(g) for g in modes.gamma])
+        at_end = [np.array([float(v) for v in modes.derivative(1, d)]) for d in (0, 1)]
+        line = float(G) ** 4
+    D = abs(gamma**4 - line)
+    values = [np.linalg.norm(slopes / np.sqrt(np.outer(D, D)), 2), 1 / D.min(), *((v**2 / D).sum() for v in at_end)]
+    assert 0 < least <= D.min() * (1 + 1e-12)
+    for bound, value in zip(bounds, values, strict=True):
+        assert value <= bound * (1 + 1e-6) + 1e-12 and (bound < 60 * value or value == bound == 0)
 
 
 def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remainder() -> None:
