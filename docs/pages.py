@@ -193,7 +193,7 @@ def under_the_strips() -> str:
     if found.evidence is None or found.load is None:
         raise ValueError(f"the paper's beam: {found.missing}")
     m = int(found.evidence["lowest"])
-    return f"""```{{figure}} made/figures/strips.svg
+    return f"""```{{figure}} /made/figures/strips.svg
 :alt: Eigenvalues of the paper's beam at its critical load, over the fourth root of s, with the lines from R_{m} on
 :class: figure
 :width: 100%
