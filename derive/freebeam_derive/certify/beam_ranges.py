@@ -89,7 +89,7 @@ class OverSystem(ExactSystem):
         super().__init__(kernel, {**own, name: ends.low})
         self._stands_in_one_condition(name)
         if self._damped:
-            raise NoSeries(f"{self.name}: has dampers or gyroscopic terms, of which no range is served")
+            raise NoSeries(f"{self.name}: no range is served with dampers or gyroscopic terms; give {name} one value")
         self.low, self.high = (ExactSystem(kernel, {**own, name: value}) for value in (ends.low, ends.high))
         self.own = {**self.own, name: ends}
 
@@ -107,11 +107,14 @@ class OverSystem(ExactSystem):
             rows += [[sp.sympify(v) for v in row.values()] for row in conditions]
             rows += [[sp.sympify(v) for v in places]]
         except (TypeError, ValueError, AttributeError, sp.SympifyError):
-            raise NoSeries(f"{self.name}: where {name} stands is not known, and its range is not served") from None
+            raise NoSeries(f"{self.name}: where {name} stands is not known; give it one value") from None
         holding = [k for k, row in enumerate(rows) if any(place in v.free_symbols for v in row)]
         inside = len(rows) - 1 > (holding or [0])[0] >= len(equations)
         if not _straight(rows, place) or len(holding) != 1 or not inside:
-            raise NoSeries(f"{self.name}: a range of {name} is served where it stands in one condition alone, linearly")
+            raise NoSeries(
+                f"{self.name}: a range of {name} is served where it stands in one condition alone, linearly; "
+                "give it one value"
+            )
 
     def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Any:
         low, high = (system.taylor(P, s, orders) for system in (self.low, self.high))

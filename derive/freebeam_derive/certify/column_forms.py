@@ -68,7 +68,7 @@ class ColumnForms:
 
     def other(self, what: str) -> NoStrips:
         """A refusal."""
-        return NoStrips(f"{self.name} {what}, which the comparison with a uniform beam does not serve")
+        return NoStrips(f"{self.name} {what}, which no proof by gaps between frequencies serves")
 
     @property
     def stepped(self) -> bool:
