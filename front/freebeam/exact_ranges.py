@@ -12,6 +12,7 @@ from freebeam_sym.checks import InputError, count, refusal
 from freebeam_sym.stability.critical import answer
 
 if TYPE_CHECKING:
+    from freebeam_derive.certify.beam_itself import Itself
     from freebeam_derive.certify.beam_ranges import Piece
     from freebeam_sym.columns import Column
     from freebeam_sym.question import Question
@@ -83,7 +84,8 @@ def exact_range(
     the first, over all modes. Eqs. (6), (14), (15).
 
     parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own that stands in one
-    condition at x = 1 alone, linearly. digits: 1 to 4; the range is cut until each piece's load is known to a relative
+    condition at x = 1 alone, linearly; of a column in uniform parts, without damping, in one condition anywhere, such
+    as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to a relative
     width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of which a step
     of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential cantilever.
 
@@ -164,15 +166,18 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     """What is proven from low to high. Raises Unproven, also where the load is wider, relative to its size."""
     from freebeam_derive.certify.balls import Range, Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import Over, linear_damping, piece
+    from freebeam_derive.certify.beam_ranges import Over, OverSystem, linear_damping, piece
 
     column, exact = asked.column, asked.exact
-    if column.general:
-        raise NoSeries(f"{column.name} goes beyond the uniform beam, whose modes the proof needs")
     values = Range(low, high)
     damping: Any = tuple(values if n == name else exact.get(n) for n in ("alpha", "beta", "kappa"))
-    if name in asked.own:
-        beam: Beam = Over(column.kernel, {**asked.own, name: values})
+    beam: Itself
+    if column.general:
+        if name not in asked.own or any(exact.get(n) for n in ("alpha", "beta")) or "kappa" in exact:
+            raise NoSeries(f"{column.name} goes beyond the uniform beam: its own parameters alone, and without damping")
+        beam = OverSystem(column.kernel, {**asked.own, name: values})
+    elif name in asked.own:
+        beam = Over(column.kernel, {**asked.own, name: values})
     else:
         beam = Beam(column.kernel, asked.own)
         linear_damping(beam, "beta" if name == "kappa" else name)

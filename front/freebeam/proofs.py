@@ -21,6 +21,7 @@ from freebeam_sym.stability.critical import CriticalLoad, answer
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing
+    from freebeam_derive.certify.beam_stability import Evidence
     from freebeam_derive.certify.verifier import Statement
     from freebeam_sym.columns import Column
 
@@ -47,7 +48,8 @@ class Certified:
     beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
     by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
     sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
-    rests that the load alone restores, or nothing is damped.
+    rests that the load alone restores, or nothing is damped. touches: of the beam itself, loads below at each of which
+    an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others.
     """
 
     load: tuple[str, str] | None
@@ -61,6 +63,7 @@ class Certified:
     missing: str = ""
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
     above_zero: bool = False
+    touches: tuple[CertifiedCrossing, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -498,9 +501,9 @@ def exact_load(
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
-    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping for one of
-    variable section, with springs and a mass at an end, without a certificate. Where these two are not proven,
-    `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
+    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping and without
+    a certificate for one of variable section or in uniform parts, with masses and springs. Where these two are not
+    proven, `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())
@@ -541,8 +544,8 @@ def enclosed_load(
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
     """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
     there is no proof."""
+    from freebeam_derive.certify import beam_crossings
     from freebeam_derive.certify import beam_itself as beams
-    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
     from freebeam_derive.certify.certificate import write_of_beam
@@ -559,12 +562,13 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
-        evidence: beam_stability.Evidence | None = None
+        evidence: Evidence | None = None
         missing, certificate = "", None
+        touches: list[Crossing] = []
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
-            crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
-        if evidence is not None and not asked.squares and not asked.column.general:
+            crossing, evidence, missing, touches = beam_crossings.complete(beam, crossing, *dampings)
+        if evidence is not None and not touches and not asked.squares and not asked.column.general:
             certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
@@ -584,6 +588,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         certificate,
         missing=missing,
         evidence=None if evidence is None else evidence.numbers,
+        touches=tuple(_told(asked, c, digits) for c in touches),
     )
 
 

@@ -196,12 +196,12 @@ def test_no_crossing_is_beyond_the_highest_frequency() -> None:
 
 def test_columns_that_are_not_served_are_named() -> None:
     crossing = FIRST["Euler"]()[1]
-    step = ExactSystem(fb.column("step").kernel, {})
-    assert complete(step, crossing, NONE, NONE)[2].startswith("frequency gaps: step is more than one segment")
+    crack = ExactSystem(fb.column("crack").kernel, {})
+    assert complete(crack, crossing, NONE, NONE)[2].startswith("frequency gaps: crack has more than the one deflection")
 
 
 def test_the_touch_at_one_half_is_left_open() -> None:
-    """ω² falls to zero at π² and rises again: F(P, 0) has no sign there."""
+    """ω² falls to zero at π² and rises again: F(P, 0) has no sign there. `beam_crossings` knows it by a closed form."""
     assert "between the loads 9.8" in refused(undamped(beck, 16.0525, 7.055, eta=HALF))
 
 

@@ -88,7 +88,8 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
             refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             unserved = found.proven.certificate is None
-            refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof by frequency gaps")
+            how = "beyond touches" if found.proven.touches else "by frequency gaps"
+            refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof {how}")
             with written(self.certificate, self.force) as file:
                 file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
         if self.plot:
@@ -236,8 +237,11 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if proven.frequency:
             rows += [["kind", proven.kind]] if proven.kind != kind else []
             rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
+        for touch in proven.touches:
+            where = _interval(touch.load) + self.units.of("load")
+            rows += [["proven touch", f"{where}: an eigenvalue is zero there alone, and stability is not lost"]]
         rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
-        above = " (at loads above 0)" if proven.above_zero else ""
+        above = " (at loads above 0)" if proven.above_zero else " (but at touches)" if proven.touches else ""
         if not proven.load:
             return [*rows, ["proven is", f"stable {none.removeprefix('none ')}{above}"]]
         shown = [
@@ -273,6 +277,7 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
         added |= {"above_zero": proven.above_zero}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
+        added |= {"proven_touches": [_crossing(touch) for touch in proven.touches]}
     if proven.load and proven.frequency and not exact:
         load = float(proven.load[0])
         if not math.isclose(load, record["load"] or math.inf, rel_tol=1e-6):
