@@ -488,7 +488,8 @@ def _rounding(V: Complex) -> Real:
         W = np.linalg.inv(V)
     except np.linalg.LinAlgError:
         return np.full(len(V), np.inf)
-    return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
+    with np.errstate(over="ignore"):  # a coordinate without mass and damper: λ = ∞
+        return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
 
 
 def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
