@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from freebeam.proofs import (
         Certified,
         CertifiedCrossing,
+        CertifiedCrossings,
         CertifiedPulse,
         ExactSpectrum,
         Truncation,
@@ -69,8 +70,8 @@ __all__ = [
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
-    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
-    "verify_certificate", "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum",
+    "Truncation", "verify_certificate", "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
     "respond", "state_space", "Harmonic", "Response",
     "vehicle", "Vehicle",
     "InputError",
@@ -83,8 +84,8 @@ _HOMES = {"own": ["column", "column_names"], "vehicles": ["vehicle", "Vehicle"],
     "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
 ], "proofs": [
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
-    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
-    "verify_certificate",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum",
+    "Truncation", "verify_certificate",
 ]}  # fmt: skip
 _PACKAGES = ("figures",)  # of this package, whose names are used through theirs: fb.figures.root_locus
 

@@ -17,7 +17,7 @@ from typing import Any
 from flint import arb
 
 from freebeam_derive.certify.all_crossings import Crossing
-from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision
+from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
 from freebeam_derive.certify.beam_itself import (
@@ -29,7 +29,7 @@ from freebeam_derive.certify.beam_itself import (
     VanishingDamping,
     enclose,
 )
-from freebeam_derive.certify.beam_stability import BITS, Below, damping_factors, strips_for
+from freebeam_derive.certify.beam_stability import BITS, Below, Evidence, damping_factors, strips_for
 from freebeam_derive.certify.static_touches import touches
 
 FINEST = 40  # halvings of the loads
@@ -52,7 +52,7 @@ class _Passing:
 class Survey:
     """The search for one column. alpha, beta, or kappa for the limit α → 0⁺ at β = κα. digits: of each crossing.
 
-    found: what crosses, after `run`; cells: how many it took.
+    After `run`: found, what crosses, and evidence, on which that it is all of it stands (one stretch, at P = 0).
     """
 
     beam: Beam
@@ -63,7 +63,7 @@ class Survey:
     digits: int
     say: Callable[[str], None] = lambda _: None
     found: list[_Passing] = field(default_factory=list)
-    cells: int = 0
+    evidence: Evidence | None = None
 
     def run(self) -> list[Crossing]:
         """Every crossing for 0 < P ≤ load_max, ascending. Raises OpenStep with the step that failed, Unproven."""
@@ -71,16 +71,17 @@ class Survey:
             load = exact(self.load_max)
             c_E, c_M = damping_factors(self.beam, self.alpha, self.beta, self.kappa)
             undamped = self.kappa is None and self.beam.undamped(self.alpha, self.beta)
-            strips, m, _ = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
+            strips, m, reach = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
             low = Below(self.beam, strips, m, load)
-            low.real_and_simple_at(Fraction(0))
+            at_rest = low.real_and_simple_at(Fraction(0))
             self.say("divergence")
             self._divergences(low, None if undamped else (c_E, c_M))
             damped = not undamped and self.kappa is None
             top = low.highest_frequency(c_E, c_M) if damped else strips.line(m).upper()
             problem = self._problem(undamped)
             cells = Cells(self.beam, strips.rigid, load, [], lambda place: self._seek(problem, place))
-            self.cells = cells.no_other_zero(problem, top, self.say)
+            count = cells.no_other_zero(problem, top, self.say)
+            self.evidence = Evidence(m, rational(reach, 60), strips.modes.count, (at_rest,), count)
         return self._counted(damped)
 
     def _problem(self, undamped: bool) -> Onset:
