@@ -19,7 +19,7 @@ from flint import acb, arb, arb_poly
 import freebeam as fb
 import freebeam_kernels.beck as beck
 import freebeam_kernels.free_free as free_free
-from freebeam_derive.certify import beam_stability, verifier, verifier_cells, verifier_of_beam
+from freebeam_derive.certify import beam_stability, verifier, verifier_cells, verifier_of_beam, verifier_signs
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped
@@ -28,7 +28,8 @@ from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Form, Refused, form
 from freebeam_derive.certify.verifier_equations import Equations
-from freebeam_derive.certify.verifier_lines import Lines, Norms
+from freebeam_derive.certify.verifier_lines import Norms, check_rigid
+from freebeam_derive.certify.verifier_of_beam import Bounds
 from freebeam_derive.certify.verifier_shooting import Part, Shooting
 from tests.front.test_proofs import run
 
@@ -43,25 +44,32 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
 
 
 @cache
-def written(case: str) -> str:
+def found(case: str) -> Any:
     name, given = CASES[case]
     with patch.object(beam_stability, "COUNTS", (40, 40)):  # more modes would only take the verifier's time here
-        return json.dumps(fb.exact_load(fb.column(name), digits=20, **given).certificate)
+        return fb.exact_load(fb.column(name), digits=20, **given)
 
 
 def certificate(case: str) -> Data:
-    data: Data = json.loads(written(case))
+    data: Data = json.loads(json.dumps(found(case).certificate))
     return data
 
 
 @cache
-def kept(ends: tuple[str, ...], n: int) -> Lines:
-    return Lines(list(ends), n)
+def bounds(ends: tuple[str, str]) -> Bounds:
+    return Bounds(ends)
+
+
+@cache
+def shooting(ends: tuple[str, ...], E: Form, H: Form) -> Shooting:
+    return Shooting(list(ends), E, H)
 
 
 @pytest.fixture(autouse=True)
-def lines_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(verifier_of_beam, "Lines", lambda ends, n: kept(tuple(ends), n))
+def computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What follows from ends and forms alone, for all the forgeries that leave these."""
+    monkeypatch.setattr(verifier_of_beam, "Bounds", bounds)
+    monkeypatch.setattr(verifier_of_beam, "Shooting", lambda ends, E, H: shooting(tuple(ends), E, H))
 
 
 def verify(data: Data) -> Any:
@@ -75,11 +83,9 @@ def refused(data: Data, match: str) -> None:
 
 @pytest.mark.parametrize("case", CASES)
 def test_a_certificate_is_accepted_as_it_was_written(case: str) -> None:
-    data, (name, given) = certificate(case), CASES[case]
-    stated = verify(data)
-    found = fb.exact_load(fb.column(name), digits=15, **given)
-    assert found.load is not None and stated.kind == found.kind
-    assert stated.load[0] < Fraction(found.load[1]) and Fraction(found.load[0]) < stated.load[1]
+    stated, proven = verify(certificate(case)), found(case)
+    assert stated.kind == proven.kind
+    assert stated.load[0] < Fraction(proven.load[1]) and Fraction(proven.load[0]) < stated.load[1]
     assert "the beam itself" in str(stated) and "it is the first over all modes" in str(stated)
     assert stated.record()["of"].startswith("the beam itself")
 
@@ -185,8 +191,8 @@ def test_another_crossing_in_a_cell_is_not_overlooked(monkeypatch: pytest.Monkey
 # ------------------------------------------------------------ the verifier's own mathematics beside the prover's
 
 
-def of_kernel(kernel: Any) -> tuple[list[str], Form, Form]:
-    forms = kernel.forms(Fraction(1))
+def of_kernel(kernel: Any, **own: Fraction) -> tuple[list[str], Form, Form]:
+    forms = kernel.forms(Fraction(1), **own)
     E, H = (
         form({
             "along": [[*key, str(Fraction(f))] for key, f in forms[name][0].items()],
@@ -279,7 +285,7 @@ def test_both_bound_the_same_norms() -> None:
     kernel = beck
     ends, _, H = of_kernel(kernel)
     with precision(128):
-        lines, strips = kept(tuple(ends), 40), Strips(kernel, {}, 40)
+        lines, strips = bounds((ends[0], ends[1])).lines(40), Strips(kernel, {}, 40)
         load = Norms(lines, H)
         many = Strips(kernel, {}, 160)
         for k in (0, 2, 4, 9):
@@ -311,6 +317,26 @@ def test_damping_must_be_what_the_certificate_says() -> None:
     with_alpha = certificate("Beck, damped")
     refused(with_alpha | {"load": shifted(with_alpha["load"], "1.0001")}, "no crossing in the interval")
     refused(with_alpha | {"lowest": 2}, "not known to be free|too few points")
+
+
+def test_the_derivative_on_a_line_is_that_of_the_values_there() -> None:
+    ends, E, H = of_kernel(beck)
+    P, s, slope, h = arb(12), arb(150), arb(-7), arb(2) ** -30
+    with flint.ctx.workprec(128):
+        box = Box(Shooting(ends, E, H), arb(12, 1), arb(150, 10))
+        ahead, back = (box.value(P + k * h, s + k * slope * h) for k in (1, -1))
+        found = verifier_signs.along(box, P, s, slope)
+        assert abs((ahead - back) / (2 * h) / found - 1) < 1e-12
+
+
+def test_rigid_motions_of_the_papers_beam_rest_and_others_are_refused() -> None:
+    ends, E, H = of_kernel(free_free)
+    bare: Form = (E[0][1:], E[1])
+    assert check_rigid(ends, bare, H) == 2
+    with pytest.raises(Refused, match="rigid motions"):
+        check_rigid(ends, bare, (H[0], ()))
+    with pytest.raises(Refused, match="rigid motions"):
+        check_rigid(ends, (((0, 0, 0, Fraction(1)),), ()), H)
 
 
 @pytest.mark.parametrize("kind", ["undamped", "damped", "limit"])

@@ -24,7 +24,9 @@ OF_LIST = COLUMN | {"modes", "lowest", "load_max", "points", "crossings"}
 OF_RANGE = COLUMN | {"range", "pieces", "open"}
 OF_CROSSING = {"kind", "load", "frequency_squared", "change", "unstable"}
 OF_PIECE = {"low", "high", "modes", "lowest", "kind", "load", "frequency_squared", "stretches"}
+HIGHEST = 10**5  # of a load: F is not computed beyond
 MOST_STRETCHES, MOST_CROSSINGS, MOST_PIECES = 10_000, 1000, 2000
+NO_CROSSING = f"of the beam itself a crossing is certified, below the load {HIGHEST}"
 CHANGES = {"flutter": (2, -2), "divergence": (1, -1), "touch": (0,)}
 
 
@@ -211,6 +213,12 @@ def column(data: dict[str, Any], of: type[OfBeamItself] = OfBeamItself, **claims
     return stated, forms
 
 
+def _listed(given: Any, most: int, what: str) -> list[Any]:
+    require(type(given) is list and len(given) <= most, f"there is no list of {what}, or there are too many")
+    assert isinstance(given, list)
+    return given
+
+
 def lowest(data: dict[str, Any]) -> int:
     """m."""
     m = data["lowest"]
@@ -219,8 +227,7 @@ def lowest(data: dict[str, Any]) -> int:
 
 
 def _stretches(data: dict[str, Any], m: int) -> tuple[Stretch, ...]:
-    require(len(data["stretches"]) <= MOST_STRETCHES, "there are too many stretches")
-    return tuple(_stretch(s, m) for s in data["stretches"])
+    return tuple(_stretch(s, m) for s in _listed(data["stretches"], MOST_STRETCHES, "stretches"))
 
 
 def _stretch(data: dict[str, Any], m: int) -> Stretch:
@@ -233,8 +240,9 @@ def _stretch(data: dict[str, Any], m: int) -> Stretch:
 
 def points(data: list[str], m: int) -> tuple[Fraction, ...]:
     """m + 1 values of s, the first 0, ascending."""
+    require(len(data) == m + 1, "there are too few points, or too many")
     found = tuple(v.number(x) for x in data)
-    require(len(found) == m + 1 and found[0] == 0, "there are too few points, or too many")
+    require(found[0] == 0, "there are too few points, or too many")
     require(all(a < b for a, b in pairwise(found)), "the points do not ascend")
     return found
 
@@ -243,7 +251,7 @@ def first(data: dict[str, Any]) -> tuple[OfBeamItself, Forms, int, tuple[Stretch
     """Of a file of the first crossing: what is claimed, the forms, m, and the stretches. Raises Refused."""
     fields(data, OF_FIRST)
     claims = v.claims_of(data | {"load_max": None})
-    require(claims["kind"] != "none", "of the beam itself a crossing is certified")
+    require(claims["kind"] != "none" and claims["load"][1] < HIGHEST, NO_CROSSING)
     stated, forms = column(data, **claims)
     m = lowest(data)
     return stated, forms, m, _stretches(data, m)
@@ -253,9 +261,8 @@ def crossings(data: dict[str, Any]) -> tuple[OfAllCrossings, Forms, int, Stretch
     """Of a file of all crossings: what is claimed, the forms, m, and the points at P = 0. Raises Refused."""
     fields(data, OF_LIST)
     load_max, m = v.number(data["load_max"]), lowest(data)
-    require(load_max > 0, "the loads end where they begin")
-    require(len(data["crossings"]) <= MOST_CROSSINGS, "there are too many crossings")
-    found = tuple(_passing(c) for c in data["crossings"])
+    require(0 < load_max < HIGHEST, "the loads end where they begin, or go on for too long")
+    found = tuple(_passing(c) for c in _listed(data["crossings"], MOST_CROSSINGS, "crossings"))
     unstable, reached = 0, Fraction(0)
     for c in found:
         require(reached < c.load[0], "the crossings do not ascend, or lie on one another")
@@ -282,12 +289,11 @@ def over_range(data: dict[str, Any]) -> tuple[OverRange, tuple[Forms, Forms]]:
     """
     fields(data, OF_RANGE)
     name = data["range"]
-    require(len(data["pieces"]) <= MOST_PIECES and len(data["open"]) <= MOST_PIECES, "there are too many pieces")
-    pieces = tuple(_piece(p) for p in data["pieces"])
+    pieces = tuple(_piece(p) for p in _listed(data["pieces"], MOST_PIECES, "pieces"))
     require(bool(pieces), "nothing is said of any value")
     (one, forms), (other, others) = (column(_at_end(data, name, k, pieces), kind="range") for k in (0, 1))
     low, high = (_value(stated, name) for stated in (one, other))
-    left = tuple((v.number(a), v.number(b)) for a, b in data["open"])
+    left = tuple((v.number(a), v.number(b)) for a, b in _listed(data["open"], MOST_PIECES, "open parts"))
     reached = low
     for a, b in sorted([*((p.low, p.high) for p in pieces), *left]):
         require(a == reached < b, "the pieces leave a gap, or lie on one another")
@@ -329,6 +335,6 @@ def _piece(data: dict[str, Any]) -> Piece:
     modes, m = data["modes"], lowest(data)
     require(type(modes) is int and modes <= v.MOST_MODES, f"the number of functions is not from 1 to {v.MOST_MODES}")
     read = v.crossing(data)
-    require(read["kind"] != "none", "of the beam itself a crossing is certified")
+    require(read["kind"] != "none" and read["load"][1] < HIGHEST, NO_CROSSING)
     low, high = (v.number(data[k]) for k in ("low", "high"))
     return Piece(low, high, modes, m, read["kind"], read["load"], read["square"], _stretches(data, m))

@@ -17,7 +17,7 @@ computed here:
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -253,7 +253,7 @@ def _passing(equations: Equations, passing: Passing) -> list[arb] | None:
     return box
 
 
-def _touches(equations: Equations, F: Shooting, passings: list[Passing], load: Fraction) -> None:
+def _touches(equations: Equations, F: Shooting, passings: Sequence[Passing], load: Fraction) -> None:
     """At s = 0 there are touches alone, these and no others, in each of which a simple eigenvalue is zero."""
     numbers = touches(F, equations.R, load)
     require(len(numbers) == len(passings), "a touch is left out, or there is none")

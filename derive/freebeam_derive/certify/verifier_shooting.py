@@ -104,7 +104,7 @@ class Shooting:
         held = [{(e, d): [Fraction(1), Fraction(0)]} for e in (0, 1) for d in ORDERS[ends[e]] if d < 2]
         # those of x = 0 alone are first: of them a determinant has few minors
         self.conditions = sorted([*held, *rows.values()], key=lambda row: max(e for e, _ in row))
-        self._known: dict[tuple[int, int, int], Whole] = {}
+        self._known: dict[tuple[Any, ...], Whole] = {}
 
     def on(self, p: arb, s: arb) -> Whole:
         """F where |p| and |s| are at most so large, and somewhat beyond, at the precision in force."""
@@ -115,8 +115,12 @@ class Shooting:
         return self._known[key]
 
     def at(self, p: arb, s: arb, order: int) -> Whole:
-        """F where |p| is at most so large, and so many derivatives at one s."""
-        return Whole(self, p, s, arb(1), order + 1)
+        """F where |p| is at most so large, and somewhat beyond, and so many derivatives at one s."""
+        P = 2 ** math.ceil(math.log2(float(p)))
+        key = flint.ctx.prec, P, s.mid().man_exp(), order
+        if key not in self._known:
+            self._known[key] = Whole(self, arb(P), s, arb(1), order + 1)
+        return self._known[key]
 
 
 class Whole:

@@ -96,8 +96,8 @@ class Signs:
             s = s_ + slope * (P - P_) if flutter else arb(0)
             with flint.ctx.workprec(BITS):
                 box = Box(self.F, P, s, self.R + 1)
-                value = box.value(P, s, 1, 0) + slope * box.value(P, s, 0, 1) if flutter else box.value(P, s, 1, self.R)
-            if bool(value * wanted[moving] < 0):
+                rising = along(box, P, s, slope) if flutter else box.value(P, s, 1, self.R)
+            if bool(rising * wanted[moving] < 0):
                 continue
             require(depth < 8, "the sign of F is not known on the line through the crossing")
             middle = P.mid()
@@ -126,3 +126,8 @@ class Signs:
             return False
         signs = [self.sign(ball(x), ball(x), arb(0)) for x in (a, b)]
         return bool(near) or signs[0] * signs[1] > 0
+
+
+def along(box: Box, P: arb, s: arb, slope: arb) -> arb:
+    """dF/dP on a line s = … + slope P."""
+    return arb(box.value(P, s, 1, 0) + slope * box.value(P, s, 0, 1))
