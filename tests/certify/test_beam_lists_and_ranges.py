@@ -159,7 +159,8 @@ def of_range(data: Data) -> Iterator[Data]:
         low, high = map(Fraction, p["load"])
         one, other = sorted(at_one(data, p[end]) for end in ("low", "high"))
         yield data | {"pieces": pieces[:k] + pieces[k + 1 :]}
-        for load in (((one + other) / 2, high), (low, (one + other) / 2), (high, 2 * high - low)):
+        narrower = [((one + other) / 2, high), (low, (one + other) / 2)] if other - one > Fraction(1, 10**9) else []
+        for load in (*narrower, (high, 2 * high - low)):
             yield with_piece(load=[str(v) for v in load])
         yield with_piece(high=str(Fraction(p["high"]) + 1))
         if p["kind"] == "flutter":
@@ -389,7 +390,8 @@ def drawn(seed: int) -> tuple[str, dict[str, Any], tuple[str, str, str]]:
     given: dict[str, Any] = {} if name != "beck" else {"eta": str(Fraction(r.randint(0, 120), 100))}
     damped = r.choice([{}, {"beta": "0.3"}, {"alpha": "0.02", "beta": "0.1"}, {"kappa": str(r.randint(0, 3))}])
     low = Fraction(r.randint(10, 40), 100)
-    ranged = ("eta", str(low), str(low + Fraction(1, 200))) if name == "beck" else ("beta", "0.2", "0.22")
+    of_damping = ("kappa", "0.2", "0.22") if "kappa" in damped else ("beta", "0.2", "0.22")
+    ranged = ("eta", str(low), str(low + Fraction(1, 200))) if name == "beck" else of_damping
     return name, given | damped, ranged
 
 
