@@ -100,7 +100,9 @@ def test_a_range_is_accepted_as_it_was_written(case: str) -> None:
     (at,) = [p for p in stated.pieces if p.low <= middle < p.high]
     assert at.load[0] < load < at.load[1] and at.kind == certificate("range", case)["pieces"][0]["kind"]
     assert f"each value of {name} from {low} to {high}" in str(stated)
-    assert stated.record()["pieces"][0]["low"] == low
+    record = stated.record()
+    changed = [at[name] for at in record["parameters"]] if name == "eta" else record[name]
+    assert changed == [low, high] and record["pieces"][0]["low"] == low
 
 
 # ------------------------------------------------------------ forgeries

@@ -162,11 +162,10 @@ class OverRange(OfBeamItself):
         )
 
     def record(self) -> dict[str, Any]:
-        stated = super().record()
-        kept = {
-            k: stated[k] for k in ("column", "of", "ends", "parameters", "alpha", "beta", "kappa", "damping", "kind")
-        }
-        return kept | {
+        stated, other = super().record(), replace(self.other, load=self.load).record()
+        both = {key: [stated[key], other[key]] for key in ("parameters", "alpha", "beta", "kappa", "damping")}
+        return {key: stated[key] for key in ("column", "of", "ends", "kind")} | {
+            **{key: one if one == two else [one, two] for key, (one, two) in both.items()},
             "range": self.parameter, "low": said(self.low), "high": said(self.high),
             "pieces": [{"low": said(p.low), "high": said(p.high)} | _recorded(p) for p in self.pieces],
             "open": [[said(a), said(b)] for a, b in self.open],
