@@ -771,7 +771,8 @@ def verify_certificate(path: str) -> Statement:
     """Check a certificate file with the verifier, which shares no code with the prover.
 
     What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
-    theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
+    theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
+    prove what it claims.
     """
     from freebeam_derive.certify import verifier_of_beam
     from freebeam_derive.certify.verifier import verify_file

@@ -55,6 +55,9 @@ def certificate(case: str) -> Data:
     return data
 
 
+CROSSING = (Fraction("20.0509536189737612214072583"), Fraction("20.0509536189737612214072584"))  # of Beck's column
+
+
 @cache
 def bounds(ends: tuple[str, str]) -> Bounds:
     return Bounds(ends)
@@ -109,6 +112,22 @@ def test_a_claim_that_is_moved_is_refused() -> None:
     refused(forged("Beck", alpha="0.1"), "damping does not fit")
     refused(forged("Beck", proof=data["proof"] | {"first": False}), "what is said to be proven")
     refused(forged("dead load", kind="flutter", frequency_squared=["100", "101"]), "no crossing in the interval")
+
+
+def test_an_interval_that_ends_a_hair_short_of_the_crossing_is_refused() -> None:
+    """A ball about it is wider than the interval by rounding, and holds the crossing."""
+    data, (low, high) = certificate("Beck"), CROSSING
+    width = Fraction(1, 10**12)
+    for ends, accepted in (
+        ((low - width / 10**11, high + width), True),
+        ((high + width / 10**11, high + width), False),
+    ):
+        forged = data | {"load": [str(v) for v in ends]}
+        forged["stretches"][-1]["end"] = str(ends[1])
+        if accepted:
+            assert verify(forged).load == ends
+        else:
+            refused(forged, "no crossing in the interval")
 
 
 def test_lines_that_are_not_free_are_refused() -> None:

@@ -312,6 +312,22 @@ def test_between_two_functions_lies_that_of_each_value() -> None:
         Box(at(low), arb(12, 1), arb(0), 1).value(arb(12), arb(0), 0, 2)
 
 
+def test_lines_are_looked_at_with_the_forms_of_both_ends_of_a_piece(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+    high = verifier_of_beam.High
+    monkeypatch.setattr(verifier_of_beam, "High", lambda *given: asked.append(given[2]) or high(*given))
+    data = certificate("range", "divergence")
+    verify(data)
+    of_ends = [[form["H"][1][0][-1] for form in forms] for forms in asked]
+    assert of_ends == [[Fraction(p["low"]), Fraction(p["high"])] for p in data["pieces"]]
+    forms, loaded = asked[0], [form | {"H": (form["H"][0] * 30, form["H"][1])} for form in asked[0]]
+    with precision(128):
+        for pair in ([forms[0], loaded[1]], [loaded[0], forms[1]]):
+            with pytest.raises(Refused, match="not known to be free"):
+                high(verifier_of_beam.Bounds(("clamped", "free")), 40, pair, 1).check(Fraction(5), False)
+        high(verifier_of_beam.Bounds(("clamped", "free")), 40, forms, 1).check(Fraction(5), False)
+
+
 @pytest.mark.parametrize("kind", ["damped", "limit"])
 def test_the_equations_of_a_range_hold_those_of_each_damping(kind: str) -> None:
     """At a point, as the sum of numbers times balls that Krawczyk's test takes."""

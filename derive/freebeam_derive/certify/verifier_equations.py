@@ -29,6 +29,10 @@ def over(interval: Interval) -> arb:
     return ball(interval[0]).union(ball(interval[1]))
 
 
+def _within(value: arb, interval: Interval) -> bool:
+    return bool(ball(interval[0]) < value < ball(interval[1]))
+
+
 def _apart(interval: Interval) -> tuple[arb, arb]:
     """The middle, and what goes from there to both ends."""
     return ball((interval[0] + interval[1]) / 2), arb(0, 1) * ball((interval[1] - interval[0]) / 2)
@@ -129,7 +133,9 @@ class Equations:
         found = self._image([side.mid() + (side - side.mid()) * 2 for side in X] if ranged else X)
         if ranged:
             found = self._image(found, inside=False)
-            require(all(a.contains(b) for a, b in zip(X, found, strict=True)), "a crossing may be beyond the intervals")
+        # the balls of X are wider than the intervals, by rounding
+        sides = ((found[0], load), (found[1] if self.real else found[1] * found[1], square))
+        require(all(_within(*side) for side in sides), ALONE)
         return found, self._direction(found)
 
     def _image(self, X: list[arb], inside: bool = True) -> list[arb]:
