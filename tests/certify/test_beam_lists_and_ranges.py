@@ -308,6 +308,10 @@ def test_between_two_functions_lies_that_of_each_value() -> None:
             for i, j in ((0, 0), (1, 0), (0, 1), (2, 1)):
                 assert whole.value(p, s, i, j).contains(one.value(p, s, i, j))
             assert not whole.value(p, s).overlaps(beyond.value(p, s))
+    ends, E, H = of_kernel(beck)
+    springs = [(E[0], ((1, 0, 1, 0, Fraction(k)), (1, 1, 1, 1, Fraction(k)))) for k in (1, 2)]
+    with pytest.raises(Refused, match="stands elsewhere than in one condition"):
+        Between(Shooting(ends, springs[0], H), Shooting(ends, springs[1], H), (Fraction(0), Fraction(1)))
     with pytest.raises(ArithmeticError, match="higher order"):
         Box(at(low), arb(12, 1), arb(0), 1).value(arb(12), arb(0), 0, 2)
 
