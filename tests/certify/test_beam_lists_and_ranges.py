@@ -12,9 +12,11 @@ import random
 import sys
 from collections.abc import Iterator
 from copy import deepcopy
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from math import pi
+from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
@@ -24,7 +26,7 @@ from flint import arb
 import freebeam as fb
 import freebeam_kernels.beck as beck
 from freebeam.proofs import enclosed_load
-from freebeam_derive.certify import beam_stability, verifier_cells, verifier_of_beam
+from freebeam_derive.certify import beam_stability, verifier_cells, verifier_of_beam, verifier_touches
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.verifier_boxes import Between, Box
 from freebeam_derive.certify.verifier_cells import Cells
@@ -294,6 +296,20 @@ def test_a_cell_that_is_left_out_is_missed(monkeypatch: pytest.MonkeyPatch) -> N
         refused(data, "the cells do not cover all loads and frequencies")
 
 
+@pytest.mark.parametrize("real", [True, False])
+def test_a_zero_next_to_s_or_frequency_zero_is_left_out_with_damping_alone(real: bool) -> None:
+    """P = 1 and x = 0.05 on a cell from x = 0 on: with damping the second equation vanishes at ω = 0 alone, as is known
+    of it, so that a slope that is not zero leaves nothing else; without, there may be a crossing."""
+
+    def system(value: Any, P: arb, x: arb) -> Any:
+        return [P - 1, x - arb("0.05")], [[arb(1), arb(0)], [arb(0), arb(1)]]
+
+    equations: Any = SimpleNamespace(R=0, real=real, system=system)
+    cells = Cells(equations, Fraction(2), [])
+    found = cells.excluded(SimpleNamespace(value=None), arb(1, 1), arb("0.05", "0.0501"))  # type: ignore[arg-type]
+    assert (found is None) == (not real)
+
+
 def test_between_two_functions_lies_that_of_each_value() -> None:
     def at(eta: Fraction) -> Shooting:
         ends, E, H = of_kernel(beck, eta=eta)
@@ -361,6 +377,21 @@ def test_touches_are_known_in_closed_form_alone() -> None:
                 assert touches(F, 0, Fraction(100)) == found
     with precision(128), pytest.raises(Refused, match="no touch is known"):
         touches(F, 1, Fraction(100))
+
+
+def test_zeros_of_one_less_the_cosine_are_at_even_multiples(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(verifier_touches, "_sign", lambda F, R: -1)
+    with precision(128):
+        assert touches(Shooting(*of_kernel(beck)), 0, Fraction(160)) == [2, 4]
+
+
+def test_a_crossing_is_of_one_direction_alone() -> None:
+    still = (Fraction(0), Fraction(0))
+    equations = Equations(Shooting(*of_kernel(beck, eta=Fraction(2, 5))), 0, still, still, False)
+    for passing in verify(certificate("list", "three")).passings:
+        verifier_of_beam._passing(equations, passing)
+        with pytest.raises(Refused, match="not known to change so"):
+            verifier_of_beam._passing(equations, replace(passing, change=-passing.change))
 
 
 def test_a_static_zero_that_is_not_said_is_found() -> None:
