@@ -480,7 +480,7 @@ def main(count: int, first: int = 0) -> None:
                     print(seed, "ACCEPTED:", verify(forged), flush=True)
                 except Refused:
                     pass
-    print(f"{accepted} true ones accepted; {tried} forgeries tried")
+        print(f"{seed}: {accepted} true ones accepted; {tried} forgeries tried", flush=True)
 
 
 if __name__ == "__main__":
