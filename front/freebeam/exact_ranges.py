@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -54,7 +54,8 @@ class ExactRange:
     """What is proven over a range of a parameter. pieces: side by side, ascending; open: the parts that are left out.
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
-    each input was taken for.
+    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider;
+    None of a column beyond the textbook's.
     """
 
     parameter: str
@@ -63,6 +64,7 @@ class ExactRange:
     load: tuple[str, str]
     question: Question
     inputs: Mapping[str, str]
+    certificate: Mapping[str, Any] | None = field(repr=False)
 
 
 def exact_range(
@@ -96,6 +98,7 @@ def exact_range(
 
     Raises InputError for bad values, for a column or a parameter that is not served, and where nothing is proven.
     """
+    from freebeam_derive.certify.certificate import write_range
     from freebeam_derive.certify.decimals import shown
 
     digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
@@ -119,6 +122,10 @@ def exact_range(
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
+    certificate = None
+    if not column.general:
+        ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
+        certificate = write_range(column.kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,
@@ -127,6 +134,7 @@ def exact_range(
         shown(*union),
         asked.question,
         asked.inputs,
+        certificate,
     )
 
 
@@ -189,6 +197,11 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     if near is None or loss_of_beam.kind == "none":
         raise Unproven(f"no series loses stability up to the load {question.load_max:.10g}")
     return piece(beam, values, damping, near, loss_of_beam.kind, width)
+
+
+def _at(asked: proofs._Asked, name: str, value: Fraction) -> dict[str, Any]:
+    """What a question has otherwise at one value of the parameter."""
+    return {"own": {**asked.own, name: value}} if name in asked.own else {name: value}
 
 
 def _told(piece: Piece) -> ExactPiece:

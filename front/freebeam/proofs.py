@@ -22,13 +22,13 @@ from freebeam_sym.stability.critical import CriticalLoad, answer
 if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing
     from freebeam_derive.certify.beam_stability import Evidence
-    from freebeam_derive.certify.verifier import Statement
+    from freebeam_derive.certify.verifier_claims import Statement
     from freebeam_sym.columns import Column
 
 __all__ = [
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "certified_crossings",
-    "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum", "rational",
-    "truncation_error", "verify_certificate",
+    "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "certified_crossings", "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum",
+    "rational", "truncation_error", "verify_certificate",
 ]  # fmt: skip
 
 MOST = 1_000_000
@@ -82,6 +82,12 @@ class CertifiedCrossing:
     unstable_below: int
     unstable_above: int
     stability: str
+
+
+class CertifiedCrossings(tuple[CertifiedCrossing, ...]):
+    """All of them, ascending. certificate: the data that prove it, for a file; None of a series and in SI units."""
+
+    certificate: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -400,7 +406,7 @@ def certified_crossings(
     beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
-) -> tuple[CertifiedCrossing, ...]:
+) -> CertifiedCrossings:
     """Every load up to load_max at which the Ritz series' stability changes, with the proof that none is left out.
 
     Ascending. Inputs as in `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them,
@@ -422,7 +428,7 @@ def certified_crossings(
         found = all_crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
-    return tuple(_told(asked, c, digits) for c in found)
+    return CertifiedCrossings(_told(asked, c, digits) for c in found)
 
 
 def _told(asked: _Asked, c: Crossing, digits: int) -> CertifiedCrossing:
@@ -450,13 +456,14 @@ def exact_crossings(
     beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
-) -> tuple[CertifiedCrossing, ...]:
+) -> CertifiedCrossings:
     """Every load up to load_max at which the number of growing eigenvalues of the beam itself changes, ascending, with
     the proof over all of its modes that none is left out. Eqs. (6), (14), (15).
 
     Of uniform beams, without damping, with it and in its limit; inputs as in `exact_load`, the result as of
     `certified_crossings`. The work grows fast with load_max: seconds up to the first crossing or two. An empty tuple
-    is the proof that the column is stable up to there. docs/theorem.md is the theorem.
+    is the proof that the column is stable up to there. `certificate` of the tuple holds the data of the proof.
+    docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> [c.kind for c in fb.exact_crossings(fb.column("beck"), eta="0.4", load_max=20)]
@@ -467,6 +474,7 @@ def exact_crossings(
     from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
     from freebeam_derive.certify.beam_crossings import Survey
+    from freebeam_derive.certify.certificate import write_list
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, None, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
@@ -478,11 +486,14 @@ def exact_crossings(
         survey = Survey(itself, exact["alpha"], exact["beta"], exact.get("kappa"), exact["load_max"], digits)
         survey.say = progress or survey.say
         found = survey.run()
+        certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, found)
     except NoSeries as error:
         raise InputError(f"all crossings of the exact beam are not to be had: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
-    return tuple(_told(asked, c, digits) for c in found)
+    told = CertifiedCrossings(_told(asked, c, digits) for c in found)
+    told.certificate = certificate
+    return told
 
 
 def exact_load(
@@ -783,12 +794,14 @@ def verify_certificate(path: str) -> Statement:
     """Check a certificate file with the verifier, which shares no code with the prover.
 
     What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
-    theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
+    theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
+    prove what it claims.
     """
     from freebeam_derive.certify import verifier_of_beam
-    from freebeam_derive.certify.verifier import Refused, verify_file
+    from freebeam_derive.certify.verifier import verify_file
+    from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, {verifier_of_beam.FORMAT: verifier_of_beam.verify})
+        return verify_file(path, verifier_of_beam.FORMATS)
     except Refused as error:
         raise InputError(str(error)) from error

@@ -185,8 +185,6 @@ def test_columns_beyond_the_uniform_beam_are_refused(monkeypatch: pytest.MonkeyP
 def test_from_the_command_line_the_list_needs_an_end(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["critical", "--column", "beck", "--exact", "--all", "--digits", "9"]
     assert main(words) == 2 and capsys.readouterr().err.count("\n") == 1
-    assert main([*words, "--load-max", "4", "--certificate", "x.json"]) == 2
-    assert "leave out --all" in capsys.readouterr().err
     assert main([*words, "--load-max", "4", "--set", "eta=0", "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)["crossings"]
     assert found["load_lower"].startswith("2.46740110") and found["stability"] == "lost"

@@ -296,7 +296,6 @@ def test_a_range_is_typed_with_two_dots(capsys: pytest.CaptureFixture[str], tmp_
         ["--exact", "--alpha", "0+", "--beta", "0.1..0.2"],
         ["--exact", "--kappa", "0..1"],
         ["--exact", "--beta", "-1..1"],
-        ["--exact", "--set", "eta=0.3..0.31", "--certificate", "x.json"],
         ["--exact", "--set", "eta=0.3..0.31", "--all"],
         ["--exact", "--set", "eta=0.3..0.31", "--digits", "9"],
         ["--exact", "--set", "eta=0.3..0.31", "--bending-stiffness", "1"],

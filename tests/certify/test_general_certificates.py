@@ -28,6 +28,7 @@ from freebeam.cli import main
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier
 from freebeam_derive.certify.balls import Unproven, matrices_of_any, parameters
 from freebeam_derive.certify.boundary_polynomials import Question, boundary, functions_of
+from freebeam_derive.certify.decimals import shown
 from freebeam_derive.certify.verifier_parts import from_rest
 from tests.stated import FREE, TIMOSHENKO, file_of
 
@@ -279,7 +280,7 @@ def test_a_true_certificate_is_accepted_and_says_what_it_proves(name: str) -> No
     assert found.size == len(matrices(name, asked.modes).M[0])
     said, above_zero = str(found), ("pipe", *FROM_REST)
     assert "of the forms in this file" in said and f"N = {asked.modes} ({found.size} functions)" in said
-    assert "\n" not in said and all(v in said for v in verifier.shown(*found.load))
+    assert "\n" not in said and all(v in said for v in shown(*found.load))
     assert ("above 0 up to" in said) == (name in above_zero)
     assert ("left out" in said) == ("free" in name or "torque" in name)
     assert ("undamped" in said) != damped and all(breaks in said for breaks in ("0, ", " 1,"))

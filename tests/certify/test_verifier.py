@@ -21,6 +21,7 @@ from flint import arb, arb_poly, arb_series
 
 import freebeam as fb
 from freebeam_derive.certify import verifier
+from freebeam_derive.certify.decimals import shown
 
 F = Fraction
 Data = dict[str, Any]
@@ -93,9 +94,9 @@ def test_a_certificate_is_accepted(case: str) -> None:
     assert named[data["kind"]] in said and f"N = {data['modes']} ({data['basis']})" in said and data["column"] in said
     assert f"{float(proven.end):.9g}"[:-1] in said
     for interval in filter(None, (proven.load, proven.frequency)):
-        low, high = (F(v) for v in verifier.shown(*interval))
+        low, high = (F(v) for v in shown(*interval))
         assert low <= interval[0] < interval[1] <= high and high - low < 2 * (interval[1] - interval[0])
-        assert all(v in said for v in verifier.shown(*interval))
+        assert all(v in said for v in shown(*interval))
 
 
 # --- every field ----------------------------------------------------------------------------------------------

@@ -56,7 +56,7 @@ class _Passing:
 class Survey:
     """The search for one column. alpha, beta, or kappa for the limit α → 0⁺ at β = κα. digits: of each crossing.
 
-    found: what crosses, after `run`; evidence: what that stands on.
+    After `run`: found, what crosses, and evidence, on which that it is all of it stands (one stretch, at P = 0).
     """
 
     beam: Beam
@@ -77,7 +77,7 @@ class Survey:
             undamped = self.kappa is None and self.beam.undamped(self.alpha, self.beta)
             strips, m, reach = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
             low = Below(self.beam, strips, m, load)
-            start = low.real_and_simple_at(Fraction(0))
+            at_rest = low.real_and_simple_at(Fraction(0))
             self.say("divergence")
             self._divergences(low, None if undamped else (c_E, c_M))
             damped = not undamped and self.kappa is None
@@ -85,7 +85,7 @@ class Survey:
             problem = self._problem(undamped)
             cells = Cells(self.beam, strips.rigid, load, [], lambda place: self._seek(problem, place))
             count = cells.no_other_zero(problem, top, self.say)
-            self.evidence = Evidence(m, rational(reach, 60), strips.modes.count, (start,), count, float(top) ** 0.5)
+            self.evidence = Evidence(m, rational(reach, 60), strips.modes.count, (at_rest,), count, float(top) ** 0.5)
         return self._counted(damped)
 
     def _problem(self, undamped: bool) -> Onset:

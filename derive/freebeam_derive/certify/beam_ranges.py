@@ -31,7 +31,7 @@ from freebeam_derive.certify.beam_itself import (
     Static,
     VanishingDamping,
 )
-from freebeam_derive.certify.beam_stability import BITS, complete
+from freebeam_derive.certify.beam_stability import BITS, Evidence, complete
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import inside, inverse
 from freebeam_derive.certify.local_series import Local
@@ -43,7 +43,8 @@ GROWTHS = 12  # of a box, before the range is said to be too wide
 class Piece:
     """What is proven for each value of a parameter from low to high: its first loss of stability and the kind of it.
 
-    load, frequency: intervals that hold those of every value; the frequency of a divergence is zero.
+    load, frequency: intervals that hold those of every value; the frequency of a divergence is zero. evidence: on which
+    that it is the first stands.
     """
 
     low: Fraction
@@ -51,6 +52,7 @@ class Piece:
     load: tuple[Fraction, Fraction]
     frequency: tuple[Fraction, Fraction]
     kind: Kind
+    evidence: Evidence
 
 
 class Over(Beam):
@@ -300,4 +302,4 @@ def piece(
     proven, evidence, missing = complete(beam, found, *damping)
     if evidence is None:
         raise Unproven(missing)
-    return Piece(values.low, values.high, (bottom, top), ends(proven.frequency), kind)
+    return Piece(values.low, values.high, (bottom, top), ends(proven.frequency), kind, evidence)

@@ -56,13 +56,11 @@ at alpha, beta and kappa; of any other column all is proven of what is in the fi
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
-from importlib import import_module
 from itertools import pairwise, product, zip_longest
 from pathlib import Path
 from typing import Any
@@ -70,10 +68,30 @@ from typing import Any
 import flint
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series, fmpz_mat
 
-from freebeam_derive.certify.decimals import read, roots, said, shown
+from freebeam_derive.certify.verifier_claims import (
+    HIGHEST_POWER,
+    MOST_MODES,
+    ORDERS,
+    Form,
+    OfBeam,
+    OfForms,
+    Refused,
+    Statement,
+    ball,
+    check_column,
+    claims_of,
+    damping_of,
+    direction,
+    exact,
+    form,
+    is_ours,
+    loaded,
+    number,
+    ratio,
+    require,
+)
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
 from freebeam_derive.certify.verifier_parts import from_rest, taken
-from freebeam_kernels import COLUMNS
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
@@ -81,47 +99,19 @@ CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "k
 FIELDS = CLAIM | {"ends", "basis", "kappa", "damping"}
 GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid", "kappa"}
 APART = {"parts", "beside"}  # of motions that leave each other alone
-ORDERS = {"free": (2, 3), "clamped": (0, 1), "pinned": (0, 2), "sliding": (1, 3)}
 Basis = tuple[Callable[..., arb], Callable[..., arb]]
 Line = tuple[Fraction, Fraction]
-Form = tuple[tuple[tuple[int, int, int, Fraction], ...], tuple[tuple[int, int, int, int, Fraction], ...]]
 Value = tuple[str, int, Fraction | None, int]  # name, order of derivative, place (None: a coordinate), side
 GeneralForm = tuple[list[tuple[int, str, int, str, int, fmpq_poly]], list[tuple[Value, Value, fmpq]]]
 
-# More than any certificate holds that is written: files that would only use up time and memory are not begun.
-LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
-MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
-NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
+# As in verifier_claims: more than any certificate holds that is written.
 MOST_CELLS = 100_000
 MOST_UNKNOWNS, MOST_PARTS, MOST_POWERS, MOST_NAMES, MOST_MOTIONS, HIGHEST_ORDER = 400, 1000, 9, 20, 10, 4
 LONGEST, LONGEST_BREAKS = 200, 1000  # characters of a number of forms on segments, and of all breaks
 MOST_WORK = 20_000_000  # terms times sizes times digits: a second; 5,000,000 are 20 segments of 12 functions
 
 
-class Refused(Exception):
-    """The certificate does not prove what it claims; the message says where."""
-
-
-def require(condition: bool, claim: str) -> None:
-    if not condition:
-        raise Refused(claim)
-
-
-def ball(value: str | Fraction) -> arb:
-    value = Fraction(value)
-    return arb(fmpq(value.numerator, value.denominator))
-
-
 # --- what a certificate says ------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Damping:
-    """C = of_M M + of_E E; vanishing: only its direction."""
-
-    of_M: Fraction
-    of_E: Fraction
-    vanishing: bool
 
 
 @dataclass(frozen=True)
@@ -134,226 +124,9 @@ class Stretch:
     lines: tuple[Line, ...]
 
 
-@dataclass(frozen=True)
-class Statement:
-    """What acceptance of a certificate proves: the theorem at the head of this file, of this column.
-
-    load, square: rational intervals of P* and ω² (None where there is none). All nondimensional.
-    """
-
-    column: str
-    parameters: dict[str, Fraction]
-    modes: int
-    alpha: Fraction
-    beta: Fraction
-    kind: str
-    load: tuple[Fraction, Fraction] | None
-    square: tuple[Fraction, Fraction] | None
-    load_max: Fraction | None
-
-    @property
-    def end(self) -> Fraction:
-        """The load up to which the column is stable."""
-        value = self.load_max if self.load is None else self.load[0]
-        assert value is not None
-        return value
-
-    @property
-    def top(self) -> Fraction:
-        """The load up to which nothing else happens."""
-        return self.end if self.load is None else self.load[1]
-
-    @property
-    def frequency(self) -> tuple[Fraction, Fraction] | None:
-        """A rational interval of ω, nondimensional; None where λ = 0 or there is no crossing."""
-        return None if self.square is None else roots(*self.square)
-
-    @property
-    def named(self) -> str:
-        """The column and its parameters."""
-        return self.column + "".join(f", {name} = {said(value)}" for name, value in self.parameters.items())
-
-    @property
-    def forms(self) -> str:
-        return f"the forms in this file (which names them {self.named}; that they are its is not checked)"
-
-    def proven(self, what: str, damped: bool, above_zero: bool = False) -> str:
-        """The statement in full, in one line."""
-        loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
-        stable = f"proven of {what}: stable at {loads}"
-        if self.load is None:
-            return f"{stable} {said(self.end)}"
-        low, high = shown(*self.load)
-        lost = f"stability is first lost by {self.kind}, at exactly one load between {low} and {high}"
-        where = "where det K = 0"
-        if self.frequency is not None:
-            where = f"with omega between {' and '.join(shown(*self.frequency))}"
-        other = "no other eigenvalue has Re = 0" if damped else "no other frequencies meet"
-        return f"{stable} {low}; {lost}, {where}; {other} up to {high}"
-
-    def record(self) -> dict[str, Any]:
-        """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
-        load, frequency = ((None, None) if v is None else shown(*v) for v in (self.load, self.frequency))
-        if self.kind == "divergence":
-            frequency = "0", "0"
-        return {
-            "column": self.column, "modes": self.modes, "kind": self.kind, "load_lower": load[0], "load_upper": load[1],
-            "frequency_lower": frequency[0], "frequency_upper": frequency[1], "stable_to": load[0] or said(self.end),
-        }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class OfBeam(Statement):
-    """A statement of M, E, H over one segment.
-
-    ours: the column is one of this program's, and ends, forms and damping are its; else all is of those in the file.
-    """
-
-    ours: bool
-    ends: tuple[str, str]
-    basis: str
-    kappa: Fraction | float | None
-    damping: Damping | None
-
-    def __str__(self) -> str:
-        what = f"column {self.named}" if self.ours else self.forms
-        what += f", {self.ends[0]} at x = 0 and {self.ends[1]} at x = 1, N = {self.modes} ({self.basis})"
-        return self.proven(f"{what}, {self.damped}", self.damping is not None)
-
-    def record(self) -> dict[str, Any]:
-        ours, factors = self.ours, None
-        if self.damping is not None:
-            of_M, of_E = said(self.damping.of_M), said(self.damping.of_E)
-            factors = {"of_M": of_M, "of_E": of_E, "vanishing": self.damping.vanishing}
-        return super().record() | {
-            "of": f"the column {self.column}" if ours else "the forms in this file",
-            "ends": list(self.ends), "basis": self.basis,
-            "parameters": {name: said(value) for name, value in self.parameters.items()} if ours else None,
-            "alpha": said(self.alpha) if ours else None, "beta": said(self.beta) if ours else None,
-            "kappa": _said(self.kappa) if ours else None, "damping": factors,
-        }  # fmt: skip
-
-    @property
-    def damped(self) -> str:
-        """The damping in words."""
-        if self.damping is None:
-            return "undamped"
-        factors = f"{said(self.damping.of_M)} M + {said(self.damping.of_E)} E"
-        if self.kappa is not None:
-            asked = f" ({vanishing(self.kappa)})" if self.ours else ""
-            return f"in the limit of vanishing damping in the direction of C = {factors}{asked}"
-        asked = f" (alpha = {said(self.alpha)}, beta = {said(self.beta)})" if self.ours else ""
-        return f"C = {factors}{asked}"
-
-
-@dataclass(frozen=True)
-class OfForms(Statement):
-    """A statement of the forms in a file, of fields on segments and coordinates.
-
-    modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
-    damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0.
-    """
-
-    breaks: tuple[Fraction, ...]
-    unknowns: tuple[str, ...]
-    kappa: Fraction | float | None
-    size: int
-    motions: int
-    damped: bool
-    above_zero: bool
-    gyroscopic: bool = False
-    parts: tuple[tuple[str, ...], ...] = ()
-    turn: fmpq | None = None
-
-    def __str__(self) -> str:
-        what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
-        what += f", N = {self.modes} ({self.size} functions)"
-        if self.motions:
-            what += f", {self.motions} rigid motion{'s' if self.motions > 1 else ''} left out"
-        of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
-        of += " but for gyroscopic terms" if self.gyroscopic else ""
-        if self.kappa is not None:
-            of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
-        if len(self.parts) > 1:
-            of += f", {' and '.join(map('-'.join, self.parts))} leaving each other alone"
-        if self.turn is not None:
-            frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
-            of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
-        return self.proven(what + of, self.damped, self.above_zero)
-
-    def record(self) -> dict[str, Any]:
-        return super().record() | {
-            "of": "the forms in this file", "parameters": None, "breaks": [*map(said, self.breaks)],
-            "unknowns": [*self.unknowns], "functions": self.size, "rigid_motions_left_out": self.motions,
-            "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
-            "kappa": _said(self.kappa),
-            "stable_at_zero_load": None if self.above_zero else True,
-            "parts": [*map(list, self.parts)], "turn": None if self.turn is None else str(self.turn),
-        }  # fmt: skip
-
-
-def _said(kappa: Fraction | float | None) -> str | None:
-    return "inf" if isinstance(kappa, float) else None if kappa is None else said(kappa)
-
-
 Checked = tuple[Callable[[], "System"], list[Stretch]]
 Read = tuple[Statement, int, Callable[[], "System"], list[Stretch], list[Checked]]
 """The statement, the number of functions, the matrices at the precision in hand, the stretches, and those of others."""
-
-
-def _claims(data: dict[str, Any]) -> dict[str, Any]:
-    """What is claimed of any column, each of the type and size that it must be, and whether it fits each other."""
-    column, kind, N = (data[k] for k in ("column", "kind", "modes"))
-    require(type(column) is str and len(column) <= 200 and column.isprintable(), "the column has no name")
-    require(kind in ("none", "flutter", "divergence"), "the kind is neither flutter nor divergence")
-    require(type(N) is int and 0 < N <= MOST_MODES, f"the number of functions is not from 1 to {MOST_MODES}")
-    crosses = kind != "none"
-    claims = {"crossing": crosses, "first": crosses, "stable_below": True, "kind": True}
-    require(data["proof"] == claims, "what is said to be proven is not what is checked")
-    given = [data[k] is not None for k in ("load", "frequency_squared", "load_max")]
-    require(given == [crosses, kind == "flutter", not crosses], "what is given does not fit the kind")
-    load, square = (_interval(data[k]) if data[k] is not None else None for k in ("load", "frequency_squared"))
-    parameters = data["parameters"]
-    named = len(parameters) <= MOST_TERMS and all(name.isidentifier() and len(name) <= 200 for name in parameters)
-    require(named, "a parameter has no name, or there are too many")
-    return {
-        "column": column, "parameters": {name: _number(value) for name, value in parameters.items()}, "modes": N,
-        "alpha": _number(data["alpha"]), "beta": _number(data["beta"]), "kind": kind, "load": load, "square": square,
-        "load_max": None if crosses else _number(data["load_max"]),
-    }  # fmt: skip
-
-
-def _ratio(value: object) -> Fraction | float | None:
-    """kappa of a file: a number, infinite where beta alone vanishes, or none."""
-    return None if value is None else math.inf if value == "inf" else _number(value)
-
-
-def _direction(kappa: Fraction | float) -> tuple[Fraction, Fraction]:
-    """In which alpha and beta vanish."""
-    return (Fraction(0), Fraction(1)) if isinstance(kappa, float) else (Fraction(1), kappa)
-
-
-def vanishing(kappa: Fraction | float) -> str:
-    """How alpha and beta vanish, in words."""
-    return "beta -> 0+ at alpha = 0" if isinstance(kappa, float) else f"alpha -> 0+ at beta = {said(kappa)} alpha"
-
-
-def damping_of(data: dict[str, Any], claims: dict[str, Any]) -> tuple[Fraction | float | None, Damping | None]:
-    """kappa and the damping c_M M + c_E E of a file, each of which must fit the other, alpha and beta."""
-    kappa = _ratio(data["kappa"])
-    finite, limit = claims["alpha"] != 0 or claims["beta"] != 0, kappa is not None
-    require(not (finite and limit), "the damping is finite and vanishes")
-    damping = data["damping"]
-    require((damping is not None) == (finite or limit), "the damping does not fit alpha, beta and kappa")
-    if damping is None:
-        return kappa, None
-    require(set(damping) == {"of_M", "of_E", "vanishing"}, "the damping is not of_M, of_E and vanishing")
-    require(damping["vanishing"] is limit, "the damping does not fit kappa")
-    found = Damping(_number(damping["of_M"]), _number(damping["of_E"]), limit)
-    there = found.of_E > 0 or found.of_E == 0 < found.of_M
-    require(not limit or there, "no damping is there to vanish")
-    return kappa, found
 
 
 def _of_beam(data: dict[str, Any]) -> Read:
@@ -363,14 +136,14 @@ def _of_beam(data: dict[str, Any]) -> Read:
     require(basis in BASES, "the basis is not known")
     left, right = data["ends"]
     require(left in ORDERS and right in ORDERS, "the ends are not known")
-    claims = _claims(data)
+    claims = claims_of(data)
     kappa, damping = damping_of(data, claims)
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: form(data["forms"][name]) for name in "MEH"}
     ours = is_ours(claims["column"])
     stated = OfBeam(**claims, ours=ours, ends=(left, right), basis=basis, kappa=kappa, damping=damping)
     if ours:
-        _check_column(stated, forms)
+        check_column(stated, forms)
 
     def system() -> System:
         M, E, H = matrices([left, right], basis, N, forms).values()
@@ -399,61 +172,11 @@ def _stretches(data: Any, end: Fraction, count: int, rests: bool = False, more: 
     return stretches
 
 
-def _number(value: object) -> Fraction:
-    require(type(value) is str, f"a number is not given as text: {str(value)[:40]}")
-    number = read(str(value))
-    require(abs(number) < 10**300, "a number is larger than any that is written")
-    return number
-
-
-def _interval(values: Any) -> tuple[Fraction, Fraction]:
-    low, high = map(_number, values)
-    require(0 < low < high, "an interval is empty, or not positive")
-    require(high - low > high * NARROWEST, "an interval is narrower than any that is written")
-    return low, high
-
-
-def form(data: dict[str, Any]) -> Form:
-    """Factors of ∫ xᵏ φᵢ⁽ᵖ⁾ φⱼ⁽ᑫ⁾ dx and of φᵢ⁽ᵖ⁾(a) φⱼ⁽ᑫ⁾(b)."""
-    require(set(data) == {"along", "points"}, "a form has other parts than integrals and end values")
-    require(len(data["along"]) + len(data["points"]) <= MOST_TERMS, "a form has too many terms")
-    along = tuple((k, p, q, _number(v)) for k, p, q, v in data["along"])
-    points = tuple((a, p, b, q, _number(v)) for a, p, b, q, v in data["points"])
-    whole = [*((k, HIGHEST_POWER) for k, *_ in along), *((n, 3) for _, p, q, _ in along for n in (p, q))]
-    whole += [(n, m) for a, p, b, q, _ in points for n, m in ((a, 1), (p, 3), (b, 1), (q, 3))]
-    require(all(type(n) is int and 0 <= n <= most for n, most in whole), "a form has no such power, order or end")
-    return along, points
-
-
 def _stretch(data: dict[str, Any]) -> Stretch:
     require(set(data) == {"start", "end", "origin", "separators"}, "a stretch has other parts than it should")
-    start, end, origin = (_number(data[k]) for k in ("start", "end", "origin"))
-    lines = ((_number(point), _number(slope)) for point, slope in data["separators"])
+    start, end, origin = (number(data[k]) for k in ("start", "end", "origin"))
+    lines = ((number(point), number(slope)) for point, slope in data["separators"])
     return Stretch(start, end, origin, ((Fraction(0), Fraction(0)), *lines))
-
-
-def is_ours(column: str) -> bool:
-    """Whether a column is one of this program's."""
-    return column in COLUMNS
-
-
-def _check_column(stated: OfBeam, forms: dict[str, Form]) -> None:
-    """Ends, forms and damping are those that the emitted kernel of that name states, exactly."""
-    kernel = import_module(f"freebeam_kernels.{COLUMNS[stated.column][stated.basis]}")
-    own, what = stated.parameters, f"those of the column {stated.column}"
-    require(set(own) == {p["name"] for p in kernel.COLUMN["parameters"]}, f"the parameters are not {what}")
-    require(stated.ends == tuple(kernel.COLUMN["ends"]), f"the ends are not {what}")
-    for name, (along, points) in kernel.forms(Fraction(1), **own).items():
-        known = {(*key, Fraction(v)) for key, v in along.items()}, {(*key, Fraction(v)) for key, v in points.items()}
-        theirs = forms[name]
-        once = all(len(set(part)) == len(part) for part in theirs)
-        same = once and (set(theirs[0]), set(theirs[1])) == known
-        require(same, f"the form {name} is not {what} at these parameters")
-    if stated.damping is not None:
-        alpha, beta = (stated.alpha, stated.beta) if stated.kappa is None else _direction(stated.kappa)
-        factors = stated.damping.of_M, stated.damping.of_E
-        asked = "alpha, beta and kappa"
-        require(factors == tuple(kernel.damping_factors(alpha, beta, **own)), f"the damping is not {what} at {asked}")
 
 
 # --- trial functions: modes of the comparison beam, of sin γx, cos γx, e^(−γx), e^(−γ(1−x)) ----------------------
@@ -681,15 +404,11 @@ class Space:
                 first, other = self.start(test, segment), self.start(trial, segment)
                 for i, j in product(range(p, rows), range(q, columns)):
                     total[first + i][other + j] += math.perm(i, p) * math.perm(j, q) * moments[i + j - p - q]
-            for one, two, number in points:
+            for one, two, shared in points:
                 (first, ones), (other, others) = self.value(*one), self.value(*two)
                 for (i, u), (j, v) in product(enumerate(ones), enumerate(others)):
-                    total[first + i][other + j] += times * number * u * v
+                    total[first + i][other + j] += times * shared * u * v
         return fmpq_mat(total)
-
-
-def exact(value: Fraction) -> fmpq:
-    return fmpq(value.numerator, value.denominator)
 
 
 def nothing(*matrices: fmpq_mat) -> bool:
@@ -756,7 +475,7 @@ def _of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
     differ = ", ".join(sorted(GENERAL_FIELDS ^ (set(data) - APART)))[:100]
     require(set(data) in (GENERAL_FIELDS, GENERAL_FIELDS | APART), f"fields are missing, or not known: {differ}")
-    claims, space, given = _claims(data), _space(data), data["forms"]
+    claims, space, given = claims_of(data), _space(data), data["forms"]
     require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
     powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
     terms = [term for form in powers for part in ("along", "points") for term in _list(form[part], MOST_PARTS)]
@@ -768,8 +487,8 @@ def _of_forms(data: dict[str, Any]) -> Read:
     motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
     M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
-    kappa = _ratio(data["kappa"])
-    dampings = (claims["alpha"], claims["beta"]) if kappa is None else _direction(kappa)
+    kappa = ratio(data["kappa"])
+    dampings = (claims["alpha"], claims["beta"]) if kappa is None else direction(kappa)
     if kappa is not None:
         fits = kappa >= 0 == claims["alpha"] == claims["beta"]
         require(fits, "kappa is negative, or alpha and beta are not 0 in its limit")
@@ -854,7 +573,7 @@ def _space(data: dict[str, Any]) -> Space:
     """Breaks, fields and coordinates, as few and small as any that are written."""
     places = _list(data["breaks"], MOST_UNKNOWNS)
     require(sum(map(len, places)) <= LONGEST_BREAKS, "the breaks are longer than any written")
-    breaks = tuple(map(_number, places))
+    breaks = tuple(map(number, places))
     given, coordinates = data["fields"], tuple(_list(data["coordinates"], MOST_NAMES))
     ascend = len(breaks) > 1 and all(a < b for a, b in pairwise(breaks))
     require(ascend and breaks[0] == 0 and breaks[-1] == 1, "the breaks do not ascend from 0 to 1")
@@ -895,7 +614,7 @@ def _texts(data: Any) -> Iterator[str]:
 
 def _polynomial(factors: Any) -> fmpq_poly:
     require(len(factors) > 0, "a polynomial has no factors")
-    return fmpq_poly([exact(_number(v)) for v in _list(factors, HIGHEST_POWER)])
+    return fmpq_poly([exact(number(v)) for v in _list(factors, HIGHEST_POWER)])
 
 
 def _form(data: dict[str, Any], space: Space) -> GeneralForm:
@@ -911,7 +630,7 @@ def _form(data: dict[str, Any], space: Space) -> GeneralForm:
         require((place is None) == (name in space.coordinates), "a value has no place, or a coordinate has one")
         if place is None:
             return *of(name, order), None, _whole(side, 0, 0)
-        at = _number(place)
+        at = number(place)
         require(0 <= at <= 1, "a place lies off the beam")
         return *of(name, order), at, _whole(side, -1, 1)
 
@@ -919,7 +638,7 @@ def _form(data: dict[str, Any], space: Space) -> GeneralForm:
         (_whole(segment, 0, len(space.breaks) - 2), *of(test, p), *of(trial, q), _polynomial(f))
         for segment, test, p, trial, q, f in data["along"]
     ]
-    return along, [(value(*test), value(*trial), exact(_number(f))) for test, trial, f in data["points"]]
+    return along, [(value(*test), value(*trial), exact(number(f))) for test, trial, f in data["points"]]
 
 
 def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
@@ -927,7 +646,7 @@ def _motion(data: dict[str, Any], space: Space) -> list[fmpq]:
     unknowns = [fmpq(0)] * space.size
     for name, given in data.items():
         if name in space.coordinates:
-            unknowns[space.start(name, 0)] = exact(_number(given))
+            unknowns[space.start(name, 0)] = exact(number(given))
             continue
         require(name in space.fields and len(given) == len(space.breaks) - 1, "a rigid motion is of other fields")
         for segment, factors in enumerate(given):
@@ -1325,33 +1044,10 @@ def _places(system: System, first: Stretch) -> list[Fraction]:
 def verify_file(path: Path | str, others: Others | None = None) -> Statement:
     """Check a certificate file. Raises Refused with the reason in one line."""
     try:
-        with open(path, "rb") as file:
-            content = file.read(LARGEST_FILE + 1)
-        require(len(content) <= LARGEST_FILE, f"is larger than any certificate, {LARGEST_FILE} bytes")
-        return verify(json.loads(content, **STRICT), others)
+        return verify(loaded(path), others)
     except OSError as error:
         raise Refused(f"{path}: cannot be read: {error.strerror}") from error
     except (ValueError, RecursionError) as error:
         raise Refused(f"{path}: is not a certificate: {error}") from error
     except Refused as error:
         raise Refused(f"{path}: {error}") from error
-
-
-def _once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
-    found = dict(pairs)
-    require(len(found) == len(pairs), "a name stands twice in one object")
-    return found
-
-
-def _short(text: str) -> int:
-    require(len(text) <= 9, "an integer is too long")
-    return int(text)
-
-
-def _never(text: str) -> None:
-    raise Refused(f"a number is given as {text[:20]}, not as text")
-
-
-STRICT: dict[str, Any] = {
-    "object_pairs_hook": _once, "parse_int": _short, "parse_float": _never, "parse_constant": _never,
-}  # fmt: skip

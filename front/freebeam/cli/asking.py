@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -32,7 +33,7 @@ from freebeam.cli.output import print_json, print_table, working, write_picture,
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from freebeam.proofs import Certified, CertifiedCrossing
+    from freebeam.proofs import Certified, CertifiedCrossing, CertifiedCrossings
     from freebeam_sym.columns import Column
     from freebeam_sym.stability.critical import CriticalLoad
 
@@ -47,7 +48,7 @@ class Found:
 
     loss: CriticalLoad
     proven: Certified | None
-    crossings: tuple[CertifiedCrossing, ...] | None
+    crossings: CertifiedCrossings | None
     truncation: dict[str, Any] | None
 
 
@@ -90,8 +91,9 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             unserved = found.proven.certificate is None
             how = "beyond touches" if found.proven.touches else "by frequency gaps"
             refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof {how}")
-            with written(self.certificate, self.force) as file:
-                file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
+            self.keep(found.proven.certificate)
+        elif self.certificate and found.crossings is not None:
+            self.keep(found.crossings.certificate)
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title())
@@ -106,6 +108,17 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             of = " of the beam itself" if self.exact else ""
             title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
+
+    def keep(self, certificate: Mapping[str, Any] | None) -> None:
+        """Write a certificate to its file."""
+        assert self.certificate is not None
+        with written(self.certificate, self.force) as file:
+            file.write((json.dumps(certificate, indent=1) + "\n").encode())
+
+    def check_free(self, file: Path | None) -> None:
+        """Refuse a file that is there already, before the work is begun. Raises InputError."""
+        there = file and file.exists() and not self.force
+        refuse(there, f"{file} exists; choose another file, or --force to replace it")
 
     @property
     def places(self) -> int | None:
@@ -128,9 +141,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
         listed = self.exact and self.every
         refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
-        refuse(listed and file, "--certificate: holds the first crossing alone; leave out --all")
-        there = file and file.exists() and not self.force
-        refuse(there, f"{file} exists; choose another file, or --force to replace it")
+        self.check_free(file)
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
 
     @property
