@@ -3,6 +3,7 @@ docs/gallery and docs/made/explorer."""
 
 from __future__ import annotations
 
+import math
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
@@ -123,6 +124,7 @@ def _row(statement: Column, reference: Reference) -> str:
     seen = f", seen at <{reference.seen}>" if reference.seen.startswith("http") and " " not in reference.seen else ""
     seen = seen or (f", seen in {reference.seen}" if reference.seen else "")
     rule = "" if reference.rule == "rounded" else f" ({reference.rule})"
+    rule += f" (of {reference.modes} modes, not of the beam)" if reference.modes else ""
     return f"| {reference.load}{rule} | {reference.kind} | {at or 'defaults'} | {reference.by}{seen} |"
 
 
@@ -176,13 +178,34 @@ def to_try(stated: Mapping[str, Column], refused: Mapping[str, str]) -> str:
 
 
 def strips_of_the_paper() -> None:
-    """The picture of docs/theorem.md."""
+    """The picture of docs/theorem.md, and what is said below it."""
     made = Path(__file__).parent / "made" / "figures"
     made.mkdir(parents=True, exist_ok=True)
     with style():
         drawn = figure((6.4, 3.4))
         fb.figures.strips(fb.column("free-free"), ax=drawn.subplots())
         (made / "strips.svg").write_bytes(image_of(drawn, "svg", "Eigenvalues, lines and discs"))
+    (made / "strips.md").write_text(under_the_strips(), encoding="utf-8")
+
+
+def under_the_strips() -> str:
+    """The figure of docs/theorem.md with its caption, from the proof."""
+    found = fb.exact_load(fb.column("free-free"), digits=10)
+    if found.evidence is None or found.load is None:
+        raise ValueError(f"the paper's beam: {found.missing}")
+    m = int(found.evidence["lowest"])
+    return f"""```{{figure}} /made/figures/strips.svg
+:alt: Eigenvalues of the paper's beam at its critical load, over the fourth root of s, with the lines from R_{m} on
+:class: figure
+:width: 100%
+
+The paper's beam at its critical load {found.load[0]}, over $s^{{1/4}}$: eigenvalues (dots; the lowest two meet), and
+where they go as $p$ runs over $|p| = P_*$ (curves, of a series of 40 modes in floats). Each image of the disc
+$|p| \\le P_*$ right of the line $R_{m}$ stays in a strip of its own: that is proven, as are the load, $m = {m}$ and the
+lines, for loads up to {math.floor(found.evidence["reach"])}. `fb.figures.strips` draws it for any column of the
+textbook's kind.
+```
+"""
 
 
 def main(names: list[str]) -> None:

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    "InputError", "array", "computable", "count", "finite", "memory", "nonnegative", "positions", "positive", "reals",
-    "refusal",
+    "InputError", "Unstable", "array", "computable", "count", "finite", "memory", "nonnegative", "positions",
+    "positive", "reals", "refusal",
 ]  # fmt: skip
 
 LARGEST = 1e60
@@ -20,6 +20,10 @@ LARGEST = 1e60
 
 class InputError(ValueError):
     """Bad input. The message is one line: the value, what is allowed, and the cure."""
+
+
+class Unstable(InputError):
+    """Something grows at the smallest loads, so that there is no first loss of stability."""
 
 
 def refusal(name: str, value: object, rule: str, hint: str = "") -> InputError:

@@ -12,6 +12,7 @@ import numpy as np
 
 from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
 from freebeam_sym.columns import Coefficients, Column, System, is_column
+from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil, pencil_of
 from freebeam_sym.stability.problem import Real
@@ -147,7 +148,7 @@ class Question:
 
 
 def _textbook(terms: Coefficients) -> bool:
-    """Whether M and E are symmetric, positive definite, and K = E + P H."""
+    """Whether M and E are symmetric, positive definite, and K = E + P H. Raises InputError where a mass is negative."""
     M, E, *loaded = (*terms.M, *terms.K)
     if len(terms.M) != 1 or len(loaded) != 1 or not all(np.array_equal(X, X.T) for X in (M, E)):
         return False
@@ -155,4 +156,4 @@ def _textbook(terms: Coefficients) -> bool:
         np.linalg.cholesky(E)
     except np.linalg.LinAlgError:
         return False
-    return True
+    return not without_mass(M)

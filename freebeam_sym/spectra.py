@@ -94,7 +94,7 @@ class Spectrum:
         s = self.system
 
         def ask(column: Column, modes: int) -> Complex:
-            return elastic_motion(column.system(modes, s.load, s.alpha, s.beta, False, **s.parameters))[2][None, :]
+            return elastic_values(column.system(modes, s.load, s.alpha, s.beta, False, **s.parameters))[None, :]
 
         off = beam_errors(s.column, self.elastic[None, :], s.modes, ask)[0]
         return self._of_all(off + self.rounding[self.places])
@@ -196,12 +196,29 @@ def beam_errors(column: Column, found: Complex, modes: int, ask: Callable[[Colum
 
 def elastic_motion(system: System) -> tuple[Real, Real, Complex, Complex]:
     """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
+    E, B, M, C, K = _in_coordinates(system)
+    values, vectors = massless(M, C, K) if without_mass(M) else eigen(C, K)
+    return E, B, values, vectors
+
+
+def elastic_values(system: System) -> Complex:
+    """λ of the elastic motion alone, any order."""
+    _, _, M, C, K = _in_coordinates(system)
+    if without_mass(M):
+        return np.asarray(np.linalg.eigvals(reduced(M, C, K).matrix), complex)
+    if C.any():
+        return np.asarray(np.linalg.eigvals(state_matrix(np.eye(len(K)), C, K)), complex)
+    root = np.sqrt(-np.linalg.eigvals(K).astype(complex))
+    return np.append(root, -root) + 0j  # the sum leaves no negative zeros
+
+
+def _in_coordinates(system: System) -> tuple[Real, Real, Real, Real, Real]:
+    """E and B of `coordinates` for the elastic functions, and M, C and K in these coordinates."""
     e = slice(system.rigid_count, None)
     M = system.M[e, e]
     E, B = coordinates(M, system.E[e, e])
     C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    values, vectors = massless(B.T @ M @ B, C, E + load) if without_mass(M) else eigen(C, E + load)
-    return E, B, values, vectors
+    return E, B, B.T @ M @ B, C, E + load
 
 
 def coordinates(M: Real, E: Real) -> tuple[Real, Real]:

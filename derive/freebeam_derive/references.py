@@ -31,7 +31,8 @@ class Reference:
 
     load: its digits as they are given, all of which hold by the rule. kind: "flutter" or "divergence". by: who gives
     it, or "computed: …", by which route. own: the column's own parameters, defaults where left out. kappa: of the limit
-    of vanishing damping. rule: how digits were printed. seen: where a published number was seen. Raises ValueError.
+    of vanishing damping. rule: how digits were printed. seen: where a published number was seen. modes: of a number
+    that is no load of the beam, and of no limit, how many modes of the unloaded column explain it. Raises ValueError.
     """
 
     load: str
@@ -43,6 +44,7 @@ class Reference:
     kappa: float | None = None
     rule: str = "rounded"
     seen: str = ""
+    modes: int | None = None
 
     def __post_init__(self) -> None:
         try:
@@ -53,6 +55,8 @@ class Reference:
             raise ValueError(f"reference load {self.load!r}: give its digits as text, such as '20.05'")
         if self.kind not in ("flutter", "divergence"):
             raise ValueError(f"reference kind {self.kind!r}: must be 'flutter' or 'divergence'")
+        if self.modes is not None and (self.modes < 1 or self.kappa is not None):
+            raise ValueError(f"reference modes {self.modes}: must be 1 or more, and of no limit of vanishing damping")
         if self.rule not in RULES:
             raise ValueError(f"reference rule {self.rule!r}: must be one of {', '.join(RULES)}")
         if not self.by or bool(self.seen) == self.by.startswith("computed"):

@@ -20,7 +20,8 @@ from functools import cached_property
 
 import numpy as np
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
+from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
@@ -102,6 +103,15 @@ class General:
         return base, np.linalg.eigvals(companion).astype(complex)
 
     @cached_property
+    def unit(self) -> float | None:
+        """The least |P| with det K(P) = 0, P complex; None where there is none."""
+        base, mu = self._roots
+        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
+        roots = np.abs(base + 1 / mu)
+        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
+        return float(roots.min()) if len(roots) else None
+
+    @cached_property
     def divergences(self) -> tuple[Event, ...]:
         """Where det K(P) = 0 for real P > 0, as of a pencil: ascending, to the first simple root."""
         base, mu = self._roots
@@ -129,6 +139,8 @@ class General:
             s: Complex = np.asarray(1 / inverse.astype(complex))
         if not self.damped:
             return s, V.astype(complex), np.zeros(self.size)
+        if without_mass(M):
+            return s, V.astype(complex), _growth_without_mass(C, K, inverse, V)
         W = np.linalg.inv(M @ V)
         return s, V.astype(complex), np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
 
@@ -199,11 +211,7 @@ class General:
     @cached_property
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
-        base, mu = self._roots
-        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
-        roots = np.abs(base + 1 / mu)
-        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
-        unit = float(roots.min()) if len(roots) else 1.0
+        unit = self.unit or 1.0
         for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)
             if operator is not None and not operator.passed_before():
@@ -222,13 +230,13 @@ class General:
             return None
 
     def flutters(self, bound: float) -> Iterator[Event]:
-        """Raises InputError where something grows at the smallest loads."""
+        """Raises Unstable where something grows at the smallest loads."""
         operator = self._operator
         low = 1e-4 * bound if operator is None or operator.P else 0.0
         if operator is not None:
             low = min(low, operator.P / 2)
         if low and self.unstable(low) and self.unstable(low / 8):
-            raise InputError("something grows at the smallest loads: there is no first loss of stability")
+            raise Unstable("something grows at the smallest loads: there is no first loss of stability")
         if operator is None:
             steps = np.linspace(0, bound, 257)[1:]
             if any(self.unstable(P) for P in steps * (1 - NEAR)):
@@ -456,7 +464,8 @@ def _rounding(V: Complex) -> Real:
         W = np.linalg.inv(V)
     except np.linalg.LinAlgError:
         return np.full(len(V), np.inf)
-    return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
+    with np.errstate(over="ignore"):  # a coordinate without mass and damper: λ = ∞
+        return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
 
 
 def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
@@ -465,6 +474,19 @@ def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -
     with np.errstate(invalid="ignore"):
         limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
+
+
+def _growth_without_mass(C: Real, K: Real, inverse: Complex, V: Complex) -> Real:
+    """Growth to first order in a damping ε C, of eigenvectors V with ω² = 1/inverse. A coordinate without mass, inverse
+    0, has λ = μ/ε with det(μ C + K) = 0 of all that have none: of its growth the sign alone counts."""
+    D, least = np.linalg.solve(K @ V, C @ V), NOTHING * np.abs(inverse).max()
+    idle = np.abs(inverse) <= least
+    with np.errstate(divide="ignore", invalid="ignore"):
+        growth = np.where(idle, 0.0, -(np.diagonal(D) / inverse).real / 2)
+    most = np.abs(growth).max(initial=0.0) or 1.0
+    g = np.linalg.eigvals(D[np.ix_(idle, idle)])  # −1/μ
+    growth[idle] = np.where(np.abs(g) > NOTHING * np.abs(g).max(initial=0.0), -most * np.sign(g.real), 0.0)
+    return np.asarray(growth)
 
 
 def _blocks(n: int, first: Real, second: Real) -> Real:

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.massless import indefinite
 from freebeam_sym.stability.equations import divergences
 from freebeam_sym.stability.problem import CLOSE, Complex, Event, Real
@@ -80,7 +80,7 @@ def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
     try:
         L = np.linalg.cholesky(E)
     except np.linalg.LinAlgError:
-        raise InputError(
+        raise Unstable(
             "E is not positive definite: the column is not stable at load 0, so it has no first loss of stability"
         ) from None
     half = np.linalg.solve(L, M)

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from freebeam.proofs import (
         Certified,
         CertifiedCrossing,
+        CertifiedCrossings,
         CertifiedPulse,
         ExactSpectrum,
         Truncation,
@@ -62,8 +63,8 @@ __all__ = [
     "critical_loads", "stability_map", "trace_boundary", "CriticalLoads", "Boundary", "BoundaryEvent",
     "pulse", "PulsatingRegions", "PulsatingRegion",
     "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
-    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
-    "verify_certificate", "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
+    "truncation_error", "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum",
+    "Truncation", "verify_certificate", "exact_range", "ExactRange", "ExactPiece", "OpenPiece",
     "respond", "state_space", "Harmonic", "Response",
     "vehicle", "Vehicle",
     "InputError",
@@ -83,8 +84,8 @@ _HOMES = {
     "exact_ranges": ["exact_range", "ExactRange", "ExactPiece", "OpenPiece"],
     "proofs": [
         "certified_load", "certified_crossings", "certified_pulse", "exact_load", "exact_crossings", "exact_spectrum",
-        "truncation_error", "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation",
-        "verify_certificate",
+        "truncation_error", "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum",
+        "Truncation", "verify_certificate",
     ],
     "vehicles": ["vehicle", "Vehicle"],
 }  # fmt: skip

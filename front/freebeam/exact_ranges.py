@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +12,7 @@ from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, refusal
 
 if TYPE_CHECKING:
+    from freebeam_derive.certify.beam_itself import Itself
     from freebeam_derive.certify.beam_ranges import Piece
     from freebeam_sym.columns import Column
     from freebeam_sym.question import Question
@@ -53,7 +54,8 @@ class ExactRange:
     """What is proven over a range of a parameter. pieces: side by side, ascending; open: the parts that are left out.
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
-    each input was taken for.
+    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider;
+    None of a column beyond the textbook's.
     """
 
     parameter: str
@@ -62,6 +64,7 @@ class ExactRange:
     load: tuple[str, str]
     question: Question
     inputs: Mapping[str, str]
+    certificate: Mapping[str, Any] | None = field(repr=False)
 
 
 def exact_range(
@@ -83,7 +86,8 @@ def exact_range(
     the first, over all modes. Eqs. (6), (14), (15).
 
     parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own that stands in one
-    condition at x = 1 alone, linearly. digits: 1 to 4; the range is cut until each piece's load is known to a relative
+    condition at x = 1 alone, linearly; of a column in uniform parts, without damping, in one condition anywhere, such
+    as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to a relative
     width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of which a step
     of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential cantilever.
 
@@ -94,6 +98,7 @@ def exact_range(
 
     Raises InputError for bad values, for a column or a parameter that is not served, and where nothing is proven.
     """
+    from freebeam_derive.certify.certificate import write_range
     from freebeam_derive.certify.decimals import shown
 
     digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
@@ -112,10 +117,15 @@ def exact_range(
     else:
         parameters = parameters | {parameter: (start + end) / 2}
     asked = proofs._Asked.of(column, modes, parameters, kappa, None, **given)
+    asked.check_of_beam()
     asked = replace(asked, inputs={**asked.inputs, parameter: f"{first} to {last}"})
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
+    certificate = None
+    if not column.general:
+        ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
+        certificate = write_range(column.kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,
@@ -124,6 +134,7 @@ def exact_range(
         shown(*union),
         asked.question,
         asked.inputs,
+        certificate,
     )
 
 
@@ -163,15 +174,18 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     """What is proven from low to high. Raises Unproven, also where the load is wider, relative to its size."""
     from freebeam_derive.certify.balls import Range, Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import Over, linear_damping, piece
+    from freebeam_derive.certify.beam_ranges import Over, OverSystem, linear_damping, piece
 
     column, exact = asked.column, asked.exact
-    if column.general:
-        raise NoSeries(f"{column.name} goes beyond the uniform beam, whose modes the proof needs")
     values = Range(low, high)
     damping: Any = tuple(values if n == name else exact.get(n) for n in ("alpha", "beta", "kappa"))
-    if name in asked.own:
-        beam: Beam = Over(column.kernel, {**asked.own, name: values})
+    beam: Itself
+    if column.general:
+        if name not in asked.own or any(exact.get(n) for n in ("alpha", "beta")) or "kappa" in exact:
+            raise NoSeries(f"{column.name} goes beyond the uniform beam: its own parameters alone, and without damping")
+        beam = OverSystem(column.kernel, {**asked.own, name: values})
+    elif name in asked.own:
+        beam = Over(column.kernel, {**asked.own, name: values})
     else:
         beam = Beam(column.kernel, asked.own)
         linear_damping(beam, "beta" if name == "kappa" else name)
@@ -183,6 +197,11 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     if near is None or loss_of_beam.kind == "none":
         raise Unproven(f"no series loses stability up to the load {question.load_max:.10g}")
     return piece(beam, values, damping, near, loss_of_beam.kind, width)
+
+
+def _at(asked: proofs._Asked, name: str, value: Fraction) -> dict[str, Any]:
+    """What a question has otherwise at one value of the parameter."""
+    return {"own": {**asked.own, name: value}} if name in asked.own else {name: value}
 
 
 def _told(piece: Piece) -> ExactPiece:

@@ -22,13 +22,14 @@ from freebeam_sym.stability.critical import CriticalLoad
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing
-    from freebeam_derive.certify.verifier import Statement
+    from freebeam_derive.certify.beam_stability import Evidence
+    from freebeam_derive.certify.verifier_claims import Statement
     from freebeam_sym.columns import Column
 
 __all__ = [
-    "Certified", "CertifiedCrossing", "CertifiedPulse", "ExactSpectrum", "Truncation", "certified_crossings",
-    "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum", "rational",
-    "truncation_error", "verify_certificate",
+    "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum", "Truncation",
+    "certified_crossings", "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum",
+    "rational", "truncation_error", "verify_certificate",
 ]  # fmt: skip
 
 MOST = 1_000_000
@@ -48,7 +49,8 @@ class Certified:
     beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
     by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
     sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
-    rests that the load alone restores, or nothing is damped.
+    rests that the load alone restores, or nothing is damped. touches: of the beam itself, loads below at each of which
+    an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others.
     """
 
     load: tuple[str, str] | None
@@ -62,6 +64,7 @@ class Certified:
     missing: str = ""
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
     above_zero: bool = False
+    touches: tuple[CertifiedCrossing, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,12 @@ class CertifiedCrossing:
     unstable_below: int
     unstable_above: int
     stability: str
+
+
+class CertifiedCrossings(tuple[CertifiedCrossing, ...]):
+    """All of them, ascending. certificate: the data that prove it, for a file; None of a series and in SI units."""
+
+    certificate: Mapping[str, Any] | None = None
 
 
 @dataclass(frozen=True)
@@ -152,6 +161,11 @@ def rational(name: str, value: object) -> tuple[Fraction, str]:
     return exact, taken
 
 
+def _ratio(kappa: object) -> tuple[Fraction | float, str]:
+    """kappa as `rational` takes it; infinite where external damping alone vanishes."""
+    return (math.inf, "inf") if kappa in (math.inf, "inf") else rational("kappa", kappa)
+
+
 @dataclass(frozen=True)
 class _Asked:
     """What is asked of a proof: the question in floats, its exact nondimensional values, and what they were taken for.
@@ -176,14 +190,14 @@ class _Asked:
     ) -> _Asked:
         """The inputs as exact numbers. Raises InputError for bad ones."""
         is_column(column)
-        if not any(hasattr(column.kernel, part) for part in ("forms", "equations")):
+        if not hasattr(column.kernel, "complete"):  # from numbers of any kind
             raise InputError(
                 f"{column.name}: is assembled from tables in floats, of which nothing can be proven; state the column "
                 "in a file, such as with Piecewise"
             )
         left_out = {name for name in ("kappa", "load_max") if (given | {"kappa": kappa}).get(name) is None}
         given = {name: value for name, value in (given | {"kappa": kappa}).items() if name not in left_out}
-        taken = {name: rational(name, value) for name, value in given.items()}
+        taken = {name: _ratio(value) if name == "kappa" else rational(name, value) for name, value in given.items()}
         column.own_parameters(dict.fromkeys(parameters, 0))  # refuses what is not known
         exact = {name: value for name, (value, _) in taken.items()}
         inputs, own = {name: text for name, (_, text) in taken.items()}, {}
@@ -218,15 +232,18 @@ class _Asked:
         from freebeam_derive.certify.beam import Beam
         from freebeam_derive.certify.exact_system import ExactSystem
 
-        dampings = self.exact["alpha"], self.exact["beta"]
-        if not self.column.general:
-            beam = Beam(self.column.kernel, self.own)
-            beam.damping(*dampings)
-            return beam
-        vanishing = "kappa" in self.exact
-        if vanishing:
-            dampings = Fraction(1), self.exact["kappa"]
-        return ExactSystem(self.column.kernel, self.own, *dampings, vanishing)
+        if self.column.general:
+            alpha, beta = self.certified.dampings
+            return ExactSystem(self.column.kernel, self.own, alpha, beta, "kappa" in self.exact)
+        self.check_of_beam()
+        beam = Beam(self.column.kernel, self.own)
+        beam.damping(self.exact["alpha"], self.exact["beta"])
+        return beam
+
+    def check_of_beam(self) -> None:
+        """Raises InputError for the limit of external damping alone."""
+        if self.exact.get("kappa") == math.inf:
+            raise InputError("kappa = inf: of the beam itself this limit is not proven; of a series it is")
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
@@ -260,13 +277,16 @@ def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dic
     return squares(*values)
 
 
-def _nondimensional(given: Mapping[str, Fraction], squares: Mapping[str, Fraction]) -> dict[str, Any]:
+def _nondimensional(given: Mapping[str, Any], squares: Mapping[str, Fraction]) -> dict[str, Any]:
     """SI values as nondimensional ones: roots of rational numbers where the unit of time is one."""
     from freebeam_derive.certify.balls import root
 
     of = {**squares, "load_max": squares["load"], "kappa": squares["beta"] / squares["alpha"]}
-    found = {}
+    found: dict[str, Any] = {}
     for name, value in given.items():
+        if value == math.inf:
+            found[name] = value
+            continue
         if value < 0:  # which is refused, by the value as it was given
             nonnegative(name, float(value))
         found[name] = root(value**2 / of[name])
@@ -300,10 +320,10 @@ def certified_load(
 
     alpha, beta, kappa, load_max, parameters: numbers, fractions, or decimals as text; they are taken exactly, floats as
     their shortest decimals. digits: 1 to 10,000; the relative width of the interval is below 10^-digits. kappa: the
-    limit of vanishing damping at beta = kappa alpha. beam: bending stiffness (N m²), mass per length (kg/m) and length
-    (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max (N) and the result, and
-    there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the crossing, that the column is
-    stable on all of the interval below, and its kind.
+    limit of vanishing damping at beta = kappa alpha, math.inf for beta alone. beam: bending stiffness (N m²), mass per
+    length (kg/m) and length (m), all else is in SI units then, alpha (s), beta (kg/(m s)), kappa (kg/(m s²)), load_max
+    (N) and the result, and there is no certificate. load_max: 1000 nondimensional where left out. Proven are: the
+    crossing, that the column is stable on all of the interval below, and its kind.
 
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """
@@ -317,7 +337,7 @@ def certified_load(
     load = frequency = None
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
-        frequency = _frequency(asked, enclosure.square, digits)
+        frequency = _frequency(asked, enclosure.square, digits, enclosure.turn)
     data, missing = None, ""
     try:
         data = certificate.write(column.kernel, enclosure) if beam is None else None
@@ -361,11 +381,18 @@ def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -
         raise InputError(f"not proven for {asked.column.name}, N = {asked.question.modes}: {error}") from error
 
 
-def _frequency(asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
-    """ω from an interval of ω², as text; zero where there is none."""
+def _frequency(
+    asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int, turn: Fraction = Fraction(0)
+) -> tuple[str, str]:
+    """ω from an interval of ω², as text; zero where there is none. turn: of (ω + turn)², where it is the slower of two
+    that the turning frame makes of one."""
     from freebeam_derive.certify.decimals import outward, roots
 
-    return ("0", "0") if square is None else outward(*asked.frequency(roots(*square)), digits + 1)
+    if square is None:
+        return "0", "0"
+    low, high = roots(*square)
+    low, high = sorted((abs(low - turn), abs(high - turn))) if not low < turn < high else (Fraction(0), high - low)
+    return outward(*asked.frequency((low, high)), digits + 1)
 
 
 def certified_crossings(
@@ -380,7 +407,7 @@ def certified_crossings(
     beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
-) -> tuple[CertifiedCrossing, ...]:
+) -> CertifiedCrossings:
     """Every load up to load_max at which the Ritz series' stability changes, with the proof that none is left out.
 
     Ascending. Inputs as in `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them,
@@ -402,7 +429,7 @@ def certified_crossings(
         found = all_crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
-    return tuple(_told(asked, c, digits) for c in found)
+    return CertifiedCrossings(_told(asked, c, digits) for c in found)
 
 
 def _told(asked: _Asked, c: Crossing, digits: int) -> CertifiedCrossing:
@@ -430,13 +457,14 @@ def exact_crossings(
     beam: tuple[object, object, object] | None = None,
     progress: Callable[[str], None] | None = None,
     **parameters: object,
-) -> tuple[CertifiedCrossing, ...]:
+) -> CertifiedCrossings:
     """Every load up to load_max at which the number of growing eigenvalues of the beam itself changes, ascending, with
     the proof over all of its modes that none is left out. Eqs. (6), (14), (15).
 
     Of uniform beams, without damping, with it and in its limit; inputs as in `exact_load`, the result as of
     `certified_crossings`. The work grows fast with load_max: seconds up to the first crossing or two. An empty tuple
-    is the proof that the column is stable up to there. docs/theorem.md is the theorem.
+    is the proof that the column is stable up to there. `certificate` of the tuple holds the data of the proof.
+    docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> [c.kind for c in fb.exact_crossings(fb.column("beck"), eta="0.4", load_max=20)]
@@ -447,6 +475,7 @@ def exact_crossings(
     from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.beam import Beam, NoSeries
     from freebeam_derive.certify.beam_crossings import Survey
+    from freebeam_derive.certify.certificate import write_list
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, None, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
@@ -458,11 +487,14 @@ def exact_crossings(
         survey = Survey(itself, exact["alpha"], exact["beta"], exact.get("kappa"), exact["load_max"], digits)
         survey.say = progress or survey.say
         found = survey.run()
+        certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, found)
     except NoSeries as error:
         raise InputError(f"all crossings of the exact beam are not to be had: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
-    return tuple(_told(asked, c, digits) for c in found)
+    told = CertifiedCrossings(_told(asked, c, digits) for c in found)
+    told.certificate = certificate
+    return told
 
 
 def exact_load(
@@ -481,9 +513,9 @@ def exact_load(
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
-    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping for one of
-    variable section, with springs and a mass at an end, without a certificate. Where these two are not proven,
-    `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
+    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping and without
+    a certificate for one of variable section or in uniform parts, with masses and springs. Where these two are not
+    proven, `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())
@@ -524,8 +556,8 @@ def enclosed_load(
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
     """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
     there is no proof."""
+    from freebeam_derive.certify import beam_crossings
     from freebeam_derive.certify import beam_itself as beams
-    from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
     from freebeam_derive.certify.certificate import write_of_beam
@@ -542,12 +574,13 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
-        evidence: beam_stability.Evidence | None = None
+        evidence: Evidence | None = None
         missing, certificate = "", None
+        touches: list[Crossing] = []
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
-            crossing, evidence, missing = beam_stability.complete(beam, crossing, *dampings)
-        if evidence is not None and not asked.squares and not asked.column.general:
+            crossing, evidence, missing, touches = beam_crossings.complete(beam, crossing, *dampings)
+        if evidence is not None and not touches and not asked.squares and not asked.column.general:
             certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
@@ -567,6 +600,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         certificate,
         missing=missing,
         evidence=None if evidence is None else evidence.numbers,
+        touches=tuple(_told(asked, c, digits) for c in touches),
     )
 
 
@@ -761,12 +795,14 @@ def verify_certificate(path: str) -> Statement:
     """Check a certificate file with the verifier, which shares no code with the prover.
 
     What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
-    theorem stands in docs/proofs.md. Raises InputError with the reason where the file does not prove what it claims.
+    theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
+    prove what it claims.
     """
     from freebeam_derive.certify import verifier_of_beam
-    from freebeam_derive.certify.verifier import Refused, verify_file
+    from freebeam_derive.certify.verifier import verify_file
+    from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, {verifier_of_beam.FORMAT: verifier_of_beam.verify})
+        return verify_file(path, verifier_of_beam.FORMATS)
     except Refused as error:
         raise InputError(str(error)) from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -14,7 +15,7 @@ from flint import arb, arb_mat
 
 import freebeam as fb
 from freebeam.cli import main
-from freebeam_derive.certify import beam_cells, beam_crossings
+from freebeam_derive.certify import beam_cells, beam_crossings, beam_itself
 from freebeam_derive.certify.all_crossings import Crossing
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.beam import Beam
@@ -99,6 +100,27 @@ def test_a_touch_is_told_from_a_crossing() -> None:
     assert touches(Beam(fb.column("euler-pinned").kernel), arb(100)) is None
 
 
+def first() -> Any:
+    beam = Beam(fb.column("beck").kernel, {"eta": F(1, 2)})
+    crossing = beam_itself.flutter_undamped(beam, (16.0525, 7.0552), 12)
+    return beam_crossings.complete(beam, crossing, F(0), F(0))
+
+
+def test_beyond_a_touch_the_next_crossing_is_the_first_loss(monkeypatch: pytest.MonkeyPatch) -> None:
+    found, evidence, missing, below = first()
+    assert found.proof.first and found.proof.stable_below and missing == "" and evidence.cells > 0
+    assert [c.kind for c in below] == ["touch"] and exact(below[0].load[1]) < found.load
+    # a touch that is taken for a crossing
+    right = Survey._counted
+
+    def crossed(self: Survey, damped: bool) -> list[Crossing]:
+        return [replace(c, change=2) if c.kind == "touch" else c for c in right(self, damped)]
+
+    monkeypatch.setattr(Survey, "_counted", crossed)
+    found, evidence, missing, below = first()
+    assert not found.proof.first and evidence is None and missing.startswith("touches") and below == []
+
+
 # ------------------------------------------------------------ what cannot be decided, broken steps
 
 
@@ -163,8 +185,6 @@ def test_columns_beyond_the_uniform_beam_are_refused(monkeypatch: pytest.MonkeyP
 def test_from_the_command_line_the_list_needs_an_end(capsys: pytest.CaptureFixture[str]) -> None:
     words = ["critical", "--column", "beck", "--exact", "--all", "--digits", "9"]
     assert main(words) == 2 and capsys.readouterr().err.count("\n") == 1
-    assert main([*words, "--load-max", "4", "--certificate", "x.json"]) == 2
-    assert "leave out --all" in capsys.readouterr().err
     assert main([*words, "--load-max", "4", "--set", "eta=0", "--json"]) == 0
     (found,) = json.loads(capsys.readouterr().out)["crossings"]
     assert found["load_lower"].startswith("2.46740110") and found["stability"] == "lost"

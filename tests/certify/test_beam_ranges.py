@@ -12,16 +12,21 @@ from typing import Any, ClassVar
 import numpy as np
 import pytest
 from flint import arb, arb_mat
+from scipy.linalg import eigh
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
 from freebeam import exact_ranges
 from freebeam.cli import main
+from freebeam_derive.certify import frequency_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
 from freebeam_derive.certify.beam import Beam, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
-from freebeam_derive.certify.beam_ranges import Over, _Family, crossing, piece
+from freebeam_derive.certify.beam_ranges import Over, OverSystem, _Family, crossing, piece
 from freebeam_derive.certify.beam_stability import damping_factors
+from freebeam_derive.certify.column_forms import ColumnForms, over_both
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 from freebeam_sym.checks import InputError
@@ -33,6 +38,7 @@ CASES: dict[str, tuple[str, str, str, str, dict[str, Any]]] = {
     "divergence, damped": ("beck", "eta", "0.3", "0.301", {"beta": "0.5"}),
     "external damping": ("beck", "beta", "0.5", "0.52", {"alpha": "0.01"}),
     "internal damping": ("beck", "alpha", "0.01", "0.0101", {"beta": "0.5"}),
+    "flutter, a rotary inertia": ("pflueger", "J", "0.1", "0.102", {}),
     "vanishing damping": ("beck", "kappa", "0", "0.5", {"kappa": 0}),
 }
 
@@ -160,6 +166,66 @@ def test_the_equations_of_each_value_are_in_those_of_the_range(which: str) -> No
         assert not all(a.contains(b) for a, b in zip(whole.entries(), thin.entries(), strict=True))
 
 
+def test_frequencies_of_each_value_are_on_their_side_of_the_lines() -> None:
+    """Of a column with a tip mass, by series without load; and F of each value is in that of the range."""
+    kernel, values = fb.column("pflueger").kernel, Range(F("0.8"), F("1.2"))
+    own = {"J": F(1, 10)}
+    system = OverSystem(kernel, {**own, "mu": values})
+    orders = ((0, 0), (0, 1))
+    with precision(64):
+        gaps = FrequencyGaps(system, arb(6))
+        lines = {k: float(gaps.line(k)) for k in range(gaps.lowest, gaps.count)}
+        whole = system.taylor(arb(8), arb(20), orders)
+        local = Local(system, arb(8, "0.1"), arb(20, "0.3")).taylor(arb("8.05"), arb("19.8"), orders)
+    assert len(lines) > 1
+    basis = kernel.basis(24)
+    for mu in (F("0.8"), F("0.93"), F("1.2")):
+        given = {"mu": float(mu), "J": 0.1}
+        squares = 1 / eigh(kernel.mass(basis, 0.0, **given), kernel.stiffness(basis, 0.0, **given), eigvals_only=True)
+        assert all(np.sum(squares < R) == k for k, R in lines.items())
+        with precision(64):
+            thin = ExactSystem(kernel, {**own, "mu": mu})
+            for found, point in ((whole, ("8", "20")), (local, ("8.05", "19.8"))):
+                at = thin.taylor(*map(arb, point), orders)
+                assert all(found[order].contains(at[order].mid()) for order in orders)
+
+
+def test_masses_and_springs_that_grow_together_are_refused() -> None:
+    """Frequencies need not go one way then."""
+    with precision(64):
+        low, high = (ColumnForms(fb.column("pflueger").kernel, {"mu": F(mu), "J": F("0.1")}) for mu in (1, 2))
+        assert over_both(low, high).masses[F(1), 0].contains(arb("1.5"))
+        high.springs = {(F(1), 0): F(1)}
+        with pytest.raises(NoStrips, match="not all frequencies rise"):
+            over_both(low, high)
+        high.m = [[F(2)]]
+        with pytest.raises(NoStrips, match="more than masses and springs"):
+            over_both(low, high)
+
+
+def test_a_range_of_one_end_alone_would_put_a_line_too_low(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Frequencies fall as the mass grows: those of both ends bound the gaps, and of one they are taken for wider."""
+    system = OverSystem(fb.column("pflueger").kernel, {"J": F(1, 10), "mu": Range(F(1, 2), F(2))})
+    with precision(64):
+        right = FrequencyGaps(system, arb(3)).reach
+        monkeypatch.setattr(frequency_gaps, "_at_ends", lambda own: [{"J": F(1, 10), "mu": F(1, 2)}])
+        assert right < FrequencyGaps(system, arb(3)).reach
+
+
+@pytest.mark.parametrize(
+    ("column", "own", "message"),
+    [
+        ("beck-self-weight", "g", "in one condition alone, linearly"),
+        ("step", "s", "in one condition alone, linearly"),
+        ("point-mass", "a", "where a stands is not known"),
+        ("tip-damper", "c", "dampers or gyroscopic terms"),
+    ],
+)
+def test_what_no_range_is_served_of_beyond_the_textbook(column: str, own: str, message: str) -> None:
+    with pytest.raises(NoSeries, match=message):
+        OverSystem(fb.column(column).kernel, {own: Range(F(2, 5), F(1, 2))})
+
+
 def test_a_parameter_elsewhere_than_in_one_condition_is_refused() -> None:
     right = beck.end_conditions
 
@@ -230,7 +296,6 @@ def test_a_range_is_typed_with_two_dots(capsys: pytest.CaptureFixture[str], tmp_
         ["--exact", "--alpha", "0+", "--beta", "0.1..0.2"],
         ["--exact", "--kappa", "0..1"],
         ["--exact", "--beta", "-1..1"],
-        ["--exact", "--set", "eta=0.3..0.31", "--certificate", "x.json"],
         ["--exact", "--set", "eta=0.3..0.31", "--all"],
         ["--exact", "--set", "eta=0.3..0.31", "--digits", "9"],
         ["--exact", "--set", "eta=0.3..0.31", "--bending-stiffness", "1"],

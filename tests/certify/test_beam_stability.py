@@ -160,14 +160,26 @@ def test_a_cell_with_another_crossing_is_not_excluded(monkeypatch: pytest.Monkey
     with precision(beam_stability.BITS):
         there, away = [+crossing.load, +crossing.frequency], [arb(60), arb(15)]
         proof = beam_cells.Cells(beam, 0, arb(112), [there])
-        first, second = (arb(15, 2), arb(7, 1)), (arb(110, 2), arb("20.5", 0.5))
+        first, second, third = (
+            tuple((Fraction(a), Fraction(b)) for a, b in place)
+            for place in (((13, 17), (6, 8)), ((108, 112), (20, 21)), ((108, 112), (22, 24)))
+        )
         proof._tile(problem, *first, 0)
-        proof._tile(problem, arb(110, 2), arb(23, 1), 0)
+        proof._tile(problem, *third, 0)
         assert proof._checked > 0
         for place, known in ((second, there), (first, away)):
             proof.known = [known]
             with pytest.raises(beam_cells.OpenStep, match="cells: that there is no other crossing"):
                 proof._tile(problem, *place, 0)
+
+
+def test_a_cell_that_is_left_out_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Cells are counted by their areas, in fractions: whichever half is dropped, they do not cover all."""
+    halves, asked = beam_cells._halves, static(beck, 2.4674, beta=HALF, eta=NONE)
+    assert complete(*asked)[1] is not None
+    for kept in (0, 1):
+        monkeypatch.setattr(beam_cells, "_halves", lambda side, kept=kept: [halves(side)[kept]])
+        assert refused(asked).startswith("cells: they do not cover all loads and frequencies")
 
 
 def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> None:
@@ -196,12 +208,12 @@ def test_no_crossing_is_beyond_the_highest_frequency() -> None:
 
 def test_columns_that_are_not_served_are_named() -> None:
     crossing = FIRST["Euler"]()[1]
-    step = ExactSystem(fb.column("step").kernel, {})
-    assert complete(step, crossing, NONE, NONE)[2].startswith("frequency gaps: step is more than one segment")
+    crack = ExactSystem(fb.column("crack").kernel, {})
+    assert complete(crack, crossing, NONE, NONE)[2].startswith("frequency gaps: crack has more than the one deflection")
 
 
 def test_the_touch_at_one_half_is_left_open() -> None:
-    """ω² falls to zero at π² and rises again: F(P, 0) has no sign there."""
+    """ω² falls to zero at π² and rises again: F(P, 0) has no sign there. `beam_crossings` knows it by a closed form."""
     assert "between the loads 9.8" in refused(undamped(beck, 16.0525, 7.055, eta=HALF))
 
 

@@ -1,4 +1,9 @@
-"""Gaps between frequencies without load, proven of variable sections and masses, and the proofs that stand on them."""
+"""Gaps between frequencies without load, proven of variable sections and masses, and the proofs that stand on them.
+
+    python -m tests.certify.test_frequency_gaps
+
+proves the table of Lemma 8 in docs/theorem.md again, in half a minute.
+"""
 
 from __future__ import annotations
 
@@ -9,15 +14,18 @@ from typing import Any
 import numpy as np
 import pytest
 from flint import arb
+from scipy.linalg import eigh
 
 import freebeam as fb
 from freebeam import cli
-from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps
-from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps, stepped_section
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
-from freebeam_derive.certify.strips import NoStrips
-from freebeam_derive.certify.variable_section import VariableSection
+from freebeam_derive.certify.stepped_section import SteppedSection
+from freebeam_derive.certify.strips import NoStrips, modes_of
+from freebeam_derive.certify.variable_section import VariableSection, _free
 
 BITS = 64
 CASES: dict[str, tuple[str, dict[str, str]]] = {
@@ -43,7 +51,7 @@ def matrices(it: ExactSystem, size: int) -> tuple[Any, Any, Any]:
 
 def frequencies(it: ExactSystem, count: int) -> Any:
     M, E, _ = matrices(it, count + 24)
-    return np.sqrt(np.sort(np.linalg.eigvals(np.linalg.solve(M, E)).real))[:count]
+    return 1 / np.sqrt(eigh(M, E, eigvals_only=True)[::-1][:count])
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -51,7 +59,7 @@ def test_the_gaps_of_high_frequencies_are_no_wider_than_they_are(name: str) -> N
     it = system(*CASES[name])
     omega = frequencies(it, 22)
     with precision(BITS):
-        section = VariableSection(it.kernel, it.own)
+        section = VariableSection(ColumnForms(it.kernel, it.own))
         known = [(k, *map(float, section.far_gap(k))) for k in (2, 3, 4, 5, 6, 8, 10, 12, 16, 20)]
     begun = [gap for *_, gap in known if gap > 0]
     assert len(begun) > 5 and begun == sorted(begun)  # once known they grow
@@ -68,8 +76,36 @@ def test_the_load_is_no_larger_than_its_bound(name: str) -> None:
     left, right = (np.linalg.inv(np.linalg.cholesky(part)) for part in (M, E))
     size = np.linalg.norm(left @ (K - E) @ right.T, 2)
     with precision(BITS):
-        bound = float(VariableSection(it.kernel, it.own).load_size)
+        bound = float(ColumnForms(it.kernel, it.own).load_size)
     assert size * (1 - 1e-12) <= bound < 2 * size  # rounding of the series
+
+
+@pytest.mark.parametrize("kinds", [("clamped", "free"), ("pinned", "pinned"), ("sliding", "free")])
+@pytest.mark.parametrize("k", [4, 20])
+def test_the_constants_of_lemma_7_are_above_what_they_bound(kinds: tuple[str, str], k: int) -> None:
+    """With Σ D w² = 1: ‖w'‖², ‖w‖² and w, w' at the right end, of 60 modes; the bounds read off what they take away."""
+    h, none = arb("0.01"), arb(0)
+    with precision(BITS):
+        modes = modes_of(kinds, 60, BITS)
+        beside = modes.lattice(k), modes.lattice(k + 1)
+        G = (beside[0] + beside[1]) / 2
+
+        def free(A: arb, C: arb, ends: dict[tuple[int, int, int], arb]) -> float:
+            return float(_free(modes, G, beside, ((A, none, C), ends), kinds))
+
+        least = free(none, none, {})
+        bounds = [(1 - free(*given) / least) / 0.01 for given in (
+            (h, none, {}), (none, h, {}), (none, none, {(1, 0, 0): h}), (none, none, {(1, 1, 1): h})
+        )]  # fmt: skip
+        slopes = np.array(modes.form({(0, 1, 1): 1}, {}).tolist(), dtype=float)
+        gamma = np.array([float(g) for g in modes.gamma])
+        at_end = [np.array([float(v) for v in modes.derivative(1, d)]) for d in (0, 1)]
+        line = float(G) ** 4
+    D = abs(gamma**4 - line)
+    values = [np.linalg.norm(slopes / np.sqrt(np.outer(D, D)), 2), 1 / D.min(), *((v**2 / D).sum() for v in at_end)]
+    assert 0 < least <= D.min() * (1 + 1e-12)
+    for bound, value in zip(bounds, values, strict=True):
+        assert value <= bound * (1 + 1e-6) + 1e-12 and (bound < 60 * value or value == bound == 0)
 
 
 def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remainder() -> None:
@@ -78,7 +114,7 @@ def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remain
     nodes, weights = np.polynomial.legendre.leggauss(24)
     nodes, weights = (nodes + 1) / 2, weights / 2
     with precision(BITS):
-        section = VariableSection(it.kernel, it.own)
+        section = VariableSection(ColumnForms(it.kernel, it.own))
         c = float(section.scale)
 
         def local(x: float) -> list[float]:
@@ -120,8 +156,88 @@ def test_no_eigenvalue_meets_a_line_for_any_load_up_to_the_reach() -> None:
             assert all(np.sum(s.real < R) == k for k, R in lines.items())
 
 
+# ------------------------------------------------------------ uniform parts
+
+PARTS: dict[str, tuple[str, dict[str, str]]] = {
+    "rotary inertia": ("pflueger", {"J": "0.1"}),
+    "step": ("step", {}),
+    "step and mass": ("step", {"a": "0.6", "r": "0.5", "mu": "0.3"}),
+    "mass": ("point-mass", {"a": "0.3"}),
+    "a root on a spring": ("elastic-root", {"c": "0.2"}),
+}
+
+
+def parts(name: str, own: dict[str, str]) -> SteppedSection:
+    it = system(name, own)
+    return SteppedSection(ColumnForms(it.kernel, it.own))
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_all_frequencies_of_uniform_parts_are_those_of_a_series(name: str) -> None:
+    """None is left out, and beyond G² neighbours are as far apart as is said, up to those that the series has."""
+    omega = frequencies(system(*PARTS[name]), 30)
+    with precision(BITS):
+        them = parts(*PARTS[name])
+        found = [float(g) ** 2 for g in them.lowest(arb(20))]
+        assert 0.1 * omega[0] < them.forms.lowest < omega[0]
+        G, gap = map(float, them.gap_beyond(arb(4)))
+    assert found[-2] < 400 < found[-1]
+    assert np.allclose(found, omega[: len(found)], rtol=1e-9)
+    high = omega[omega > G**2]
+    assert len(high) > 15 and 4 < gap < np.diff(high).min()
+
+
+@pytest.mark.parametrize("name", PARTS)
+def test_waves_and_a_rest_are_the_characteristic_function(name: str) -> None:
+    """At some γ, where the rest is not small; and its slope by differences."""
+    with precision(BITS):
+        them = parts(*PARTS[name])
+        for g in (3.0, 7.5):
+            waves, (rest, rest_slope) = them._waves(1 / arb(g), arb(g))
+            value, slope = map(float, them.value(arb(g)))
+            total = turned = 0j
+            for wave, B in waves.items():
+                turn = sum(sign * float(rate) for sign, rate in zip(wave, them.rates, strict=True))
+                unit = np.exp(1j * turn * g)
+                total += complex(B[0]) * unit
+                turned += (complex(B[1]) + 1j * turn * complex(B[0])) * unit
+            assert abs(total.imag) < 1e-12 and 1e-9 < abs(value - total.real) <= float(rest)
+            assert 1e-9 < abs(slope - turned.real) <= float(rest_slope)
+            h = 1e-5
+            sides = [float(them.value(arb(g + sign * h))[0]) for sign in (-1, 1)]
+            assert abs((sides[1] - sides[0]) / (2 * h) - slope) < 1e-6 * (1 + abs(slope))
+
+
+def test_a_column_on_two_springs_has_no_frequency_below_the_bound() -> None:
+    """Free at both ends, a spring and a mass there; against polynomials."""
+    n = np.arange(10)
+    power = n[:, None] + n
+    M = 1 / (power + 1) + 0.3 * np.outer(n == 0, n == 0)
+    bend = np.outer(n * (n - 1), n * (n - 1)) / np.maximum(power - 3, 1)
+    K = bend + 2 * np.outer(n == 0, n == 0) + 0.5
+    with precision(BITS):
+        forms = parts("elastic-root", {}).forms
+        forms.kinds, forms.masses = ("free", "free"), {(Fraction(0), 0): Fraction(3, 10)}
+        forms.springs = {(Fraction(0), 0): Fraction(2), (Fraction(1), 0): Fraction(1, 2)}
+        first = 1 / np.sqrt(eigh(M, K, eigvals_only=True)[-1])
+        assert 0.3 * first < forms.lowest < first
+
+
+def test_parts_that_a_mass_with_a_rotary_inertia_holds_apart_are_refused() -> None:
+    """Both halves, clamped where the mass is, may have one high frequency."""
+    with precision(BITS):
+        them = parts("point-mass", {})
+        them.forms.masses[Fraction(1, 2), 1] = Fraction(1, 10)
+        with pytest.raises(Unproven, match="not known to be apart"):
+            them.gap_beyond(arb(20))
+        them = parts("point-mass", {"a": "0.999"})
+        with pytest.raises(Unproven, match="so short"):
+            them.gap_beyond(arb(20))
+
+
 PROVEN: dict[str, tuple[str, dict[str, str]]] = {
     "Pflueger": ("pflueger", {}),
+    "rotary inertia": ("pflueger", {"J": "0.1"}),
     "a spring, divergence": ("tip-spring", {"k": "40"}),
 }
 
@@ -135,8 +251,7 @@ def test_the_first_loss_of_stability_is_proven_beyond_the_textbook(name: str) ->
 
 
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
-    "two segments": ("point-mass", {}, "frequency gaps: point-mass is more than one segment"),
-    "rotary inertia": ("pflueger", {"J": "0.1"}, "more than one mass at its ends"),
+    "a crack": ("crack", {}, "frequency gaps: crack has more than the one deflection y, or one that jumps"),
     "damping": ("pflueger", {"beta": "0.5"}, "damping: with it"),
 }
 
@@ -152,10 +267,10 @@ def test_a_load_on_an_end_without_a_mass_is_not_bounded() -> None:
     """The same forms with ends (test, trial) of a dead load: |v(1)| is not bounded by the mass of v."""
     it = system("pflueger", {"mu": "0"})
     with precision(BITS):
-        section = VariableSection(it.kernel, it.own)
-        section.load_points = {}  # −∫ v' y' dx alone
+        forms = ColumnForms(it.kernel, it.own)
+        forms.load_points = {}  # −∫ v' y' dx alone
         with pytest.raises(NoStrips, match="acts on an end that carries no mass"):
-            _ = section.load_size
+            _ = forms.load_size
 
 
 def test_no_certificate_is_written_that_the_verifier_could_not_check(
@@ -170,9 +285,9 @@ def test_no_certificate_is_written_that_the_verifier_could_not_check(
 # ------------------------------------------------------------ broken steps
 
 
-def missing(monkeypatch: pytest.MonkeyPatch, thing: Any, name: str, wrong: Any) -> str:
-    it = system("pflueger", {})
-    crossing = beam_itself.flutter_undamped(it, (16.212, 6.27), 20)
+def missing(monkeypatch: pytest.MonkeyPatch, thing: Any, name: str, wrong: Any, J: str = "0") -> str:
+    it = system("pflueger", {"J": J})
+    crossing = beam_itself.flutter_undamped(it, (16.212, 6.27) if J == "0" else (8.8697, 4.16), 20)
     monkeypatch.setattr(thing, name, wrong)
     found, evidence, why = beam_stability.complete(it, crossing, Fraction(0), Fraction(0))
     assert evidence is None and not found.proof.first
@@ -181,9 +296,9 @@ def missing(monkeypatch: pytest.MonkeyPatch, thing: Any, name: str, wrong: Any) 
 
 def test_half_the_load_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of C lets m = 1, whose one eigenvalue meets another below R₁."""
-    right = VariableSection._size
+    right = ColumnForms._size
     wrong = lambda self, turned: right(self, turned) / 2  # noqa: E731
-    assert missing(monkeypatch, VariableSection, "_size", wrong).startswith("low frequencies")
+    assert missing(monkeypatch, ColumnForms, "_size", wrong).startswith("low frequencies")
 
 
 def test_a_line_on_the_wrong_side_of_a_frequency_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -198,7 +313,41 @@ def test_a_frequency_left_out_proves_nothing(monkeypatch: pytest.MonkeyPatch) ->
     assert "could not be enclosed" in missing(monkeypatch, FrequencyGaps, "estimates", wrong)
 
 
+def test_a_frequency_of_parts_left_out_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    right = SteppedSection.lowest
+    wrong = lambda self, *given: [g for n, g in enumerate(right(self, *given)) if n != 1]  # noqa: E731
+    assert missing(monkeypatch, SteppedSection, "lowest", wrong, "0.1").startswith("low frequencies")
+
+
+def test_a_wave_left_out_would_prove_too_much() -> None:
+    with precision(BITS):
+        them = parts("point-mass", {})
+        waves, rest = them._waves(arb("0.019").union(arb("0.02")), arb(50))
+        assert stepped_section._cells_apart(waves, rest, them.rates, arb("0.2"))
+        assert not stepped_section._cells_apart(waves, rest, them.rates, arb("1.2"))
+        fewer = {wave: B for wave, B in waves.items() if wave[0] == wave[1]}
+        assert stepped_section._cells_apart(fewer, rest, them.rates, arb("1.2"))
+
+
 def test_gaps_that_are_too_narrow_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(frequency_gaps, "MOST", 3)
     with precision(BITS), pytest.raises(NoStrips, match="wide enough"):
         FrequencyGaps(system("pflueger", {}), arb(100))
+
+
+def table() -> None:
+    """The rows of Lemma 8."""
+    page = (Path(__file__).parents[2] / "docs" / "theorem.md").read_text(encoding="utf-8")
+    for line in page.splitlines():
+        if line.startswith("| `"):
+            said, load, kind, lowest, stretches = [cell.strip(" `") for cell in line.split("|")[1:6]]
+            name, *own = said.split()
+            found = fb.exact_load(fb.column(name), digits=20, **dict(item.split("=") for item in own))  # type: ignore[arg-type]
+            assert all(found.proof.values()) and found.load is not None and found.evidence is not None
+            numbers = found.evidence["lowest"], found.evidence["stretches"]
+            assert found.load[0].startswith(load) and (found.kind, *numbers) == (kind, int(lowest), int(stretches))
+            print(said, found.load[0])
+
+
+if __name__ == "__main__":
+    table()

@@ -8,10 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_poly
 
 import freebeam as fb
 from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.first_crossing import cover
 from freebeam_derive.certify.ranges import BITS, Line, _Family
 
 CASES = [("free-free", "internal", "0"), ("free-free", "external", "0"), ("free-free", "internal", "0.1")]
@@ -78,6 +79,21 @@ def test_no_crossing_before_the_first() -> None:
     beyond = [dataclasses.replace(cell, load=(cell.load[0] * 2, cell.load[1] * 2)) for cell in cells]
     with pytest.raises(Unproven):
         line.none_before(beyond[:1], F(1, 20))
+
+
+def test_stability_is_shown_from_no_load_on() -> None:
+    """Of Beck's column under the load 60 (1 − P)², which is beyond its own where P is small and below from P = 1 on."""
+    line, falling = Line(fb.column("beck", "modes").kernel, 3, "internal"), arb_poly([60, -120, 60])
+    for table in (table for curves in (line.h, line.g) for table in curves):
+        powers, columns = [falling**a for a in range(len(table))], range(len(table[0]))
+        table[:] = [
+            [sum((p[k] * row[b] for p, row in zip(powers, table, strict=True)), arb_poly()) for b in columns]
+            for k in range(2 * len(table) - 1)
+        ]
+    with precision(BITS):
+        cover(_Family(line, line.of(F(1, 100)), line.of(F(1, 100))).over, F(1), F(13, 10))
+    with pytest.raises(Unproven):
+        line.stable(F(1, 100), F(1, 100), F(13, 10))
 
 
 def test_a_wrong_start_proves_nothing() -> None:

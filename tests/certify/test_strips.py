@@ -170,6 +170,8 @@ def stated(kernel: ModuleType, **changes: Any) -> Any:
         (stated(euler, E=({(0, 2, 2): 2}, {})), "mass or its bending stiffness"),
         (stated(euler, H=({(0, 2, 1): 1}, {})), "acts on curvatures"),
         (stated(free_free, H=({(0, 1, 1): -1}, {})), "rigid motions feel the load"),
+        # a translation and a rotation that the load drives apart, each alone: opposite rates
+        (stated(free_free, H=({(0, 0, 0): 2, (1, 0, 0): -15, (2, 0, 0): 15}, {})), "rigid motions feel the load"),
         (stated(free_free, E=({(0, 2, 2): 1, (0, 0, 0): 1}, {})), "rigid motions feel"),
     ],
 )

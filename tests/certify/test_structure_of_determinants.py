@@ -83,10 +83,27 @@ def test_degree_evenness_and_what_vanishes_are_the_determinant_s(
     assert known.degree == theirs.highest == max(p for _, p in true)
     assert known.even == theirs.even == (not any(p % 2 for _, p in true))
     assert known.rests == theirs.resting == resting and known.left_alone == theirs.apart
+    assert not known.tangent and not theirs.touching  # C acts along what rests, or on it
     for a, p in itertools.product(range(3), range(6)):
         assert known.vanishes(a, p) == theirs.absent(a, p)
         assert not (known.vanishes(a, p) and (a, p) in true)
     assert resting == 0 or known.vanishes(0, 0)
+
+
+@pytest.mark.parametrize("resting", [1, 2])
+def test_where_damping_vanishes_with_the_load_h_and_g_begin_alike(resting: int) -> None:
+    """Factors of P^a λ^(2b+1), a + b = r, are c times those of P^a λ^(2b); not where C_1 acts on what rests."""
+    M, C, K = drawn(5, 0, False, resting, "any")
+    C[0][:, N - resting :] = fmpq(0)
+    for meets in (True, False):
+        C[1][N - resting :, N - resting :] = fmpq(int(meets))
+        C[1][N - resting :, : N - resting] = fmpq(3)
+        known = structure.structure(M, C, K)
+        theirs = verifier_degrees.degrees(*([fmpq_mat(X.tolist()) for X in terms] for terms in (M, C, K)))
+        assert known.tangent == theirs.touching == (not meets)
+        true = powers(M, C, K)
+        pairs = [(true.get((a, 2 * b + 1), fmpq(0)), true[a, 2 * b]) for a in range(resting + 1) for b in [resting - a]]
+        assert (len({odd / even for odd, even in pairs}) == 1) == (not meets)
 
 
 def test_h_and_g_of_massless_and_resting_coordinates_are_the_determinant() -> None:

@@ -21,6 +21,7 @@ from flint import arb, arb_poly, arb_series
 
 import freebeam as fb
 from freebeam_derive.certify import verifier
+from freebeam_derive.certify.decimals import shown
 
 F = Fraction
 Data = dict[str, Any]
@@ -29,6 +30,7 @@ CASES: dict[str, tuple[str, str, int, dict[str, Any]]] = {
     "undamped": ("free-free", "legendre", 5, {}),
     "damped": ("beck", "legendre", 4, {"alpha": "0.001", "beta": "0.1"}),
     "limit": ("beck", "legendre", 3, {"kappa": 2}),
+    "external limit": ("beck", "legendre", 3, {"kappa": math.inf}),
     "divergence": ("beck", "legendre", 3, {"eta": "0.25"}),
     "none": ("beck", "legendre", 3, {"alpha": "0.001", "load_max": 8}),
     "undamped, modes": ("free-free", "modes", 3, {}),
@@ -92,9 +94,9 @@ def test_a_certificate_is_accepted(case: str) -> None:
     assert named[data["kind"]] in said and f"N = {data['modes']} ({data['basis']})" in said and data["column"] in said
     assert f"{float(proven.end):.9g}"[:-1] in said
     for interval in filter(None, (proven.load, proven.frequency)):
-        low, high = (F(v) for v in verifier.shown(*interval))
+        low, high = (F(v) for v in shown(*interval))
         assert low <= interval[0] < interval[1] <= high and high - low < 2 * (interval[1] - interval[0])
-        assert all(v in said for v in verifier.shown(*interval))
+        assert all(v in said for v in shown(*interval))
 
 
 # --- every field ----------------------------------------------------------------------------------------------
@@ -196,10 +198,19 @@ def test_damping_that_was_not_asked_for_is_refused(case: str, asked: Data) -> No
     refused(certificate(case) | asked, "the damping")
 
 
-def test_a_limit_without_internal_damping_is_refused() -> None:
-    """External damping alone that vanishes leaves the undamped crossing, where no eigenvalue is simple."""
-    data = certificate("limit") | {"column": "another"}
-    refused(data | {"damping": {"of_M": "1", "of_E": "0", "vanishing": True}}, "no internal damping")
+def test_external_damping_that_vanishes_leaves_the_crossing_where_it_is_without_any() -> None:
+    """Two frequencies meet there; of any other C, or of none, that is not shown."""
+    data = certificate("external limit")
+    said, without = verifier.verify(data), fb.certified_load(fb.column("beck", "legendre"), 3, digits=20).load
+    assert without is not None and said.load is not None and said.record()["kappa"] == "inf"
+    assert F(without[0]) < said.load[1] and said.load[0] < F(without[1])
+    data |= {"column": "another"}
+    for of_M, of_E in (("0", "0"), ("-1", "0"), ("1", "-1"), ("1", "1"), ("1", "1/1000000")):
+        damping = {"of_M": of_M, "of_E": of_E, "vanishing": True}
+        refused(data | {"damping": damping}, None if of_E[0] == "1" else "no damping is there to vanish")
+    refused(data | {"damping": {"of_M": "1", "of_E": "0", "vanishing": False}}, "does not fit kappa")
+    for kappa in ("Infinity", "-inf", "1e9", None):
+        refused(data | {"kappa": kappa, "column": "beck"})
 
 
 @pytest.mark.parametrize("case", ["divergence", "none", "one mode, damped"])
@@ -397,7 +408,7 @@ def forged(data: Data, crossings: list[Any], column: fb.Column, modes: int, give
     for name, factor in (("alpha", "of_E"), ("beta", "of_M"), ("kappa", "of_M")):
         if data[name] is None:
             continue
-        moved = str(F(data[name]) * F(1001, 1000) or F(1, 1000))
+        moved = "1000" if data[name] == "inf" else str(F(data[name]) * F(1001, 1000) or F(1, 1000))
         yield data | {name: moved}
         if data["damping"]:
             yield data | {"damping": data["damping"] | {factor: moved}}
@@ -471,6 +482,7 @@ def made(h: list[Any], g: list[Any] | None = None) -> verifier.Series:
     """A series of polynomials made by hand, over the powers of x, each over those of P; without damping, g None."""
     series = object.__new__(verifier.Series)
     series.h = [arb_poly(p) for p in h]
+    series.system = verifier.System([], [], [], False)
     series.N, series.damped, series.odd = len(h) - 1, g is not None, False
     series.g = verifier.by_x(series.h) if g is None else [arb_poly(p) for p in g]
     return series
@@ -698,6 +710,7 @@ def test_a_form_of_other_powers_orders_or_ends_is_refused(along: list[Any], poin
 def test_a_mass_that_vanishes_within_the_interval_is_refused(leading: list[int], told: str) -> None:
     """h = (1 − P) + (leading) x and g = 1: det K changes sign at P = 1, and there det M does too, or does not."""
     series: Any = object.__new__(verifier.Series)
+    series.system = verifier.System([], [], [], False)
     series.h, series.g, series.odd = [arb_poly([1, -1]), arb_poly(leading)], [arb_poly([1])], False
     interval = Fraction(99, 100), Fraction(101, 100)
     if not told:

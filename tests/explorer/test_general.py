@@ -12,21 +12,47 @@ from freebeam import explorer
 from freebeam.explorer.content import COORDINATES, content
 from freebeam_sym.checks import InputError
 from tests.explorer.conftest import Opened
+from tests.stated import file_of
 
+# what has no mass: between two springs, where three of four states are decided, and an integrating controller
+MASSLESS = {
+    "relaxation": {
+        "V": "V + k * (at(y, 1) - q) ** 2 / 2 + 3 * p ** 2 / 2",
+        "dW_nc": "follower + external + F_0 * at(delta(y), x_F) - c * (q.diff(t) - p.diff(t)) * delta(q - p)",
+        "parameters": "(own(k, 5.0), own(c, 0.5))",
+    },
+    "integral": {
+        "dW_nc": "follower + external + F_0 * at(delta(y), x_F)"
+        " - g * q * at(delta(y), 1) - (q.diff(t) - at(y, half)) * delta(q)",
+        "parameters": "(own(g, 0.5),)",
+    },
+}
 # segments with masses and joints, two fields, a coordinate beside the beam, two alone, control, a flow, free in space
 NAMES = ("pflueger", "absorber", "step", "crack", "timoshenko", "follower-inside", "tip-damper", "feedback", "beal",
-         "free-free-mass", "pipe", "ziegler")  # fmt: skip
+         "free-free-mass", "pipe", "ziegler", *MASSLESS)  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def columns(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
     """The columns by their names, not verified, which takes longer and is tested elsewhere."""
-    from freebeam_derive import verify
+    from freebeam_derive import pipeline, verify
+
+    derived: dict[str, Any] = {}
+    general = pipeline.general
+
+    def once(column: Any) -> Any:  # for the kernel in NumPy and for that in JavaScript
+        if column.name not in derived:
+            derived[column.name] = general(column)
+        return derived[column.name]
 
     with pytest.MonkeyPatch.context() as changed:
         changed.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
         changed.setattr(verify, "verify", lambda *_: ())
-        yield {name: fb.column(name) for name in NAMES}
+        changed.setattr(pipeline, "general", once)
+        targets: dict[str, Any] = {name: name for name in NAMES}
+        for name, changes in MASSLESS.items():
+            targets[name] = file_of(tmp_path_factory.mktemp(name), name, {"name": repr(name), **changes})
+        yield {name: fb.column(target) for name, target in targets.items()}
 
 
 @pytest.fixture(scope="module")
@@ -71,6 +97,8 @@ def test_answers_are_those_of_the_runtime(visited: Callable[..., Opened], column
             for known, low, high in (("alpha", -6, -1), ("beta", -3, 1))
         )
         own = {p.name: rng.uniform(p.low, p.high) for p in column.parameters}
+        if name == "integral":  # stable for little gain, and with damping
+            own, beta = {"g": rng.uniform(0.2, 2.0)}, rng.uniform(0.1, 1.0)
         N = rng.choice([4, 6])
         expected = fb.critical_load(column, N, alpha, beta, **own)
         found = page.ask("(case_) => freebeam.firstLoss(...case_).crossing", [N, alpha, beta, own])
@@ -109,6 +137,31 @@ def assert_motions_are_those_of_the_runtime(page: Opened, column: Any) -> None:
         assert np.abs(np.array(y) - exact).max() < 1e-6 * np.abs(exact).max(), force
 
 
+MAPPED = """(follows) => {
+  const even = (low, high) => Array.from({ length: 9 }, (_, k) => low + ((high - low) * k) / 8);
+  const axes = [{ key: "alpha", values: even(0, 0.02) }, { key: "own-k", values: even(2, 40) }];
+  const [real, loads] = [window.followedLoss, new Float64Array(81).fill(NaN)];
+  let count = 0;
+  window.followedLoss = (...asked) => {
+    const found = follows ? real(...asked) : null;
+    count += found ? 1 : 0;
+    return found;
+  };
+  const asked = { N: 3, own: { k: 10, a: 0.4 }, alpha: 0, beta: 0 };
+  const cells = mapCells(asked, axes, [{ key: "own-k", name: "k" }], loads);
+  while (!cells.next().done);
+  window.followedLoss = real;
+  return [count, [...loads]];
+}"""
+
+
+def test_points_of_a_map_are_followed_to_what_a_search_finds(visited: Callable[..., Opened]) -> None:
+    page = visited("crack")
+    (count, found), (_, searched) = page.ask(MAPPED, True), page.ask(MAPPED, False)
+    assert count > 40
+    assert found == pytest.approx(searched, rel=1e-6)
+
+
 def test_map_over_two_own_parameters_and_over_the_load(visited: Callable[..., Opened], columns: dict[str, Any]) -> None:
     column, rng = columns["pflueger"], random.Random(3)
     page = visited("pflueger", "#N=3&alpha=0.01&beta=0&across=mu&up=J")
@@ -135,6 +188,27 @@ def test_map_over_two_own_parameters_and_over_the_load(visited: Callable[..., Op
     over.click(position={"x": 0.5 * box["width"], "y": 0.5 * box["height"]})
     assert page.values()["mu"] == pytest.approx(2.5, abs=0.2)
     assert page.values()["P"] == pytest.approx(up[len(up) // 2], rel=0.1)
+
+
+def test_what_has_no_mass_takes_no_force(visited: Callable[..., Opened]) -> None:
+    """A force on a relation is refused, and one on the beam is not."""
+    page = visited("relaxation")
+    asked = """(number) => {
+      const { pencil, damping } = freebeam.view();
+      const Q = number === null ? forceAt(pencil, 0.6, 0) : seenAt(pencil, [0], number)[0];
+      const drive = { kind: "step", seen: Q, force: Q, release: null, growth: -1 };
+      return responseAt(pencil, damping, 3, drive, 1).y.length;
+    }"""
+    reads = page.ask("freebeam.view().column.reads")
+    assert page.ask(asked, None) == 700
+    assert page.ask(asked, reads.index("coordinate q")) == 0
+
+
+def test_what_nothing_decides_says_why(visited: Callable[..., Opened]) -> None:
+    """Without mass, damping and stiffness a coordinate may move as it likes."""
+    page = visited("integral")
+    bare = "() => { const one = Matrix.diag([1, 0]); try { reduced(one, one, one); } catch (e) { return e.message; } }"
+    assert page.ask(bare) == "nothing moves or holds some coordinate without mass"
 
 
 def test_what_grows_at_once_has_no_first_loss(visited: Callable[..., Opened]) -> None:

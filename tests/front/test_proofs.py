@@ -212,7 +212,7 @@ def test_a_touch_of_the_beam_itself_is_no_divergence() -> None:
     with pytest.raises(beams.NoOnset, match="restabilisation"):
         beams.divergence(Beam(kernel, {"eta": below}), (2 * math.pi - root) ** 2, 10)
     for basis in ("modes", "legendre"):
-        found = fb.exact_load(fb.column("beck", basis), eta=0.5)
+        found = fb.proofs.enclosed_load(fb.column("beck", basis), eta=0.5)
         assert found.load is not None and found.kind == "flutter" and not found.proof["first"]
         assert math.isclose(float(found.load[0]), 16.0524615772, rel_tol=1e-10)
 
@@ -241,14 +241,19 @@ def test_the_contract_of_critical_with_digits(capsys: pytest.CaptureFixture[str]
 
 
 def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFixture[str]) -> None:
-    """π² is the divergence load of the pinned beam, and the first; at η = 1/2 nothing is proven below the flutter, for
-    ω² touches zero there at π²."""
+    """π² is the divergence load of the pinned beam, and the first; at η = 1/2 ω² touches zero there, and the flutter is
+    the first loss; of a cracked column nothing is proven below it."""
     status, found, _ = run(capsys, "critical", "--digits", "15", "--exact", "--column", "euler-pinned", "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": True, "stable_below": True, "kind": True}
     assert found["missing"] is None and found["evidence"]["reach"] > found["load"]
     squared = Decimal("9.869604401089358618834490999876")
     assert Decimal(found["load_lower"]) < squared < Decimal(found["load_upper"])
     asked = ["critical", "--digits", "15", "--exact", "--column", "beck", "--set", "eta=0.5"]
+    _, beyond, _ = run(capsys, *asked, "--json")
+    (touch,) = beyond["proven_touches"]
+    assert all(beyond["proof"].values()) and beyond["load"] > 16 and touch["stability"] == "touched"
+    assert Decimal(touch["load_lower"]) < squared < Decimal(touch["load_upper"])
+    asked = ["critical", "--digits", "15", "--exact", "--column", "crack"]
     status, found, _ = run(capsys, *asked, "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": False, "stable_below": False, "kind": True}
     assert found["evidence"] is None and found["missing"] in " ".join(run(capsys, *asked)[1].split())
@@ -416,6 +421,9 @@ def test_certificates_of_any_column_are_written_and_verified(
         ["--alpha", "0+", "--beta", "0.1"],
         ["--digits", "9", "--exact", "--load-max", "20"],
         ["--exact", "--all"],
+        ["--exact", "--column", "beck", "--alpha", "0+", "--kappa", "inf"],
+        ["--exact", "--column", "beck", "--alpha", "0+", "--kappa", "inf", "--set", "eta=0.6..0.7"],
+        ["--column", "beck", "--alpha", "0+", "--kappa=-inf", "--digits", "9"],
         ["--exact", "--truncation", "--digits", "9"],
         ["--digits", "9", "--all", "--load-max", "-5"],
         ["--digits", "9", "--certificate", "x", "--bending-stiffness", "1", "--mass-per-length", "1", "--length", "1"],

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import freebeam as fb
 import freebeam_sym
 from freebeam import cli
 from freebeam.ledger import reference_values
-from freebeam.ledger.reference_values import printed, statements, validate
+from freebeam.ledger.reference_values import Case, printed, statements, validate
 from freebeam_derive import pipeline
 from freebeam_derive.references import CLOSED_FORM, FAMILIES, TWO_ROUTES, Reference
 from freebeam_derive.statement import Column, StatementError, load_column
@@ -56,6 +59,29 @@ def test_a_foundation_changes_no_undamped_load() -> None:
     column = fb.column("foundation")
     M, bare, given = (column.matrices(6, k=k)[n] for n, k in ((0, 0.0), (1, 0.0), (1, 70.0)))
     assert given == pytest.approx(bare + 70 * M, rel=1e-12, abs=1e-9)
+
+
+def test_a_load_of_three_modes_is_that_of_the_cantilevers() -> None:
+    """Its modes in closed form, integrated by Gauss's rule, against modes of polynomials: the pipe's printed 7.0."""
+    roots = np.array([brentq(lambda s: np.cos(s) * np.cosh(s) + 1, 3.1 * k + 0.6, 3.1 * k + 2.6) for k in range(3)])
+    x, w = (part / 2 for part in np.polynomial.legendre.leggauss(60))
+    X = roots[:, None] * (x + 0.5)
+    ratio = ((np.cosh(roots) + np.cos(roots)) / (np.sinh(roots) + np.sin(roots)))[:, None]
+    modes = np.cosh(X) - np.cos(X) - ratio * (np.sinh(X) - np.sin(X))
+    slopes, bends = roots[:, None] * (np.sinh(X) + np.sin(X) - ratio * (np.cosh(X) - np.cos(X))), roots[:, None] ** 2
+    bends = bends * (np.cosh(X) + np.cos(X) - ratio * (np.sinh(X) + np.sin(X)))
+    M, B, H = ((modes * w) @ part.T for part in (modes, slopes, bends))
+    (given,) = (r for r in STATED["pipe"].references if r.modes)
+
+    def growth(u: float, b: float) -> float:
+        inverse = np.linalg.inv(M)
+        K, C = inverse @ (M * roots**4 + u**2 * H), inverse @ (2 * math.sqrt(b) * u * B)
+        return float(np.linalg.eigvals(np.block([[np.zeros((3, 3)), np.eye(3)], [-K, -C]])).real.max())
+
+    load = brentq(lambda u: growth(u, given.own["b"]), 6.0, 8.0)
+    found = reference_values.in_modes(fb.column("pipe"), Case({**given.own, "k": 0.0}), given.modes or 0)
+    assert found is not None and float(found[0]) == pytest.approx(load, rel=1e-8)
+    assert printed(found, given.load, given.rule) == given.load
 
 
 FEW = {name: STATED[name] for name in ("ziegler", "self-weight", "tip-spring")}

@@ -80,6 +80,23 @@ def test_a_column_in_plain_text(capsys: pytest.CaptureFixture[str]) -> None:
     assert max(height, key=lambda x: height[x]) == pytest.approx(0.5, abs=0.1)  # half a sine
 
 
+def test_a_column_that_is_unstable_at_the_smallest_loads(capsys: pytest.CaptureFixture[str]) -> None:
+    """Under more than its critical own weight; a follower force holds it upright again."""
+    words = "show beck-self-weight --set g=9 --modes 4"
+    found = json.loads(run(f"{words} --json", capsys)[1])
+    column = fb.column("beck-self-weight")
+    values = fb.spectrum(column.system(4, 0.0, g=9.0)).eigenvalues
+    assert (found["load"], found["kind"], found["grows"]["load"]) == (None, "unstable", 0.0)
+    assert found["grows"]["rate"] == pytest.approx([values.real.max(), 0.0], rel=1e-9)
+    status, out, err = run(words, capsys)
+    assert (status, err) == (0, "")
+    for part in ("none: unstable at the smallest loads", "root locus", "deflection that grows"):
+        assert part in out
+    locus = curves.locus(Question.of(column, 4, g=9.0), 3.0, count=2)
+    assert locus.critical is None and locus.unstable[0, 0] and not locus.unstable[-1].any()
+    assert (locus.eigenvalues.imag >= 0).all()
+
+
 def test_a_column_that_stays_stable_is_shown_up_to_the_largest_load(capsys: pytest.CaptureFixture[str]) -> None:
     status, out, err = run("show beck --modes 4 --load-max 5", capsys)
     assert (status, err) == (0, "")

@@ -52,6 +52,8 @@ from freebeam.lesson.theorem import theorem
 from freebeam.lesson.writer import Writer
 from freebeam_derive import emit, latex, pipeline, statement, step_proofs, verify
 from freebeam_derive.bases import legendre
+from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.strips import Strips
 from freebeam_derive.record import Step
 from freebeam_sym.columns import Column
 
@@ -375,6 +377,10 @@ def test_the_chapter_on_the_first_of_all_prints_what_was_proven() -> None:
     norms = {int(row[0].strip("$R_{}")): float(row[2]) for row in table.rows}
     assert all((norm < 1) == (k >= found.evidence["lowest"]) for k, norm in norms.items())
     assert list(norms.values()) == sorted(norms.values(), reverse=True) and len(norms) > 3
+    with precision(128):  # a bound is rounded up
+        strips = Strips(fb.column("beck").kernel, {}, 40)
+        bounds = {k: float(found.load[1]) * float(strips.B.norm(strips.line(k))) for k in norms}
+    assert all(bounds[k] < norm < bounds[k] + 1.1e-3 for k, norm in norms.items())
     assert any(isinstance(block, Prose) and all(v in block.text for v in found.load) for block in blocks)
     assert not theorem(Facts(fb.column("foundation"), fb.column("foundation", "legendre")))
 
@@ -736,7 +742,8 @@ def test_command_writes_once(tmp_path: Path, capsys: pytest.CaptureFixture[str],
     ("arguments", "said"),
     [
         (["--format", "doc", "--output", "a.doc"], "must be one of html, md, tex, ipynb, pdf"),
-        (["--format", "html", "--output", "no/such/a.html"], "folder does not exist"),
+        (["--output", "a.doc"], "a.doc: must end in one of html, md, tex, ipynb, pdf; or give --format"),
+        (["--output", "no/such/a.html"], "folder does not exist"),
         (["--column", "bek", "--format", "html", "--output", "a.html"], "did you mean beck"),
         (["--format", "html"], "--output"),
         (["--format", "html", "--output", "a.html", "--seed", "-1"], "seed = -1: must be a whole number"),

@@ -149,3 +149,16 @@ def test_a_negative_mass_is_refused(mass: float) -> None:
     for ask in (fb.spectrum, lambda s: fb.respond(s, 1.0, 0.1), lambda s: fb.state_space(s, 1.0)):
         with pytest.raises(fb.InputError, match="M is not positive definite: no mass may be negative"):
             ask(system)
+
+
+def test_springs_in_a_row_are_one_where_nothing_damps_what_is_between(tmp_path: Path) -> None:
+    """A coordinate with springs alone, where alpha = 0: of 15 and 30 in a row is 10."""
+    changes = {
+        "V": "V + 15 * (at(y, 1) - q) ** 2 / 2 + 30 * q ** 2 / 2",
+        "dW_nc": "follower + external - alpha * q.diff(t) * delta(q)",
+    }
+    between, alone = fb.column(file_of(tmp_path, "between", changes)), fb.column("tip-spring")
+    for asked in ({}, {"beta": 0.1}, {"kappa": np.inf}):
+        found, expected = (fb.critical_load(column, 8, **asked) for column in (between, alone))
+        assert (found.load, found.kind) == (pytest.approx(expected.load, rel=1e-12), expected.kind)
+        assert found.frequency == pytest.approx(expected.frequency, rel=1e-7)

@@ -18,7 +18,7 @@ from scipy.special import mathieu_a, mathieu_b
 import freebeam as fb
 from freebeam import cli
 from freebeam.pulsating.growth import KINDS, grid, judged
-from freebeam.pulsating.monodromy import Pulsating, monodromy
+from freebeam.pulsating.monodromy import Pulsating, _Period, monodromy
 from freebeam_sym.question import Question
 
 EULER = fb.column("euler-pinned", "modes")
@@ -272,6 +272,16 @@ def test_amplitudes_together_are_amplitudes_alone() -> None:
     together = judged(problem, 12.0, 4.0, many).growth
     for k in (0, 17, 80, 119):
         assert together[k] == pytest.approx(judged(problem, 12.0, 4.0, many[[k]]).growth[0], abs=1e-11)
+
+
+def test_steps_are_cut_by_all_that_the_load_changes() -> None:
+    """The size by which a period is cut is that of the largest difference of the state matrices in it."""
+    problem = Pulsating.of(asked("beck", 4, 1e-3, 0.1))
+    load, frequency, amplitude = 12.0, 4.0, 0.5
+    loads = load * (1 + amplitude * np.cos(np.linspace(0, 2 * math.pi, 17)))
+    largest = max(float(np.linalg.norm(problem.state(P) - problem.state(load), 2)) for P in loads)
+    period = _Period.of(problem, load, frequency, amplitude, False)
+    assert period.kick == pytest.approx(largest * 2 * math.pi / frequency, rel=1e-9)
 
 
 @pytest.mark.parametrize(("basis", "modes"), [("modes", 1), ("modes", 8), ("legendre", 16)])

@@ -30,6 +30,7 @@ from freebeam_derive.certify.first_crossing import (
     Stretch,
     alone,
     bits_for,
+    check_fast,
     holds,
     refined,
     separators_at,
@@ -155,8 +156,10 @@ class _Survey:
 
     def run(self) -> list[_Found]:
         zero = self._first_stable()
-        top, of = (self.found.g, self.found.between) if self.found.odd else (self.found.h, self.found.N)
-        if 0 in signs_on([arb_poly([row[of] for row in top.rows])], zero, self.load_max):
+        check_fast(self.found, self.load_max)
+        tops = [(self.found.g, self.found.between)] if self.found.odd else []
+        tops += [(self.found.h, self.found.N)] if self.found.fast or not self.found.odd else []
+        if 0 in signs_on([arb_poly([row[of] for row in top.rows]) for top, of in tops], zero, self.load_max):
             raise Unproven("det M is not known to keep its sign, and eigenvalues may come from infinity")
         try:
             self._divergences(zero, self.load_max, 0)

@@ -21,6 +21,7 @@ from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
+from freebeam_derive.certify.moments import enclosing
 from freebeam_derive.certify.numbers import Number, plain
 
 
@@ -295,7 +296,7 @@ def coefficients(
     """M, C and K of the elastic functions by powers of the load, of any column, as ball matrices. Eqs. (10), (11).
 
     dampings: alpha and beta. What is zero is exactly that; highest powers that are nothing are left out. alone: C is to
-    be that of alpha and beta and no other. Raises Unproven for a column with a factor that is no polynomial in x, for
+    be that of alpha and beta alone. Raises Unproven for a column with a factor whose integrals are not known, for
     damping that couples its rigid motions to the bending, and where there is another C beside that of alpha and beta
     which alone is asked for.
     """
@@ -303,8 +304,8 @@ def coefficients(
         return ball_matrices(*matrices_of_any(kernel, modes, own, dampings, alone))
     M_0, E, H = matrices(kernel, modes, own)
     c_M, c_E = kernel.damping_factors(*map(exact, dampings), **{name: exact(value) for name, value in own.items()})
-    if alone and not arb(c_E) > 0:
-        raise Unproven(f"{kernel.COLUMN['name']} has no internal damping that could vanish")
+    if alone and not (arb(c_E) > 0 or (c_E == 0 and arb(c_M) > 0)):
+        raise Unproven(f"{kernel.COLUMN['name']} has no damping that could vanish")
     return [M_0], _without_zeros([arb(c_M) * M_0 + arb(c_E) * E]), [E, H]
 
 
@@ -313,19 +314,28 @@ def matrices_of_any(
 ) -> tuple[list[Any], list[Any], list[Any]]:
     """The same of a column beyond the textbook's, as arrays (n, n) of fractions, of balls where a factor is none.
     Raises Unproven, as `coefficients` does."""
+    return named_matrices(kernel, modes, own, dampings, alone)[:3]
+
+
+def named_matrices(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
+) -> tuple[list[Any], list[Any], list[Any], list[str]]:
+    """The same, and for each row the field or coordinate that it is of, but for rigid motions."""
     name = kernel.COLUMN["name"]
     for damping, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
     M, K, parts, R = _stated(kernel, modes, own)
-    T = _elastic(R, M[0])
+    T, dropped = _elastic(R, M[0])
     M, K, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, K, *parts))
     bare, of_alpha, of_beta = parts
     if alone and not all(v == 0 for X in bare for v in X.flat):
         raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
     alpha, beta = map(_size, dampings)
     C = [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
-    return M, C, K
+    numbers = kernel.basis(modes).numbers
+    names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
+    return M, C, K, [of for n, of in enumerate(names) if n not in dropped]
 
 
 def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, Any, list[Any], Any]:
@@ -333,33 +343,23 @@ def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tupl
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given: dict[str, Any] = {name: fmpq(*value.as_integer_ratio()) for name, value in own.items()}
 
-    def asked() -> tuple[Any, Any, list[Any], Any]:
-        parts = [kernel.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
-        M, K = kernel.mass_terms(basis, **given), kernel.stiffness_terms(basis, **given)
+    def asked(of: Any) -> tuple[Any, Any, list[Any], Any]:
+        parts = [of.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
+        M, K = of.mass_terms(basis, **given), of.stiffness_terms(basis, **given)
         return M, K, parts, kernel.rigid_motions(basis, **given)
 
     try:
-        return asked()
+        return asked(kernel)
     except (AttributeError, DomainError, TypeError, ValueError):
-        pass  # a root of a number, say
+        pass  # a root of a number, say, or a factor that is no polynomial in x
     given = {name: Number(value) for name, value in given.items()}
     basis = basis._replace(order=array([Number(k) for k in basis.order]))
     try:
-        places = [*kernel.places(Number(1), **given), *_seen_at(kernel.forms(Number(1), **given))]
-        if any(isinstance(place, arb) for place in places):
-            raise TypeError("a place is no fraction")
-        M, K, parts, R = asked()
+        M, K, parts, R = asked(enclosing(kernel))
         M, K, *parts = ([array_of(plain, X) for X in terms] for terms in (M, K, *parts))
         return M, K, parts, array_of(plain, R)
     except (AttributeError, DomainError, TypeError, ValueError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {error}") from None
-
-
-def _seen_at(forms: Mapping[str, Any]) -> Iterator[Any]:
-    """The places of the values in the forms of M, C and K."""
-    for _, points in (form for name in "MCK" for form in forms[name]):
-        for test, trial, _ in points:
-            yield from (place for _, _, place, _ in (test, trial) if place is not None)
 
 
 def array_of(change: Callable[[Any], Any], X: Any) -> Any:
@@ -380,11 +380,12 @@ def _size(damping: Exact) -> fmpq | arb:
     return fmpq(*damping.as_integer_ratio()) if isinstance(damping, Fraction | int) else exact(damping)
 
 
-def _elastic(R: Any, M: Any) -> Any:
-    """Functions that are M-orthogonal to the rigid motions R, as columns; None where there are none of these."""
+def _elastic(R: Any, M: Any) -> tuple[Any, list[int]]:
+    """Functions that are M-orthogonal to the rigid motions R, as columns, None where there are none of these; each is a
+    coordinate and what of R makes it orthogonal, but for some coordinates, whose numbers are given too."""
     count = R.shape[1]
     if not count:
-        return None
+        return None, []
     left, dropped = R.copy(), []
     for k in range(count):
         row = next(i for i in range(len(R)) if left[i, k] != 0)
@@ -398,7 +399,7 @@ def _elastic(R: Any, M: Any) -> Any:
         solved = kind(A.tolist()).solve(kind(B.tolist()))
     except ZeroDivisionError:
         raise Unproven("rigid motions are not known to be independent and to have mass") from None
-    return others - R @ np.array(solved.tolist())
+    return others - R @ np.array(solved.tolist()), dropped
 
 
 def _without_zeros(terms: list[arb_mat]) -> list[arb_mat]:

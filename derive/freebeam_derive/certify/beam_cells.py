@@ -11,12 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from copy import copy
+from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 from flint import arb
 
-from freebeam_derive.certify.balls import Exact, Unproven
+from freebeam_derive.certify.balls import Exact, Unproven, ends, exact
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Damped, Onset
 from freebeam_derive.certify.krawczyk import image, one_to_one
@@ -27,6 +28,7 @@ MOST_CUTS = 7
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
 
 Say = Callable[[str], None]
+Side = tuple[Fraction, Fraction]  # of a cell: loads, or values of the second unknown, from one to the other
 Seek = Callable[[list[arb]], list[arb]]
 
 
@@ -45,55 +47,61 @@ class Cells:
         self.beam, self.rigid, self.load = beam, rigid, load
         self.known, self._seek = known, seek
         self._checked = self._series = 0  # cells, and series that stand for F on them
+        self._covered = Fraction(0)  # the area of those cells
 
     def no_other_zero(self, problem: Onset, top: arb, say: Say = lambda _: None) -> int:
         """That there is no zero but the known for 0 ≤ P ≤ P* (and beyond, to the end of its ball) and 0 ≤ x ≤ top,
         x the problem's second unknown. How many cells it took. Raises OpenStep."""
-        whole = arb(0).union(self.load.upper())
+        loads, highest = (Fraction(0), ends(self.load)[1]), ends(top)[1]
         power = 2 if isinstance(problem, Damped) else 4  # x is of the size of γ² or γ⁴
         steps = max(1, math.ceil(float(top) ** (1 / power)))
-        edges = [arb(0), *(top * (arb(k) / steps) ** power for k in range(1, steps)), top]
+        edges = [highest * Fraction(k, steps) ** power for k in range(steps + 1)]
         self._checked = self._series = 0
-        for k, (low, high) in enumerate(pairwise(edges)):
-            for P in _halves(whole):
+        self._covered = Fraction(0)
+        for k, band in enumerate(pairwise(edges)):
+            for P in _halves(loads):
                 say(f"cells, {k} of {steps} bands, {len(self.known)} crossings")
-                self._tile(problem, P, low.union(high), 0)
+                self._tile(problem, P, band, 0)
+        if self._covered != loads[1] * highest:  # each cell is half of one, so that none lies on another
+            raise OpenStep("cells: they do not cover all loads and frequencies")
         return self._checked
 
-    def _tile(self, problem: Onset, P: arb, x: arb, depth: int) -> None:
+    def _tile(self, problem: Onset, P: Side, x: Side, depth: int) -> None:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
         if not self._with_one_series(problem, P, x):
             if depth == MOST_CUTS or self._series > MOST_SERIES:
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
-                    f"cells: that there is no other crossing is not known near the load {float(P):.6g} and "
-                    f"{name} = {float(x):.6g}"
+                    "cells: that there is no other crossing is not known near the load "
+                    f"{float(_over(P)):.6g} and {name} = {float(_over(x)):.6g}"
                 )
             for part in _halves(P):
                 for other in _halves(x):
                     self._tile(problem, part, other, depth + 1)
 
-    def _with_one_series(self, problem: Onset, P: arb, x: arb) -> bool:
-        around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (P, x)]
-        for known in self._near([P, x]):  # the equations are looked at on a cell and on it together
+    def _with_one_series(self, problem: Onset, P: Side, x: Side) -> bool:
+        around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (_over(P), _over(x))]
+        for known in self._near([_over(P), _over(x)]):  # the equations are looked at on a cell and on it together
             around = [side.union(part) for side, part in zip(around, known, strict=True)]
         local, self._series = copy(problem), self._series + 1
         try:
             local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
         except Unproven:
             return False
-        waiting, count = [(P, x)], 0
+        waiting, count, covered = [(P, x)], 0, Fraction(0)
         while waiting:
             P, x = waiting.pop()
             count += 1
-            axis = self._excluded(local, P, x)
+            axis = self._excluded(local, _over(P), _over(x))
             if axis is None:
+                covered += (P[1] - P[0]) * (x[1] - x[0])
                 continue
             if count > MOST_CELLS:
                 return False
             for half in _halves(P if axis == 0 else x):
                 waiting.append((half, x) if axis == 0 else (P, half))
         self._checked += count
+        self._covered += covered
         return True
 
     def _excluded(self, problem: Onset, P: arb, x: arb) -> int | None:
@@ -188,6 +196,10 @@ def _ratio(part: arb, whole: arb) -> float:
     return float(abs(part).upper()) / (float(abs(whole).upper()) + 1e-300)
 
 
-def _halves(side: arb) -> tuple[arb, arb]:
-    low, middle, high = side.lower(), side.mid(), side.upper()
-    return low.union(middle), middle.union(high)
+def _over(side: Side) -> arb:
+    return exact(side[0]).union(exact(side[1]))
+
+
+def _halves(side: Side) -> tuple[Side, Side]:
+    middle = (side[0] + side[1]) / 2
+    return (side[0], middle), (middle, side[1])

@@ -9,27 +9,31 @@ gives the number above it. docs/theorem.md has the proof.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
 from flint import arb
 
+from freebeam_derive.certify import beam_stability
 from freebeam_derive.certify.all_crossings import Crossing
-from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision
+from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
 from freebeam_derive.certify.beam_itself import (
     Coalescence,
     Damped,
+    ExactCrossing,
+    Itself,
     NoOnset,
     Onset,
+    Proof,
     Static,
     VanishingDamping,
     enclose,
 )
-from freebeam_derive.certify.beam_stability import BITS, Below, damping_factors, strips_for
+from freebeam_derive.certify.beam_stability import BITS, Below, Evidence, damping_factors, strips_for
 from freebeam_derive.certify.static_touches import touches
 
 FINEST = 40  # halvings of the loads
@@ -52,7 +56,7 @@ class _Passing:
 class Survey:
     """The search for one column. alpha, beta, or kappa for the limit α → 0⁺ at β = κα. digits: of each crossing.
 
-    found: what crosses, after `run`; cells: how many it took.
+    After `run`: found, what crosses, and evidence, on which that it is all of it stands (one stretch, at P = 0).
     """
 
     beam: Beam
@@ -63,7 +67,7 @@ class Survey:
     digits: int
     say: Callable[[str], None] = lambda _: None
     found: list[_Passing] = field(default_factory=list)
-    cells: int = 0
+    evidence: Evidence | None = None
 
     def run(self) -> list[Crossing]:
         """Every crossing for 0 < P ≤ load_max, ascending. Raises OpenStep with the step that failed, Unproven."""
@@ -71,16 +75,17 @@ class Survey:
             load = exact(self.load_max)
             c_E, c_M = damping_factors(self.beam, self.alpha, self.beta, self.kappa)
             undamped = self.kappa is None and self.beam.undamped(self.alpha, self.beta)
-            strips, m, _ = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
+            strips, m, reach = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
             low = Below(self.beam, strips, m, load)
-            low.real_and_simple_at(Fraction(0))
+            at_rest = low.real_and_simple_at(Fraction(0))
             self.say("divergence")
             self._divergences(low, None if undamped else (c_E, c_M))
             damped = not undamped and self.kappa is None
             top = low.highest_frequency(c_E, c_M) if damped else strips.line(m).upper()
             problem = self._problem(undamped)
             cells = Cells(self.beam, strips.rigid, load, [], lambda place: self._seek(problem, place))
-            self.cells = cells.no_other_zero(problem, top, self.say)
+            count = cells.no_other_zero(problem, top, self.say)
+            self.evidence = Evidence(m, rational(reach, 60), strips.modes.count, (at_rest,), count, float(top) ** 0.5)
         return self._counted(damped)
 
     def _problem(self, undamped: bool) -> Onset:
@@ -199,6 +204,25 @@ class Survey:
             if unstable < 0:
                 raise OpenStep(f"count: fewer than no eigenvalue unstable above the load {float(c.box[0]):.10g}")
         return result
+
+
+def complete(
+    beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
+) -> tuple[ExactCrossing, Evidence | None, str, list[Crossing]]:
+    """As `beam_stability.complete`, and where it fails and below there are touches and nothing else, these."""
+    found, evidence, missing = beam_stability.complete(beam, crossing, alpha, beta, kappa)
+    with precision(BITS):
+        top = ends(crossing.load.upper() * (1 + arb(2) ** -20))[1]
+        if evidence is not None or not isinstance(beam, Beam) or not touches(beam, exact(top)):
+            return found, evidence, missing, []
+    survey = Survey(beam, alpha, beta, kappa, top, crossing.digits)
+    try:
+        *below, last = survey.run()
+    except Unproven as error:
+        return found, None, str(error), []
+    if any(c.change for c in below) or (last.kind, last.change > 0) != (crossing.kind, True):
+        return found, None, "touches: between them and the crossing there is another", []
+    return replace(crossing, proof=Proof(first=True, stable_below=True)), survey.evidence, "", below
 
 
 def _change(problem: Onset, x: list[arb], t: Any) -> int:

@@ -1,10 +1,11 @@
 """The critical load of the beam itself over a range of a parameter, proven for each value. Eqs. (6), (14), (15).
 
-A damping enters F(p, s) by p and s alone. A parameter of the column's own is served where it stands in one condition at
-x = 1, in which it is linear: then F, a determinant of the conditions, is linear in it as well, and lies between its
-values at the ends of the range (`Over`). Krawczyk's test on a box of P and s (or ω), with F at the middle of the range
-and its slope over all of it, holds for all values at once: each has one crossing in the box. That it is the first, and
-that the column is stable below, is shown by `beam_stability`, whose balls hold all values too.
+A damping enters F(p, s) by p and s alone. A parameter of the column's own is served where it stands in one condition,
+linearly; of the textbook's columns one at x = 1. Then F, a determinant of the conditions, is linear in it as well, and
+lies between its values at the ends of the range (`Over`, `OverSystem`). Krawczyk's test on a box of P and s (or ω),
+with F at the middle of the range and its slope over all of it, holds for all values at once: each has one crossing in
+the box. That it is the first, and that the column is stable below, is shown by `beam_stability`, whose balls hold all
+values too.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ from freebeam_derive.certify.beam_itself import (
     Coalescence,
     Damped,
     ExactCrossing,
+    Itself,
     Kind,
     Onset,
     Static,
     VanishingDamping,
 )
-from freebeam_derive.certify.beam_stability import BITS, complete
+from freebeam_derive.certify.beam_stability import BITS, Evidence, complete
+from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import inside, inverse
 from freebeam_derive.certify.local_series import Local
 
@@ -40,7 +43,8 @@ GROWTHS = 12  # of a box, before the range is said to be too wide
 class Piece:
     """What is proven for each value of a parameter from low to high: its first loss of stability and the kind of it.
 
-    load, frequency: intervals that hold those of every value; the frequency of a divergence is zero.
+    load, frequency: intervals that hold those of every value; the frequency of a divergence is zero. evidence: on which
+    that it is the first stands.
     """
 
     low: Fraction
@@ -48,6 +52,7 @@ class Piece:
     load: tuple[Fraction, Fraction]
     frequency: tuple[Fraction, Fraction]
     kind: Kind
+    evidence: Evidence
 
 
 class Over(Beam):
@@ -72,6 +77,50 @@ class Over(Beam):
 
     def damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
         return self.low.damping(alpha, beta)  # which conditions where a load acts have no part in
+
+
+class OverSystem(ExactSystem):
+    """The same of a column beyond the textbook's, without damping: one of its own parameters is a `Range`.
+
+    Raises NoSeries where the parameter stands elsewhere than in one condition, at an end or where segments meet.
+    """
+
+    def __init__(self, kernel: Any, own: Mapping[str, Any]) -> None:
+        (name,) = (n for n, value in own.items() if isinstance(value, Range))
+        ends = own[name]
+        super().__init__(kernel, {**own, name: ends.low})
+        self._stands_in_one_condition(name)
+        if self._damped:
+            raise NoSeries(f"{self.name}: no range is served with dampers or gyroscopic terms; give {name} one value")
+        self.low, self.high = (ExactSystem(kernel, {**own, name: value}) for value in (ends.low, ends.high))
+        self.own = {**self.own, name: ends}
+
+    def _stands_in_one_condition(self, name: str) -> None:
+        import sympy as sp
+
+        place, one = sp.Symbol(name), sp.Integer(1)
+        given: dict[str, Any] = {n: sp.Rational(v.numerator, v.denominator) for n, v in self.own.items()}
+        given[name] = place
+        try:
+            equations = self.kernel.equations(0, 0, one, **given)
+            conditions = self.kernel.conditions(0, 0, one, **given)
+            places = *self.kernel.places(one, **given), *self.kernel.sensors(one, **given)
+            rows = [[sp.sympify(v) for row in table.values() for v in row] for table in equations]
+            rows += [[sp.sympify(v) for v in row.values()] for row in conditions]
+            rows += [[sp.sympify(v) for v in places]]
+        except (TypeError, ValueError, AttributeError, sp.SympifyError):
+            raise NoSeries(f"{self.name}: where {name} stands is not known; give it one value") from None
+        holding = [k for k, row in enumerate(rows) if any(place in v.free_symbols for v in row)]
+        inside = len(rows) - 1 > (holding or [0])[0] >= len(equations)
+        if not _straight(rows, place) or len(holding) != 1 or not inside:
+            raise NoSeries(
+                f"{self.name}: a range of {name} is served where it stands in one condition alone, linearly; "
+                "give it one value"
+            )
+
+    def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Any:
+        low, high = (system.taylor(P, s, orders) for system in (self.low, self.high))
+        return {order: value.union(high[order]) for order, value in low.items()}
 
 
 def _linear(beam: Beam, name: str) -> None:
@@ -112,7 +161,7 @@ def _rows(beam: Beam, name: str) -> tuple[list[list[Any]], Any]:
 
 
 def crossing(
-    beam: Beam, damping: tuple[Exact, Exact, Exact | None], near: tuple[float, float], kind: Kind
+    beam: Itself, damping: tuple[Exact, Exact, Exact | None], near: tuple[float, float], kind: Kind
 ) -> ExactCrossing:
     """The onset of each value of the parameter that is a `Range`: among the dampings, or of a beam that is `Over` one.
 
@@ -134,11 +183,11 @@ def crossing(
         return ExactCrossing(box[0], frequency, kind, 0, BITS)
 
 
-def _problem(beam: Beam, damping: tuple[Exact, Exact, Exact | None], kind: Kind) -> Onset:
+def _problem(beam: Itself, damping: tuple[Exact, Exact, Exact | None], kind: Kind) -> Onset:
     alpha, beta, kappa = damping
     if kind == "divergence":
         return Static(beam)
-    if kappa is not None:
+    if kappa is not None and isinstance(beam, Beam):
         return VanishingDamping(beam, kappa)
     return Coalescence(beam) if beam.undamped(alpha, beta) else Damped(beam, alpha, beta)
 
@@ -149,12 +198,13 @@ class _Family:
     middle: the problem at the middle of the range.
     """
 
-    def __init__(self, beam: Beam, damping: tuple[Exact, Exact, Exact | None], kind: Kind) -> None:
+    def __init__(self, beam: Itself, damping: tuple[Exact, Exact, Exact | None], kind: Kind) -> None:
         self.ends: list[Onset] = []
-        at_middle = beam
+        at_middle: Itself = beam
         thin: Any = tuple(_middle(value) for value in damping)
-        if isinstance(beam, Over):
-            at_middle = Beam(beam.kernel, {name: _middle(value) for name, value in beam.own.items()})
+        if isinstance(beam, Over | OverSystem):
+            of: type[Itself] = Beam if isinstance(beam, Over) else ExactSystem
+            at_middle = of(beam.kernel, {name: _middle(value) for name, value in beam.own.items()})
             self.ends = [_problem(end, damping, kind) for end in (beam.low, beam.high)]
         self.over, self.middle = _problem(at_middle, damping, kind), _problem(at_middle, thin, kind)
 
@@ -201,7 +251,7 @@ class _Family:
 def _on(problem: Onset, box: list[arb]) -> Onset:
     """The same, with a series that stands for F on a box."""
     local = copy(problem)
-    local.beam = Local(problem.beam, *problem.place(box))  # type: ignore[arg-type, assignment]
+    local.beam = Local(problem.beam, *problem.place(box))  # type: ignore[assignment]
     return local
 
 
@@ -234,7 +284,7 @@ def _enclosed(problem: Onset, family: _Family, start: list[arb]) -> list[arb]:
 
 
 def piece(
-    beam: Beam,
+    beam: Itself,
     values: Range,
     damping: tuple[Exact, Exact, Exact | None],
     near: tuple[float, float],
@@ -252,4 +302,4 @@ def piece(
     proven, evidence, missing = complete(beam, found, *damping)
     if evidence is None:
         raise Unproven(missing)
-    return Piece(values.low, values.high, (bottom, top), ends(proven.frequency), kind)
+    return Piece(values.low, values.high, (bottom, top), ends(proven.frequency), kind, evidence)

@@ -24,6 +24,7 @@ from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Itself, O
 from freebeam_derive.certify.complete_spectrum import counted_to
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
@@ -351,8 +352,11 @@ class Below:
         while waiting:
             a, b, depth = waiting.pop()
             middle, whole = ((a + b) / 2).mid(), a.union(b)
-            at = self.beam.taylor(middle, point + slope * (middle - high), orders)
-            over = self.beam.taylor(whole, point + slope * (whole - high), orders)
+            beam: Itself | Local = self.beam
+            if isinstance(beam, ExactSystem) and any(isinstance(v, Range) for v in beam.own.values()):
+                beam = Local(beam, whole, point + slope * (whole - high))  # wide balls are too much for Taylor steps
+            at = beam.taylor(middle, point + slope * (middle - high), orders)
+            over = beam.taylor(whole, point + slope * (whole - high), orders)
             if point.is_zero():
                 value, bend = at[1, R], 2 * over[2, R]
             else:

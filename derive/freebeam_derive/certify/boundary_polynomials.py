@@ -15,16 +15,27 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cached_property
+from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
 import numpy as np
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.balls import Exact, Unproven, ball_matrices, matrices_of_any, parameters, precision
+from freebeam_derive.certify.balls import (
+    Exact,
+    Unproven,
+    ball_matrices,
+    matrices_of_any,
+    named_matrices,
+    parameters,
+    precision,
+)
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
-from freebeam_derive.certify.structure import Structure, structure
+from freebeam_derive.certify.parts import Part, split
+from freebeam_derive.certify.structure import Structure, null_space, structure
 
 LARGE = 24
 """Rows from which on elimination takes less time than FLINT's characteristic polynomial."""
@@ -32,26 +43,37 @@ LARGE = 24
 
 @dataclass(frozen=True)
 class Question:
-    """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), else None."""
+    """What is to be certified. kappa: the limit of vanishing damping at β = κα (then alpha = beta = 0), math.inf where
+    β alone vanishes and α is 0; else None."""
 
     modes: int
     alpha: Exact = Fraction(0)
     beta: Exact = Fraction(0)
-    kappa: Exact | None = None
+    kappa: Exact | float | None = None
     own: Mapping[str, Fraction] | None = None
 
     @property
     def undamped(self) -> bool:
         return self.kappa is None and self.alpha == 0 == self.beta
 
+    @property
+    def dampings(self) -> tuple[Exact, Exact]:
+        """α and β, or in the limit the direction in which they vanish."""
+        if self.kappa is None:
+            return self.alpha, self.beta
+        return (Fraction(0), Fraction(1)) if isinstance(self.kappa, float) else (Fraction(1), self.kappa)
+
 
 @dataclass(frozen=True)
 class Boundary:
     """h and g, polynomials in P and x, of degree N and below in x; `damped` is False where g is ∂h/∂x.
 
-    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0. none:
-    the power of P that g was divided by. Where one is not 0, what is said of the roots is said of P > 0. As a system of
-    equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
+    odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
+    g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
+    none is not 0, what is said of the roots is said of P > 0. fast: polynomials in P by powers of μ, of whose roots
+    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. names,
+    turn: of a part, see `parts`, where x = (ω ± turn)². As a system of equations: h = g = 0 in the unknowns (P, x), or
+    det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -61,6 +83,25 @@ class Boundary:
     odd: bool = False
     rests: int = 0
     none: int = 0
+    tangent: bool = False
+    fast: tuple[arb_poly, ...] = ()
+    names: tuple[str, ...] = ()
+    turn: Fraction = Fraction(0)
+
+    @cached_property
+    def g_without_tangents(self) -> Bivariate:
+        """g − c h, which is g at the roots of h; c such that it has no part of order `rests` in P and x together.
+
+        With D = det(λ² M + λ C + K), P counted twice: where C does not act on the motions that rest, D is
+        (1 + c λ) times a form of degree 2 rests in λ, and what is of higher order than that. Raises Unproven.
+        """
+        r, zero = self.rests, arb(0)
+        if self.h.rows[0][r].contains(0):
+            raise Unproven("a motion that rests without load is not known to have mass")
+        less = self.g.combined(arb(1), self.h, -self.g.rows[0][r] / self.h.rows[0][r])
+        return Bivariate([
+            arb_poly([zero if a + b <= r else p[b] for b in range(p.degree() + 1)]) for a, p in enumerate(less.rows)
+        ])  # fmt: skip
 
     @property
     def above_zero(self) -> bool:
@@ -109,7 +150,7 @@ def expansion(
     if N < 1:
         raise Unproven("no motion of it has a frequency: without mass there is none")
     regular = known.degree == 2 * n and not (C and known.even)
-    scale, step = _sizes(M, () if vanishing or regular else C, K, known.degree)
+    scale, step = _sizes(M, () if vanishing or regular else C, K, 2 * N if vanishing else known.degree)
     odd: list[arb_poly] = []
     if damped and not vanishing:
         places = [step * k for k in range(1, known.degree + 2)]
@@ -120,7 +161,8 @@ def expansion(
         places = [(step * k) ** 2 for k in range(1, N + 2)]
         even = _through(places, [determinant(terms) for terms in still])
         if damped:
-            odd = _through(places[:N], [_first_order(terms, C) for terms in still[:N]])
+            count = N + known.degree % 2
+            odd = _through(places[:count], [_first_order(terms, C) for terms in still[:count]])
     highest = [highest_power(a, n, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
     degrees = [min(power, known.degree) for power in highest]
     h = _in_square(even, [d // 2 + 1 for d in degrees], scale, known, 0)
@@ -128,7 +170,7 @@ def expansion(
         return Boundary(N, h, h.by_x, False, False, known.rests)
     none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
     g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
-    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none)
+    return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none, known.tangent)
 
 
 def _sizes(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], degree: int) -> tuple[arb, arb]:
@@ -272,29 +314,74 @@ def functions_of(kernel: ModuleType, modes: int) -> int:
 def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
     """h and g of a question, in balls of so many bits. Raises Unproven."""
     own, limit = parameters(kernel, question.own), question.kappa is not None
-    dampings = (question.alpha, question.beta) if question.kappa is None else (Fraction(1), question.kappa)
-    known = None
     with precision(bits):
         if kernel.COLUMN.get("general"):
-            terms = matrices_of_any(kernel, question.modes, own, dampings, limit)
-            known = _structure(terms, limit)
-            M, C, K = ball_matrices(*terms)
-        else:
-            M, C, K = coefficients_of(kernel, question.modes, own, dampings, limit)
-        if limit and not C:
-            raise Unproven(f"kappa: {kernel.COLUMN['name']} has no damping that could vanish")
-        return expansion(M, C, K, limit, known)
+            return _of_any(*matrices_of_any(kernel, question.modes, own, question.dampings, limit), limit)
+        return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
 
 
-def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> Structure | None:
-    """What holds exactly of matrices; None where not all of them are fractions. Raises Unproven."""
+def boundaries(kernel: ModuleType, question: Question, bits: int, from_rest: bool) -> list[Boundary]:
+    """The same of each part that leaves the others alone, seen from rest where that is asked for. Raises Unproven."""
+    if not kernel.COLUMN.get("general"):
+        return [boundary(kernel, question, bits)]
+    with precision(bits):
+        parts, limit = _parts(kernel, question, from_rest), question.kappa is not None
+        found = [replace(_of_any(p.M, p.C, p.K, limit), names=p.names, turn=p.turn) for p in parts]
+    if any(part.rests for part in found if part.turn):
+        raise Unproven("a frequency in a frame that turns is its rate, without load")
+    return found
+
+
+def turns(kernel: ModuleType, question: Question) -> bool:
+    """Whether some motions are coupled by a turning frame alone. Raises Unproven."""
+    return bool(kernel.COLUMN.get("general")) and any(part.turn for part in _parts(kernel, question, True))
+
+
+def _parts(kernel: ModuleType, question: Question, from_rest: bool) -> list[Part]:
+    limit = question.kappa is not None
+    own = parameters(kernel, question.own)
+    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, from_rest)
+
+
+def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
+    """h and g of matrices of fractions or balls. Raises Unproven."""
+    known, fast = _structure((M, C, K), limit)
+    of_M, of_C, of_K = ball_matrices(M, C, K)
+    if limit and not of_C:
+        raise Unproven("kappa: something has no damping that could vanish")
+    found = expansion(of_M, of_C, of_K, limit, known)
+    return replace(found, fast=_fast(M, C, K, fast)) if fast else found
+
+
+def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> tuple[Structure | None, int]:
+    """What holds exactly of matrices, None where not all of them are fractions; and how many eigenvalues go to infinity
+    in a limit of vanishing damping, which make g of as high a degree as h. Raises Unproven."""
     if any(isinstance(v, arb) for powers in terms for X in powers for v in X.flat):
-        return None
+        return None, 0
     known = structure(*terms)
-    if limit:
-        M, _, K = terms
-        still = structure(M, [], K)
-        if still.degree != known.degree:
-            raise Unproven("damping that vanishes acts on a coordinate without mass")
-        known = replace(known, even=False)
-    return known
+    if not limit:
+        return known, 0
+    M, _, K = terms
+    still = structure(M, [], K).degree
+    fast = known.degree - still
+    if fast and still != 2 * (len(M[0]) - null_space(M[0]).shape[1]):
+        raise Unproven("damping that vanishes acts on a coordinate that has neither mass nor stiffness")
+    return replace(known, even=False, degree=still + min(fast, 1)), fast
+
+
+def _fast(M: list[Any], C: list[Any], K: list[Any], degree: int) -> tuple[arb_poly, ...]:
+    """det(μ C + K) of coordinates without mass, polynomials in P by powers of μ up to a degree, in balls.
+
+    ε^2m det((μ/ε)² M + μ C + K), with M of rank m, is that times μ^2m and a constant for ε → 0. Raises Unproven.
+    """
+    right, left = null_space(M[0]), null_space(M[0].T).T
+    if any((Y != 0).any() for X in M[1:] for Y in (left @ X, X @ right)):
+        raise Unproven("damping that vanishes acts on a coordinate whose mass comes with the load")
+    of_C, of_K = ([arb_mat([[arb(v) for v in row] for row in (left @ X @ right).tolist()]) for X in Y] for Y in (C, K))
+    places = [arb(k) for k in range(1, degree + 2)]
+    none = 0 * of_K[0]
+    whole = [
+        determinant([mu * a + b for a, b in zip_longest(of_C, of_K, fillvalue=none)]) for mu in places
+    ]  # fmt: skip
+    in_mu = _through(places, whole)
+    return tuple(arb_poly([p[j] for p in in_mu]) for j in range(degree + 1))

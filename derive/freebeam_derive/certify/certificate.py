@@ -7,22 +7,27 @@ it need not trust the emitted kernels, nor the program that wrote it.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
-from flint import arb, fmpq
+from flint import fmpq
 from flint.utils.flint_exceptions import DomainError
 
+from freebeam_derive.certify.all_crossings import Crossing
 from freebeam_derive.certify.balls import Exact, Unproven, ends, parameters, precision
+from freebeam_derive.certify.beam_crossings import Survey
 from freebeam_derive.certify.beam_itself import ExactCrossing
+from freebeam_derive.certify.beam_ranges import Piece
 from freebeam_derive.certify.beam_stability import Evidence
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.decimals import written
-from freebeam_derive.certify.first_crossing import Enclosure
+from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 
-FORMAT, GENERAL, ITSELF = (f"freebeam certificate {n}" for n in (1, 2, 3))
+FORMAT, GENERAL, ITSELF, LIST, RANGE = (f"freebeam certificate {n}" for n in (1, 2, 3, 4, 5))
+Part = tuple[Fraction, Fraction, str]
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
@@ -46,61 +51,162 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],
         "load_max": None if found.load_max is None else written(found.load_max),
         "proof": dict(found.proof),
-        "stretches": [
-            {
-                "start": written(s.start),
-                "end": written(s.end),
-                "origin": written(s.origin),
-                "separators": [[written(point), written(slope)] for point, slope in s.separators],
-            }
-            for s in found.stretches
-        ],
+        "stretches": _separated(found.stretches),
+        **(
+            {"parts": list(map(list, found.parts)), "beside": list(map(_separated, found.beside))}
+            if found.parts
+            else {}
+        ),
     }
+
+
+def _separated(stretches: Sequence[Stretch]) -> list[dict[str, Any]]:
+    return [
+        {
+            "start": written(s.start),
+            "end": written(s.end),
+            "origin": written(s.origin),
+            "separators": [[written(point), written(slope)] for point, slope in s.separators],
+        }
+        for s in stretches
+    ]
 
 
 def write_of_beam(
     kernel: ModuleType, question: Question, crossing: ExactCrossing, evidence: Evidence
 ) -> dict[str, Any]:
     """The certificate that a crossing of the beam itself is the first, as a JSON object. Raises Unproven."""
-    own = parameters(kernel, question.own)
     flutter, load_high = crossing.kind == "flutter", ends(crossing.load)[1]
-    last = len(evidence.stretches) - 1 if question.undamped or (question.kappa is not None and not flutter) else None
     with precision(crossing.bits):
         square = crossing.frequency * crossing.frequency
-    around = [_around(value, crossing.digits - 2) for value in (crossing.load, square)]
-    stated = {k: v for k, v in _of_beam(kernel, question, own).items() if k != "basis"}
+    load, of_square = (_around(ends(value), crossing.digits - 2) for value in (crossing.load, square))
     return {
         "format": ITSELF,
-        "column": kernel.COLUMN["name"],
-        "parameters": {name: written(value) for name, value in own.items()},
-        "modes": evidence.modes,
-        "lowest": evidence.lowest,
-        "alpha": _rational(question.alpha),
-        "beta": _rational(question.beta),
-        **stated,
+        **_itself(kernel, question),
+        **_basis(evidence),
         "kind": crossing.kind,
-        "load": [written(v) for v in around[0]],
-        "frequency_squared": [written(v) for v in around[1]] if flutter else None,
+        "load": load,
+        "frequency_squared": of_square if flutter else None,
         "proof": vars(crossing.proof),
-        "stretches": [
+        "stretches": _stretches(evidence, load_high),
+    }
+
+
+def write_list(kernel: ModuleType, question: Question, survey: Survey, found: list[Crossing]) -> dict[str, Any]:
+    """The certificate of all crossings of the beam itself up to a load, as a JSON object. Raises Unproven."""
+    assert survey.evidence is not None
+    (at_rest,) = survey.evidence.stretches
+    return {
+        "format": LIST,
+        **_itself(kernel, question),
+        **_basis(survey.evidence),
+        "load_max": written(survey.load_max),
+        "points": [written(point) for point in at_rest.separators],
+        "crossings": [
             {
-                "start": written(s.start),
-                "end": written(max(s.end, load_high) if k == last else s.end),
-                "points": [written(point) for point in s.separators],
-                "moving": None if s.moving is None else s.moving[0],
-                "slope": written(Fraction(0) if s.moving is None else s.moving[1]),
+                "kind": c.kind,
+                "load": _around(c.load, survey.digits),
+                "frequency_squared": None if c.square is None else _around(c.square, survey.digits),
+                "change": c.change,
+                "unstable": c.unstable,
             }
-            for k, s in enumerate(evidence.stretches)
+            for c in found
         ],
     }
 
 
-def _around(value: arb, digits: int) -> tuple[Fraction, Fraction]:
+def write_range(
+    kernel: ModuleType, questions: tuple[Question, Question], name: str, pieces: list[Piece], left: list[Part]
+) -> dict[str, Any]:
+    """The certificate over a range of a parameter, as a JSON object. Raises Unproven.
+
+    questions: at both ends of the range. left: the parts that are open, with the reason.
+    """
+    one, other = (_itself(kernel, question) for question in questions)
+    stated = one | {key: [one[key], other[key]] for key in ("forms", "damping")}
+    if name in one["parameters"]:
+        both = [of["parameters"][name] for of in (one, other)]
+        stated["parameters"] = one["parameters"] | {name: both}
+    else:
+        stated[name] = [one[name], other[name]]
+    return {
+        "format": RANGE,
+        **stated,
+        "range": name,
+        "pieces": [
+            {
+                "low": written(p.low),
+                "high": written(p.high),
+                **_basis(p.evidence),
+                "kind": p.kind,
+                "load": _widened(p.load),
+                "frequency_squared": None if p.kind == "divergence" else _widened(_squared(p.frequency)),
+                "stretches": _stretches(p.evidence, p.load[1] + (p.load[1] - p.load[0]) / 8),
+            }
+            for p in pieces
+        ],
+        "open": [[written(a), written(b)] for a, b, _ in left],
+    }
+
+
+def _itself(kernel: ModuleType, question: Question) -> dict[str, Any]:
+    """A column of which the beam itself is meant, at one value of everything."""
+    own = parameters(kernel, question.own)
+    stated = _of_beam(kernel, question, own)
+    del stated["basis"]
+    return {
+        "column": kernel.COLUMN["name"],
+        "parameters": {name: written(value) for name, value in own.items()},
+        "alpha": _rational(question.alpha),
+        "beta": _rational(question.beta),
+        **stated,
+    }
+
+
+def _basis(evidence: Evidence) -> dict[str, int]:
+    return {"modes": evidence.modes, "lowest": evidence.lowest}
+
+
+def _stretches(evidence: Evidence, up_to: Fraction) -> list[dict[str, Any]]:
+    """up_to: an end for the last one, if that is beyond its own; what is said of P = 0 alone stays so."""
+    last = evidence.stretches[-1]
+    return [
+        {
+            "start": written(s.start),
+            "end": written(max(s.end, up_to) if s is last and s.end > 0 else s.end),
+            "points": [written(point) for point in s.separators],
+            "moving": None if s.moving is None else s.moving[0],
+            "slope": written(Fraction(0) if s.moving is None else s.moving[1]),
+        }
+        for s in evidence.stretches
+    ]
+
+
+def _around(interval: tuple[Fraction, Fraction], digits: int) -> list[str]:
     """An interval of a relative width of 10^−digits, in the middle of which a value is enclosed."""
-    low, high = ends(value)
+    low, high = interval
     middle, width = (low + high) / 2, abs(high) * Fraction(1, 2 * 10 ** max(digits, 15))
     grid = 10 ** (max(digits, 15) + 8)
-    return Fraction(int((middle - width) * grid), grid), Fraction(int((middle + width) * grid) + 1, grid)
+    return _outward(middle - width, middle + width, grid)
+
+
+def _widened(interval: tuple[Fraction, Fraction]) -> list[str]:
+    """By a sixteenth of its width on each side, for what the verifier finds may be as much wider."""
+    low, high = interval
+    more, grid = (high - low) / 16, 10**30
+    return _outward(low - more, high + more, grid)
+
+
+def _outward(low: Fraction, high: Fraction, grid: int) -> list[str]:
+    return [written(Fraction(int(low * grid), grid)), written(Fraction(int(high * grid) + 1, grid))]
+
+
+def _squared(interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
+    return interval[0] ** 2, interval[1] ** 2
+
+
+def _ratio(kappa: Exact | float | None) -> str | None:
+    return "inf" if isinstance(kappa, float) else None if kappa is None else _rational(kappa)
 
 
 def _rational(value: Exact) -> str:
@@ -111,8 +217,7 @@ def _rational(value: Exact) -> str:
 def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Ends, basis, M, E, H and damping of a textbook's column."""
     kappa = question.kappa
-    dampings = (question.alpha, question.beta) if kappa is None else (Fraction(1), kappa)
-    c_M, c_E = kernel.damping_factors(*dampings, **own)
+    c_M, c_E = kernel.damping_factors(*question.dampings, **own)
     return {
         "ends": list(kernel.COLUMN["ends"]),
         "basis": kernel.COLUMN.get("basis", "modes"),
@@ -123,7 +228,7 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
             }
             for letter, (along, points) in kernel.forms(Fraction(1), **own).items()
         },
-        "kappa": None if kappa is None else _rational(kappa),
+        "kappa": _ratio(kappa),
         "damping": None
         if question.undamped
         else {"of_M": written(c_M), "of_E": written(c_E), "vanishing": kappa is not None},
@@ -156,7 +261,7 @@ def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) ->
             for name, (joined, held, opened) in kernel.FIELDS.items()
         },
         "coordinates": list(kernel.COORDINATES),
-        "kappa": None if question.kappa is None else _rational(question.kappa),
+        "kappa": _ratio(question.kappa),
         "forms": {
             "M": [_form(form) for form in bare["M"]],
             "C_1": [_form(form) for form in bare["C"]],
@@ -197,4 +302,4 @@ def _text(value: Any) -> str:
     return written(Fraction(int(value)) if isinstance(value, int) else Fraction(int(value.p), int(value.q)))
 
 
-__all__ = ["FORMAT", "GENERAL", "ITSELF", "write", "write_of_beam"]
+__all__ = ["FORMAT", "GENERAL", "ITSELF", "LIST", "RANGE", "write", "write_list", "write_of_beam", "write_range"]

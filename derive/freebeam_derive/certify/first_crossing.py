@@ -13,13 +13,16 @@ Divergence: h(P, 0) = det K / det M = 0.
 
 Motions that the load alone restores rest at P = 0: roots of h, and of g where nothing damps them, come from x = 0
 there. Separators between them pass through P = x = 0, and signs on these and at x = 0 are those of what is left after
-division by the power of P that they hold. Stability is then said of P > 0.
+division by the power of P that they hold. Stability is then said of P > 0. Where their damping vanishes with the load
+roots of h and g leave x = 0 along the same tangents: on the first stretch g − c h (`g_without_tangents`) takes the
+place of g, with a separator more, below all roots of h. It is g at the roots of h, which is what counts.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise, zip_longest
 from types import ModuleType
@@ -28,12 +31,13 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of, turns
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
 
 LOWEST_BITS = 160
 MOST_BITS = 60_000
 DEEPEST = 120  # bisections of the load axis before a proof is given up
+FAST_HALVINGS = 12  # of it where all that is asked is the sign of some determinants
 Separator = tuple[Fraction, Fraction]
 
 
@@ -54,6 +58,8 @@ class Stretch:
 class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
+    parts: names of motions that leave the others alone, first of those that lose stability; beside: stretches of the
+    others, up to the upper end of load. turn: the rate of a frame that couples the first; square is that of ω ± turn.
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
     no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
     motion rests, or nothing is damped.
@@ -67,6 +73,9 @@ class Enclosure:
     stretches: tuple[Stretch, ...]
     proof: Mapping[str, bool]
     above_zero: bool = False
+    parts: tuple[tuple[str, ...], ...] = ()
+    beside: tuple[tuple[Stretch, ...], ...] = ()
+    turn: Fraction = Fraction(0)
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
@@ -76,11 +85,12 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     """Whether the signs at the separators prove stability for all P of a stretch, P > 0 where motions rest at 0."""
     start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
     separators, roots = stretch.separators, found.N + (found.between if found.damped else 0)
-    if len(separators) != roots:
+    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
+    tangent = from_rest and found.tangent
+    if len(separators) != roots + tangent:
         return False
     lines = [(Fraction(0), Fraction(0)), *separators]
     # positive and ascending all along the stretch
-    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
     if not all(_ascend(lines, t, from_rest and t == 0) for t in (start, end)):
         return False
 
@@ -94,6 +104,12 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
         return signs(found.h, lines) == [(-1) ** k for k in range(found.N + 1)]
     # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
     alternating = [(-1) ** ((k + 1) // 2) for k in range(roots + 1)]
+    if tangent:
+        # the first is below all roots of h; two neighbours about one of these have one sign of g − c h, and N − 1
+        # changes between them leave it no root there. The last root of g, if any, is beyond: there it is g that counts
+        inner, beyond = separators[: 2 * found.N], separators[2 * found.N :]
+        told = signs(found.g_without_tangents, inner) + (signs(found.g, beyond) if beyond else [])
+        return signs(found.h, separators) == alternating and told == [(-1) ** (k // 2) for k in range(roots + 1)]
     of_g = separators[: max(1, 2 * found.between)]
     return signs(found.h, lines) == alternating and signs(found.g, of_g) == alternating[: len(of_g)]
 
@@ -136,11 +152,22 @@ def stretch_over(found: Boundary, a: Fraction, b: Fraction, centre: Boundary | N
         raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
     tried = [Stretch(a, b, middle, separators)]
     if a == 0 and found.rests:
+        lines = _with_lowest(found, middle, separators) if found.tangent else separators
         tried = [
-            Stretch(a, b, a, (*((a, point / middle) for point, _ in separators[:count]), *separators[count:]))
-            for count in range(min(2 * found.rests, len(separators)) + 1)
+            Stretch(a, b, a, (*((a, point / middle) for point, _ in lines[:count]), *lines[count:]))
+            for count in range(min(2 * found.rests + found.tangent, len(lines)) + 1)
         ]
     return next((stretch for stretch in tried if holds(found, stretch)), None)
+
+
+def _with_lowest(found: Boundary, P: Fraction, separators: Sequence[Separator]) -> Sequence[Separator]:
+    """Points between the roots of h and of g − c h, the first of them below all roots of h."""
+    h, g = (real_zeros(which.at(exact(P))) for which in (found.h, found.g_without_tangents))
+    low = max([arb(0), *(x for x in g if 0 < x < h[0])], key=float)
+    places = sorted([low, *h, *(x for x in g if h[0] < x < h[-1])], key=float)
+    middles = [(one + other) / 2 for one, other in pairwise(places)]
+    upper = separators[2 * found.N - 2 :]  # beyond the last root of h, where the last root of g may be
+    return (*((rational(m, 100), Fraction(0)) for m in middles), *upper)
 
 
 def _between(a: Fraction, b: Fraction) -> Fraction:
@@ -172,6 +199,43 @@ def cover(
     return sorted(done, key=lambda s: s.start)
 
 
+def _slopes_through(found: Boundary, P: Fraction, x: Fraction, start: Fraction, share: float) -> list[Fraction]:
+    """Slopes of the separators that pass through a crossing: one between the root of h and that of g that meet there,
+    and, in a limit of vanishing damping, two where two roots of h do, on either side of the root of g."""
+    if not found.damped:
+        return [Fraction(0)]
+    J, bend = found.slopes([exact(P), exact(x)]), found.h.by_x.by_x(exact(P), exact(x))
+    if abs(J[0, 1]) < abs(bend) * exact(x) * arb(2) ** (-LOWEST_BITS // 2):
+        # h is h_P (P − P*) + h_xx (x − x*)² / 2, or about so
+        apart = (abs(2 * J[0, 0] / bend) / exact(P - start)).sqrt() * share
+        return [rational(-J[1, 0] / J[1, 1] + apart * side, 30) for side in (1, -1)]
+    flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
+    return [rational(flat + (steep - flat) * share, 30)]
+
+
+def check_fast(found: Boundary, end: Fraction) -> None:
+    """Coordinates without mass on which damping ε C acts decay by themselves, at a rate of 1/ε, for 0 ≤ P ≤ end.
+
+    By Routh's scheme on balls of loads. Raises Unproven.
+    """
+    waiting = [(Fraction(0), end)] if found.fast else []
+    while waiting:
+        a, b = waiting.pop()
+        P = exact(a).union(exact(b))
+        upper, lower = ([p(P) / found.fast[-1](P) for p in found.fast[k::-2]] for k in (-1, -2))
+        while lower and lower[0] > 0:
+            left = [u - upper[0] / lower[0] * v for u, v in zip_longest(upper[1:], lower[1:], fillvalue=arb(0))]
+            upper, lower = lower, left
+        if lower:
+            if (b - a) * 2**FAST_HALVINGS < end:
+                raise Unproven(
+                    f"coordinates without mass are not known to decay at the load {float(a):.10g} in the limit of "
+                    "vanishing damping, which acts on them"
+                )
+            middle = (a + b) / 2
+            waiting += [(middle, b), (a, middle)]
+
+
 def _towards(
     found: Boundary, P: Fraction, x: Fraction | None, start: Fraction, end: Fraction, share: float
 ) -> Stretch | None:
@@ -183,16 +247,15 @@ def _towards(
     if separators is None:
         return None
     if x is not None:
-        # the separator that the crossing closes in on passes through it
-        slope = Fraction(0)
-        if found.damped:
-            J = found.slopes([exact(P), exact(x)])
-            flat, steep = sorted((-J[i, 0] / J[i, 1] for i in range(2)), key=lambda v: float(abs(v)))
-            slope = rational(flat + (steep - flat) * share, 30)
-        there = float(x + slope * (start - P))
+        # separators that the crossing closes in on pass through it
+        slopes = _slopes_through(found, P, x, start, share)
+        there = [float(x + slope * (start - P)) for slope in slopes]
         places = [float(point) for point, _ in separators]
-        nearest = min(range(len(places)), key=lambda k: abs(places[k] - there))
-        separators = (*separators[:nearest], (x, slope), *separators[nearest + 1 :])
+        first = min(
+            range(len(places) + 1 - len(there)),
+            key=lambda k: sum(abs(a - b) for a, b in zip(places[k:], there, strict=False)),
+        )
+        separators = (*separators[:first], *((x, slope) for slope in slopes), *separators[first + len(slopes) :])
     stretch = Stretch(start, end, P, separators)
     return stretch if holds(found, stretch) else None
 
@@ -225,24 +288,97 @@ def certify(
     Raises Unproven with what could not be established.
     """
     say = progress or (lambda _: None)
+    try:
+        return _with_bits(kernel, question, near, digits, load_max, say, False)
+    except Unproven:
+        if not turns(kernel, question):
+            raise
+    return _with_bits(kernel, question, near, digits, load_max, say, True)
+
+
+def _with_bits(
+    kernel: ModuleType,
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    load_max: Fraction,
+    say: Callable[[str], None],
+    from_rest: bool,
+) -> Enclosure:
+    """As `certify`; from_rest: what a turning frame couples as it is seen from there."""
     bits = bits_for(functions_of(kernel, question.modes), digits)
     reason = ""
     while bits <= MOST_BITS:
         with precision(bits):
             say(f"{bits} bits")
             try:
-                found = boundary(kernel, question, bits)
-                if near is not None:
-                    return _certify_near(found, question, near, digits, bits)
-                proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
-                stretches = tuple(cover(found, Fraction(0), load_max))
-                return Enclosure(question, "none", None, None, load_max, stretches, proof, found.above_zero)
+                return _certify(boundaries(kernel, question, bits, from_rest), question, near, digits, bits, load_max)
             except Unproven as error:
                 if reason == str(error):
                     raise
                 reason = str(error)
         bits *= 2
     raise Unproven(reason)
+
+
+def _certify(
+    parts: list[Boundary],
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    bits: int,
+    load_max: Fraction,
+) -> Enclosure:
+    """Of parts that leave each other alone: one loses stability, and none of the others up to there."""
+    if near is None:
+        proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
+        first, others, end = parts[0], parts[1:], load_max
+        stretches = _stable(first, end)
+        found = Enclosure(question, "none", None, None, end, stretches, proof, first.above_zero, turn=first.turn)
+    else:
+        first, start = _place(parts, near)
+        others = [part for part in parts if part is not first]
+        found = _certify_near(first, question, near, start, digits, bits)
+        assert found.load is not None
+        end = found.load[1]
+    if not others and not first.turn:
+        return found
+    try:
+        beside = tuple(_stable(part, end) for part in others)
+    except Unproven as error:
+        raise Unproven(f"{error}; of motions that others leave alone") from error
+    above_zero = any(part.above_zero for part in parts)
+    return replace(found, above_zero=above_zero, parts=tuple(part.names for part in (first, *others)), beside=beside)
+
+
+def _stable(part: Boundary, end: Fraction) -> tuple[Stretch, ...]:
+    check_fast(part, end)
+    return tuple(cover(part, Fraction(0), end))
+
+
+def _place(parts: list[Boundary], near: tuple[float | Fraction, float]) -> tuple[Boundary, list[arb]]:
+    """Which part has a crossing near a candidate, and where Newton's method for it starts."""
+    load, omega = exact(Fraction(near[0])), arb(near[1])
+    each = [
+        (part, [load, (omega + side * exact(part.turn)) ** 2] if near[1] > 0 else [load])
+        for part in parts
+        for side in ((1, -1) if part.turn else (1,))
+        if near[1] > 0 or not part.turn  # where x = 0 is no divergence
+    ]
+    if not each:
+        raise Unproven("a divergence is not one of a frame that turns")
+
+    def distance(item: tuple[Boundary, list[arb]]) -> float:
+        part, z = item
+        try:
+            for _ in range(4):
+                z = [v.mid() for v in newton(part, z)]
+        except Unproven:
+            return math.inf
+        found = sum(float(abs(v / w - 1)) for v, w in zip(z, item[1], strict=True))
+        return found if math.isfinite(found) else math.inf
+
+    return each[0] if len(each) == 1 else min(each, key=distance)
 
 
 def refined(found: Boundary, z: Sequence[arb], bits: int, reached: int) -> list[arb]:
@@ -254,10 +390,15 @@ def refined(found: Boundary, z: Sequence[arb], bits: int, reached: int) -> list[
 
 
 def _certify_near(
-    found: Boundary, question: Question, near: tuple[float | Fraction, float], digits: int, bits: int
+    found: Boundary,
+    question: Question,
+    near: tuple[float | Fraction, float],
+    z: list[arb],
+    digits: int,
+    bits: int,
 ) -> Enclosure:
-    start, flutter = exact(Fraction(near[0])), near[1] > 0
-    P, *squares = refined(found, [start, arb(near[1]) ** 2] if flutter else [start], bits, 20)
+    start, flutter = z[0], len(z) > 1
+    P, *squares = refined(found, z, bits, 20)
     if not abs(P - start) < abs(start) * arb("1e-3"):
         raise Unproven(f"no crossing was found near the load {float(near[0]):.10g}")
     if any(not x > 0 for x in squares):
@@ -267,6 +408,7 @@ def _certify_near(
     low, high = middle - abs(middle) * tolerance / 2, middle + abs(middle) * tolerance / 2
     if not exact(low) < P < exact(high):
         raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")
+    check_fast(found, high)
     point = rational(squares[0], bits) if flutter else None
     kind, there = "flutter" if flutter else "divergence", f"{float(middle):.10g}"
     try:
@@ -296,7 +438,7 @@ def _certify_near(
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
-    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero, turn=found.turn)
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

@@ -1,21 +1,25 @@
 """Where the eigenvalues s of a column with a load are, from the gaps between its frequencies without load.
 
 Without load they are ω_k², ω₁ < ω₂ < …; where the load's form is |b(y, v)| ≤ C a(y, y)^(1/2) (mass of v)^(1/2), no
-eigenvalue s has Re s = ω_k ω_{k+1} for |p| C < ω_{k+1} − ω_k (Lemma 6). Of the lowest K the column's own F(0, s) tells:
-K changes of its sign. That there are no more below R_K, and how wide the later gaps are, comes from the uniform beam
-beside it (variable_section.py, Lemma 7). docs/theorem.md has the proofs.
+eigenvalue s has Re s = ω_k ω_{k+1} for |p| C < ω_{k+1} − ω_k (Lemma 6). Of a
+column on one segment the lowest K are told by its own F(0, s), K changes of sign; that there are no more below R_K, and
+how wide the later gaps are, by the uniform beam beside it (variable_section.py, Lemma 7). Of one in uniform parts both
+are told by its characteristic function in closed form (stepped_section.py, Lemma 8). docs/theorem.md has the proofs.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from flint import arb
 
-from freebeam_derive.certify.balls import Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
+from freebeam_derive.certify.column_forms import ColumnForms, over_both
 from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.variable_section import VariableSection
 
@@ -29,7 +33,7 @@ class FrequencyGaps:
     """The lines of a column between its frequencies without load, as `Strips` has them for a uniform beam.
 
     system: a column without damping. load: the largest |p|. lowest: m, from which on every line is free of eigenvalues
-    for |p| ≤ load; reach: up to which |p| they are. count: K, how many frequencies were enclosed one by one. Raises
+    for |p| ≤ load; reach: up to which |p| they are. count: K, from which on all are known to be free together. Raises
     NoStrips for a column that is not served, and Unproven.
     """
 
@@ -38,26 +42,46 @@ class FrequencyGaps:
     def __init__(self, system: ExactSystem, load: arb) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
-        section = VariableSection(system.kernel, system.own)
-        self.size = section.load_size
-        self.count, (top, gap) = self._first_far(section, load)
-        self._squares = self._enclosed(self.count, top)
-        self.lowest, self._gap = self.count, gap
-        self._lines = {self.count: top}
+        at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
+        forms = at_ends[0]
+        self.size = max((each.load_size for each in at_ends), key=float)  # which falls with masses
+        needed = load * self.size
+        if len(at_ends) == 2 or forms.stepped:
+            known, gap = self._of_parts(at_ends, needed)
+            self._lines: dict[int, arb] = {}
+        else:
+            K, (top, gap) = self._first_far(VariableSection(forms), needed)
+            known = [tuple(exact(side).sqrt() for side in sides) for sides in self._enclosed(K, top)]
+            self._lines = {K: top}
+        self.count = self.lowest = len(known)
         for k in range(self.count - 1, 0, -1):
-            low, high = exact(self._squares[k - 1][1]).sqrt(), exact(self._squares[k][0]).sqrt()
-            if not (high - low) > load * self.size:
+            low, high = known[k - 1][1], known[k][0]
+            if not (high - low) > needed:
                 break
-            self.lowest, self._gap = k, self._gap.min((high - low).lower())
+            self.lowest, gap = k, gap.min((high - low).lower())
             self._lines[k] = low * high
-        self.reach = (self._gap / self.size).lower()
+        if self.lowest not in self._lines:
+            raise NoStrips("the gaps between frequencies are too narrow for such a load")
+        self.reach = (gap / self.size).lower()
 
-    def _first_far(self, section: VariableSection, load: arb) -> tuple[int, tuple[arb, arb]]:
+    def _first_far(self, section: VariableSection, needed: arb) -> tuple[int, tuple[arb, arb]]:
         for k in range(2, MOST):
             R, gap = section.far_gap(k)
-            if gap > load * self.size:
+            if gap > needed:
                 return k, (R, gap)
         raise NoStrips("the gaps between high frequencies could not be shown to be wide enough for such a load")
+
+    def _of_parts(self, at_ends: list[ColumnForms], needed: arb) -> tuple[list[tuple[arb, ...]], arb]:
+        """Bounds of all frequencies ω up to the first beyond which all gaps are as wide as needed, and those gaps.
+
+        Over a range masses and springs are between those at its ends, and so is each frequency (Courant and Fischer).
+        """
+        whole = at_ends[0] if len(at_ends) == 1 else over_both(*at_ends)
+        beyond, gap = SteppedSection(whole).gap_beyond(needed)
+        parts = [SteppedSection(forms) for forms in at_ends]
+        count = max(len(each.lowest(beyond)) for each in parts)
+        shared = zip(*(each.lowest(beyond, count) for each in parts), strict=False)
+        return [(min(g.lower() for g in each) ** 2, max(g.upper() for g in each) ** 2) for each in shared], gap
 
     def _enclosed(self, count: int, top: arb) -> list[tuple[Fraction, Fraction]]:
         """Intervals in each of which F(0, s) changes sign, all below `top`: so many eigenvalues are there at least."""
@@ -82,3 +106,12 @@ class FrequencyGaps:
         basis = kernel.basis(count + FLOATS)
         M, K = (np.asarray(f(basis, P, **self._float), dtype=float) for f in (kernel.mass, kernel.stiffness))
         return np.sort_complex(np.linalg.eigvals(np.linalg.solve(M, K)))[:count]
+
+
+def _at_ends(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
+    """Own parameters, at both ends of the range where one is one."""
+    found: list[dict[str, Any]] = [
+        {name: (value.low, value.high)[n] if isinstance(value, Range) else value for name, value in own.items()}
+        for n in (0, 1)
+    ]
+    return found if found[0] != found[1] else found[:1]

@@ -18,8 +18,11 @@ from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly
 
 from freebeam_derive.certify.balls import Exact, Unproven
 from freebeam_derive.certify.beam import Beam, Jets, Order, Taylor
+from freebeam_derive.certify.exact_system import ExactSystem
 
 DEGREE = 14  # N: of 8 to 22 the fastest for the free-free column with damping; Beck's takes 10, by little
+
+DEGREE_OF_ANY = 8  # the same where F comes from Taylor steps: of 4, 5, 6 and 8 it proves the widest range of a tip mass
 
 
 @lru_cache(maxsize=4)
@@ -93,20 +96,28 @@ class _Grid(Jets):
 class Local:
     """Stands for a beam on a box of p and s; what it is asked for beyond is refused (Unproven)."""
 
-    def __init__(self, beam: Beam, p: Any, s: Any) -> None:
+    def __init__(self, beam: Beam | ExactSystem, p: Any, s: Any) -> None:
         self.beam, self.is_complex = beam, isinstance(p, acb) or isinstance(s, acb)
         kind: Any = acb if self.is_complex else arb
         self._box = kind(p), kind(s)
         self._centre = tuple(kind(side.mid()) for side in self._box)
         self._units = tuple(_reach(side - middle) for side, middle in zip(self._box, self._centre, strict=True))
-        grid = _Grid(DEGREE, self.is_complex, self._units)  # type: ignore[arg-type]
-        at, over = (beam.expanded(x, y, grid).entries() for x, y in (self._centre, self._box))
-        size = DEGREE + 1
-        self._C: Any = grid.matrix(size, size)
+        degree = DEGREE if isinstance(beam, Beam) else DEGREE_OF_ANY
+        grid = _Grid(degree, self.is_complex, self._units)  # type: ignore[arg-type]
+        at, over = (self._entries(grid, x, y) for x, y in (self._centre, self._box))
+        self._C: Any = grid.matrix(degree + 1, degree + 1)
         for t, (i, j) in enumerate(grid.orders):
-            self._C[i, j] = over[t] if i + j == DEGREE else at[t]
+            self._C[i, j] = over[t] if i + j == degree else at[t]
+
+    def _entries(self, grid: _Grid, p: Any, s: Any) -> list[Any]:
+        if isinstance(self.beam, Beam):
+            found: list[Any] = self.beam.expanded(p, s, grid).entries()
+            return found
+        t = self.beam.taylor(p, s, grid.orders)
+        return [t[i, j] * self._units[0] ** i * self._units[1] ** j for i, j in grid.orders]
 
     def damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
+        assert isinstance(self.beam, Beam)
         return self.beam.damping(alpha, beta)
 
     def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
@@ -119,8 +130,9 @@ class Local:
         top = max(max(order) for order in orders)
         kind: Any = acb if self.is_complex else arb
         u, v = ((kind(x) - c) / unit for x, c, unit in zip((p, s), self._centre, self._units, strict=True))
-        rows = [_powers(u, k) for k in range(top + 1)]
-        columns = [_powers(v, k) for k in range(top + 1)]
+        last = self._C.nrows() - 1
+        rows = [_powers(u, k, last) for k in range(top + 1)]
+        columns = [_powers(v, k, last) for k in range(top + 1)]
         matrix: Any = acb_mat if self.is_complex else arb_mat
         found = matrix(rows) * self._C * matrix(columns).transpose()
         return {(i, j): found[i, j] / (self._units[0] ** i * self._units[1] ** j) for i, j in orders}
@@ -132,10 +144,10 @@ def _reach(side: Any) -> arb:
     return reach if reach > 0 else arb(2) ** -30
 
 
-def _powers(x: Any, order: int) -> list[Any]:
+def _powers(x: Any, order: int, last: int) -> list[Any]:
     """C(n, order) x^(n − order) for n = 0 … N: the derivative of the powers over order!."""
     found, power = [x * 0] * order, x * 0 + 1
-    for n in range(order, DEGREE + 1):
+    for n in range(order, last + 1):
         found.append(comb(n, order) * power)
         power = power * x
     return found

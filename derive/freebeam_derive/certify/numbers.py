@@ -8,7 +8,7 @@ from typing import Any
 
 from flint import arb, fmpq, fmpz
 
-__all__ = ["Number", "plain"]
+__all__ = ["Number", "exact_value", "plain"]
 
 
 class Number:
@@ -111,11 +111,14 @@ def _fraction(value: Any) -> fmpq | None:
     return None
 
 
+def exact_value(value: Any) -> fmpq | arb | None:
+    """A number as a fraction or a ball; None for what is neither, as a float that was rounded."""
+    return value if isinstance(value, arb) else _fraction(value)
+
+
 def plain(value: Any) -> Any:
     """A fraction or a ball of an entry. Raises TypeError for another number."""
-    if isinstance(value, arb):
-        return value
-    known = _fraction(value)
+    known = exact_value(value)
     if known is None:
         raise TypeError(f"{value!r} is a rounded number, not an exact one")
     return known

@@ -26,12 +26,14 @@ Rational = Any
 @dataclass(frozen=True)
 class Structure:
     """degree: the highest power of λ at most. even: there are no odd ones. rests: how many motions K has no stiffness
-    for at P = 0; left_alone: C does not act on them there, or nothing of C acts along them."""
+    for at P = 0; left_alone: C does not act on them there, or nothing of C acts along them; tangent: neither, and to
+    first order in P nothing of C acts on them along them, so that their damping is of second order in P."""
 
     degree: int
     even: bool
     rests: int = 0
     left_alone: bool = False
+    tangent: bool = False
 
     def vanishes(self, a: int, power: int) -> bool:
         """Whether P^a λ^power has no part in the determinant, because of the motions that rest at P = 0.
@@ -44,11 +46,17 @@ class Structure:
 
 def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> Structure:
     """Of matrices by powers of the load; C empty without damping."""
-    C = list(C) if any(v != 0 for X in C for v in X.flat) else []
+    C = [] if all(map(_is_nothing, C)) else list(C)
     right, left = null_space(K[0]), null_space(K[0].T)
-    alone = not C or any(not any(v != 0 for v in X.flat) for X in (C[0] @ right, left.T @ C[0]))
+    sides = [_is_nothing(X) for X in (C[0] @ right, left.T @ C[0])] if C else [True]
+    tangent = bool(C) and right.shape[1] > 0 and not _is_nothing(C[0]) and all(sides)
+    tangent = tangent and all(_is_nothing(left.T @ X @ right) for X in C[1:2])
     even, most = not C or is_even(M, C, K), degree(M, C, K)
-    return Structure(most - most % 2 if even else most, even, right.shape[1], alone)
+    return Structure(most - most % 2 if even else most, even, right.shape[1], any(sides), tangent)
+
+
+def _is_nothing(X: Rational) -> bool:
+    return not any(v != 0 for v in X.flat)
 
 
 def null_space(A: Rational) -> Rational:

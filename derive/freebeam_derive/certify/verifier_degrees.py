@@ -7,6 +7,9 @@ Even: D(−λ) = D(λ) where M and K are symmetric and C is skew, by transpositi
 such that M and K link coordinates of one sign alone and C those of different signs, by the change of these signs.
 
 At P = λ = 0: K of rank n − r makes r rows of first order in P and λ; of second order in λ where C has nothing in them.
+Touching: with K_0 = [[0, 0], [0, A]] in these rows and r such columns, and all others, C_0 is [[0, 0], [0, B]] and C_1
+is [[0, …], …]. With P counted twice the determinant is then det A (1 + λ tr A⁻¹B) times that of the r rows and columns
+to lowest order, and what is at least two orders higher.
 """
 
 from __future__ import annotations
@@ -22,12 +25,14 @@ LONGEST_CHAIN = 4  # a degree that is taken too high is refused later: the roots
 
 @dataclass(frozen=True)
 class Degrees:
-    """highest: power of λ at most. even: no odd powers. resting: r; apart: C has nothing in those rows, or columns."""
+    """highest: power of λ at most. even: no odd powers. resting: r; apart: C has nothing in those rows, or columns;
+    touching: in neither, though it is not nothing there, nor C_1 where these meet."""
 
     highest: int
     even: bool
     resting: int
     apart: bool
+    touching: bool = False
 
     def absent(self, of_load: int, of_rate: int) -> bool:
         """Whether P^of_load λ^of_rate has no part in the determinant."""
@@ -40,12 +45,15 @@ def degrees(M: Terms, C: Terms, K: Terms) -> Degrees:
     """C: empty where it is nothing. Exact, of matrices by powers of the load."""
     n, still = K[0].nrows(), K[0]
     resting = n - still.rank()
-    apart = True
+    apart, touching = True, False
     if C and resting:
         # C at P = 0 on what K takes to nothing, from the right and from the left
-        apart = any(_only_zeros(_kernel(A) * B) for A, B in ((still, C[0]), (still.transpose(), C[0].transpose())))
+        rows, columns = kernel(still), kernel(still.transpose()).transpose()
+        sides = _only_zeros(rows * C[0]), _only_zeros(C[0] * columns)
+        meeting = all(_only_zeros(rows * X * columns) for X in C[1:2])
+        apart, touching = any(sides), all(sides) and meeting and not _only_zeros(C[0])
     highest, even = 2 * n - _lost(M, C, K), not C or _skew(M, C, K) or _signed(M, C, K)
-    return Degrees(highest - (highest % 2 if even else 0), even, resting, apart)
+    return Degrees(highest - (highest % 2 if even else 0), even, resting, apart, touching)
 
 
 def _lost(M: Terms, C: Terms, K: Terms) -> int:
@@ -73,7 +81,7 @@ def _lost(M: Terms, C: Terms, K: Terms) -> int:
     return found
 
 
-def _kernel(A: fmpq_mat) -> fmpq_mat:
+def kernel(A: fmpq_mat) -> fmpq_mat:
     """Rows u with u A = 0, and a row of zeros."""
     found, count = A.transpose().numer_denom()[0].nullspace()
     n = A.nrows()

@@ -2,7 +2,7 @@
 
 Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shares no code with the prover. The series'
 coefficients are polynomials in p and s, so F is one polynomial for all boxes and a rest, which docs/theorem.md bounds;
-on a box it is that polynomial about the centre.
+`verifier_boxes` has it on a box.
 """
 
 from __future__ import annotations
@@ -10,16 +10,14 @@ from __future__ import annotations
 import math
 from fractions import Fraction
 from itertools import combinations
-from math import comb, factorial, perm
+from math import factorial, perm
 from typing import Any, NamedTuple
 
 import flint
-from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly
+from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify import verifier as v
-from freebeam_derive.certify.verifier import ball, require
+from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, require
 
-DEGREE = 14
 Table = dict[Any, list[Fraction]]  # place -> [part without load, the load's part]
 
 
@@ -78,9 +76,9 @@ def combined(a: list[arb_poly], b: list[arb_poly], factor: arb) -> list[arb_poly
 class Shooting:
     """F(p, s) of y'''' + … = s y with natural conditions, from ends and forms E = ∫ y'' v'' + …, H. Raises Refused."""
 
-    def __init__(self, ends: list[str], E: v.Form, H: v.Form) -> None:
+    def __init__(self, ends: list[str], E: Form, H: Form) -> None:
         self.terms: Table = {}  # (order d, power k) of x^k y^(d)
-        free = [(e, d) for e in (0, 1) for d in (0, 1) if d not in v.ORDERS[ends[e]]]
+        free = [(e, d) for e in (0, 1) for d in (0, 1) if d not in ORDERS[ends[e]]]
         rows: dict[tuple[int, int], Table] = {}
         for e, d in free:  # ∫ y'' v'' = [y'' v'] − [y''' v] + ∫ y'''' v
             sign = 2 * e - 1
@@ -103,10 +101,10 @@ class Shooting:
                 require(i < 2 and j < 2, "a form acts on curvatures")
                 if (a, i) in rows:
                     _add(rows[a, i], (b, j), which, f)
-        held = [{(e, d): [Fraction(1), Fraction(0)]} for e in (0, 1) for d in v.ORDERS[ends[e]] if d < 2]
+        held = [{(e, d): [Fraction(1), Fraction(0)]} for e in (0, 1) for d in ORDERS[ends[e]] if d < 2]
         # those of x = 0 alone are first: of them a determinant has few minors
         self.conditions = sorted([*held, *rows.values()], key=lambda row: max(e for e, _ in row))
-        self._known: dict[tuple[int, int, int], Whole] = {}
+        self._known: dict[tuple[Any, ...], Whole] = {}
 
     def on(self, p: arb, s: arb) -> Whole:
         """F where |p| and |s| are at most so large, and somewhat beyond, at the precision in force."""
@@ -117,8 +115,12 @@ class Shooting:
         return self._known[key]
 
     def at(self, p: arb, s: arb, order: int) -> Whole:
-        """F where |p| is at most so large, and so many derivatives at one s."""
-        return Whole(self, p, s, arb(1), order + 1)
+        """F where |p| is at most so large, and somewhat beyond, and so many derivatives at one s."""
+        P = 2 ** math.ceil(math.log2(float(p)))
+        key = flint.ctx.prec, P, s.mid().man_exp(), order
+        if key not in self._known:
+            self._known[key] = Whole(self, arb(P), s, arb(1), order + 1)
+        return self._known[key]
 
 
 class Whole:
@@ -224,79 +226,3 @@ def _majorants(norms: list[tuple[int, int, arb]], bits: int) -> tuple[list[list[
 
 def _add(table: Table, key: Any, which: int, value: Fraction) -> None:
     table.setdefault(key, [Fraction(0), Fraction(0)])[which] += value
-
-
-# --- F on a box ----------------------------------------------------------------------------------------------------
-
-
-class Box:
-    """F and its derivatives on a box of p and s: its polynomial about the centre up to a degree, and what is beyond.
-
-    order: of the derivatives by s, where s is one point.
-    """
-
-    def __init__(self, shooting: Shooting, p: Any, s: Any, order: int = 2) -> None:
-        kind: Any = acb if isinstance(p, acb) or isinstance(s, acb) else arb
-        self._box = kind(p), kind(s)
-        self._centre = kind(p.mid()), kind(s.mid())
-        reach = [abs(side - middle).upper() for side, middle in zip(self._box, self._centre, strict=True)]
-        sizes = [abs(side).upper() for side in self._centre]
-        point = isinstance(s, arb) and s.rad().is_zero()
-        if point:
-            whole = shooting.at(sizes[0] + 2 * reach[0] + 1, s, order)
-        else:
-            whole = shooting.on(*(size + 2 * r + 1 for size, r in zip(sizes, reach, strict=True)))
-        room = [whole.P - sizes[0] - 2 * reach[0], whole.S if point else whole.S - sizes[1] - 2 * reach[1]]
-        if not all(left > 1 / 2 for left in room):
-            raise ArithmeticError("the box is too large")
-        # a side without width has any unit, small enough for the terms beyond the degree to be nothing
-        self._units = tuple(r.max(arb(2) ** -(flint.ctx.prec // 8)) for r in reach)
-        middles = self._centre[0], self._centre[1] - whole.s
-        with flint.ctx.workprec(whole.precision):
-            J, K = whole.C.nrows(), whole.C.ncols()
-            left, right = (
-                _about(middle / scale, unit / scale, n, kind)
-                for middle, unit, scale, n in zip(middles, self._units, (whole.P, whole.S), (J, K), strict=True)
-            )
-            c = left.transpose() * (acb_mat(whole.C) if kind is acb else whole.C) * right
-        entries = c.entries()
-        poly: Any = acb_poly if kind is acb else arb_poly
-        rows = [[entries[i * K + j] for j in range(min(K, DEGREE + 1 - i))] for i in range(min(J, DEGREE + 1))]
-        # derivatives by v over j!, a polynomial in v for each power of u
-        self._by_s = [[poly([comb(b, j) * row[b] for b in range(j, len(row))]) for row in rows] for j in range(4)]
-        self._beyond = [
-            (i, j, abs(entries[i * K + j]).upper()) for i in range(J) for j in range(max(0, DEGREE + 1 - i), K)
-        ]
-        self._rest, self._left_out = whole.rest, dict[tuple[int, int], arb]()
-
-    def _error(self, i: int, j: int) -> arb:
-        """What all terms beyond the degree are at most, of a derivative; and the rest, by Cauchy's estimate from twice
-        the units: at most Σ C(a, i) C(b, j) rest / 2^(a+b) = 4 rest."""
-        if (i, j) not in self._left_out:
-            total = 4 * self._rest
-            for a, b, size in self._beyond:
-                total += comb(a, i) * comb(b, j) * size
-            self._left_out[i, j] = total.upper()
-        return self._left_out[i, j]
-
-    def value(self, p: Any, s: Any, i: int = 0, j: int = 0) -> Any:
-        """∂^{i+j} F / ∂p^i ∂s^j / (i! j!). Raises ArithmeticError outside of the box."""
-        if not (self._box[0].contains(p) and self._box[1].contains(s)):
-            raise ArithmeticError("a value was asked for outside of its box")
-        u, w = ((x - c) / unit for x, c, unit in zip((p, s), self._centre, self._units, strict=True))
-        total = 0 * u
-        for a in range(len(self._by_s[j]) - 1, i - 1, -1):
-            total = total * u + self._by_s[j][a](w) * comb(a, i)
-        error = arb(0, self._error(i, j))
-        total += acb(error, error) if isinstance(total, acb) else error
-        return total / (self._units[0] ** i * self._units[1] ** j)
-
-
-def _about(middle: Any, unit: arb, count: int, kind: Any) -> Any:
-    """Rows by the powers of x, columns by those of u, of x = middle + unit u."""
-    powers, units = [kind(1)], [arb(1)]
-    for _ in range(count - 1):
-        powers.append(powers[-1] * middle)
-        units.append(units[-1] * unit)
-    flat = [comb(j, a) * powers[j - a] * units[a] if a <= j else 0 for j in range(count) for a in range(count)]
-    return (acb_mat if kind is acb else arb_mat)(count, count, flat)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -23,6 +24,7 @@ from freebeam.cli.options import (
     number,
     number_or_range,
     option,
+    ratio,
     refuse,
     vanishing_or_number,
 )
@@ -31,7 +33,7 @@ from freebeam.cli.output import print_json, print_table, working, write_picture,
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from freebeam.proofs import Certified, CertifiedCrossing
+    from freebeam.proofs import Certified, CertifiedCrossing, CertifiedCrossings
     from freebeam_sym.columns import Column
     from freebeam_sym.stability.critical import CriticalLoad
 
@@ -46,7 +48,7 @@ class Found:
 
     loss: CriticalLoad
     proven: Certified | None
-    crossings: tuple[CertifiedCrossing, ...] | None
+    crossings: CertifiedCrossings | None
     truncation: dict[str, Any] | None
 
 
@@ -64,7 +66,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     READ: ClassVar[Any] = staticmethod(number_or_range)
     beta: Number = option("X", "External damping beta.", default="0", parser=number_or_range)
     kappa: Number | None = option(
-        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given.", parser=number_or_range
+        "K", "With --alpha 0+: the ratio beta/alpha in that limit; 0 if not given, inf for beta alone.", parser=ratio
     )
     digits: int | None = option("D", "Prove the critical load to D digits; 15 where a proof is asked for otherwise.")
     exact: bool = flag(
@@ -87,9 +89,11 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
             refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             unserved = found.proven.certificate is None
-            refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof by frequency gaps")
-            with written(self.certificate, self.force) as file:
-                file.write((json.dumps(found.proven.certificate, indent=1) + "\n").encode())
+            how = "beyond touches" if found.proven.touches else "by frequency gaps"
+            refuse(unserved, f"{self.certificate}: is not written, for the verifier checks no proof {how}")
+            self.keep(found.proven.certificate)
+        elif self.certificate and found.crossings is not None:
+            self.keep(found.crossings.certificate)
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title())
@@ -104,6 +108,17 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             of = " of the beam itself" if self.exact else ""
             title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
+
+    def keep(self, certificate: Mapping[str, Any] | None) -> None:
+        """Write a certificate to its file."""
+        assert self.certificate is not None
+        with written(self.certificate, self.force) as file:
+            file.write((json.dumps(certificate, indent=1) + "\n").encode())
+
+    def check_free(self, file: Path | None) -> None:
+        """Refuse a file that is there already, before the work is begun. Raises InputError."""
+        there = file and file.exists() and not self.force
+        refuse(there, f"{file} exists; choose another file, or --force to replace it")
 
     @property
     def places(self) -> int | None:
@@ -126,9 +141,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
         listed = self.exact and self.every
         refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
-        refuse(listed and file, "--certificate: holds the first crossing alone; leave out --all")
-        there = file and file.exists() and not self.force
-        refuse(there, f"{file} exists; choose another file, or --force to replace it")
+        self.check_free(file)
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
 
     @property
@@ -235,8 +248,11 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         if proven.frequency:
             rows += [["kind", proven.kind]] if proven.kind != kind else []
             rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
+        for touch in proven.touches:
+            where = _interval(touch.load) + self.units.of("load")
+            rows += [["proven touch", f"{where}: an eigenvalue is zero there alone, and stability is not lost"]]
         rows += [["taken exactly", ", ".join(f"{name} = {value}" for name, value in proven.inputs.items())]]
-        above = " (at loads above 0)" if proven.above_zero else ""
+        above = " (at loads above 0)" if proven.above_zero else " (but at touches)" if proven.touches else ""
         if not proven.load:
             return [*rows, ["proven is", f"stable {none.removeprefix('none ')}{above}"]]
         shown = [
@@ -272,6 +288,7 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
         added |= {"above_zero": proven.above_zero}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
+        added |= {"proven_touches": [_crossing(touch) for touch in proven.touches]}
     if proven.load and proven.frequency and not exact:
         load = float(proven.load[0])
         if not math.isclose(load, record["load"] or math.inf, rel_tol=1e-6):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import MISSING, dataclass, field
@@ -67,6 +68,12 @@ def number_or_range(text: str | Number) -> Number:
         return text if isinstance(text, Interval) else number(text)
     low, high = (number(part) for part in str(text).split("..", 1))
     return Interval(str(text).strip(), (low.exact + high.exact) / 2, low, high)
+
+
+def ratio(text: str | Number) -> Number:
+    """Read a number, a range, or inf for what only one of two has."""
+    exact: Any = math.inf  # which no fraction is
+    return Number("inf", exact) if str(text).strip() == "inf" else number_or_range(text)
 
 
 def vanishing_or_number(text: str | Number) -> Number:

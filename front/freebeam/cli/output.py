@@ -28,7 +28,7 @@ def plain(value: Any) -> Any:
     if isinstance(value, complex):
         return [plain(value.real), plain(value.imag)]
     if isinstance(value, Number):
-        return float(value)
+        return float(value) if math.isfinite(float(value)) else str(value)
     if isinstance(value, float) and not math.isfinite(value):
         return None
     if isinstance(value, Path):

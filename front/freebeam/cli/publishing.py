@@ -81,7 +81,7 @@ def _number(text: str, known: tuple[int, ...]) -> int:
 # --- lesson -----------------------------------------------------------------------------------------------------
 
 
-@command("freebeam lesson --column beck --format html --output lesson.html")
+@command("freebeam lesson --column beck --output lesson.html")
 class Lesson(FileOptions, NameOptions):
     """Write a lesson on a column: its derivation with a proof of each step, then its physics, with exercises.
 
@@ -89,7 +89,7 @@ class Lesson(FileOptions, NameOptions):
     answers.
     """
 
-    format: str = option("html|md|tex|ipynb|pdf", "Kind of file.", default=REQUIRED)
+    format: str | None = option("html|md|tex|ipynb|pdf", "Kind of file; if not given, the ending of --output.")
     output: Path = option("FILE", "The file to write.", default=REQUIRED)
     solutions: Path | None = option("FILE", "Write worked solutions of the exercises to this second file.")
     short: bool = flag("For one lecture of 45 minutes.", "--short")
@@ -100,8 +100,14 @@ class Lesson(FileOptions, NameOptions):
         from freebeam.lesson import FORMATS, printed, solutions
         from freebeam.lesson import lesson as made
 
-        format, output = self.format, self.output
-        refuse(format not in FORMATS, f"format = {format!r}: must be one of {', '.join(FORMATS)}")
+        output = self.output
+        format = self.format or output.suffix.removeprefix(".")
+        kinds = ", ".join(FORMATS)
+        refuse(
+            not self.format and format not in FORMATS,
+            f"--output {output}: must end in one of {kinds}; or give --format",
+        )
+        refuse(format not in FORMATS, f"format = {format!r}: must be one of {kinds}")
         beside = output.with_name(f"{output.stem}_files") if format in ("md", "tex") else None
         refuse(self.solutions == output, f"--solutions {output}: is the lesson's own file; give another name")
         with ExitStack() as stack, working("lesson") as report:

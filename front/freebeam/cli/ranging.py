@@ -31,7 +31,7 @@ def prove(asked: Any) -> None:
     refuse(not asked.exact, f"{said}: over a range the beam itself is proven, not a series; give --exact too")
     for option, there in (("--all", asked.every), ("--truncation", asked.truncation)):
         refuse(there, f"{option}: is for one value of {name}, not for the range {interval}; leave it out")
-    refuse(asked.certificate, f"--certificate: there is none of a range; give {name} one value, or leave it out")
+    asked.check_free(asked.certificate)
     refuse(asked.beam, f"{said}: a range is nondimensional; leave out the beam in SI units")
     asked.check_limit()
     more = {} if asked.digits is None else {"digits": asked.digits}
@@ -42,6 +42,12 @@ def prove(asked: Any) -> None:
         found = fb.exact_range(
             asked.chosen, name, interval.low.exact, interval.high.exact, **exactly, **more, progress=report
         )
+    if asked.certificate:
+        refuse(
+            found.certificate is None,
+            f"{asked.certificate}: is not written, for the verifier checks ranges of uniform columns alone",
+        )
+        asked.keep(found.certificate)
     title = asked.title(**{name: str(interval)})
     if asked.plot:
         with working("picture"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from functools import cached_property
 from pathlib import Path
@@ -36,7 +37,8 @@ class Show(FileOptions, CaseOptions, SearchOptions):
     """Show a column in one picture: frequencies over the load, root locus, the motion that is lost first, and the
     critical load over its dampings or over a parameter of its own.
 
-    Without --output it is drawn in plain text.
+    Without --output it is drawn in plain text. Of a column that is unstable at the smallest loads the motion that grows
+    there is drawn instead.
     """
 
     name: str | None = argument("[COLUMN]", "A column's name, or its file; as --column.")
@@ -50,7 +52,12 @@ class Show(FileOptions, CaseOptions, SearchOptions):
         else:
             with working("column"):
                 lines = self.lines()
-        record = self.record(load=self.loss.load, kind=self.loss.kind, frequency=self.loss.frequency)
+        loss = self.loss
+        found = {"load": loss.load, "kind": loss.kind, "frequency": loss.frequency} if loss else {"load": None}
+        record = self.record(
+            **found,
+            **({} if loss else {"kind": "unstable", "grows": dict(zip(("load", "rate"), self.growing, strict=True))}),
+        )
         if self.as_json:
             print_json(record | ({"output": self.output} if self.output else {}))
             return
@@ -72,15 +79,45 @@ class Show(FileOptions, CaseOptions, SearchOptions):
         return asked.over(asked.column, ENOUGH) if self.modes is None and asked.column.general else asked
 
     @cached_property
-    def loss(self) -> CriticalLoad:
-        from freebeam.maps.known import answer
+    def loss(self) -> CriticalLoad | None:
+        """None where something grows at the smallest loads."""
+        from freebeam.figures import curves
 
-        return answer(self.question)
+        return curves.first_loss(self.question)
+
+    @cached_property
+    def scale(self) -> float:
+        """A load by which something has happened: up to which a column is drawn that has no first loss of stability."""
+        return min(self.question.load_max, 2 * (self.question.general.unit or math.inf))
+
+    @cached_property
+    def growing(self) -> tuple[float, complex]:
+        """Of what grows at the smallest loads: the load, 0 or a small one, and the eigenvalue that grows most."""
+        from freebeam.figures.curves import unstable
+        from freebeam_sym.spectra import spectrum
+
+        for load in (0.0, 1e-3 * self.scale):
+            values = spectrum(self.question.system(load)).elastic
+            if unstable(values).any():
+                break
+        worst = values[values.real.argmax()]
+        return load, complex(worst.real, abs(worst.imag))
+
+    @property
+    def drawn_at(self) -> float | None:
+        """The load at which a motion is drawn; None for the critical load."""
+        if self.loss is None:
+            return self.growing[0]
+        return 0.0 if self.loss.load is None else None
 
     @property
     def rows(self) -> list[list[str]]:
         """What is found, in words."""
         loss = self.loss
+        if loss is None:
+            load, rate = self.growing
+            grows = f"at P = {load:.4g} as exp(λt), λ = {rate.real:.6g} + {rate.imag:.6g}i"
+            return [["critical load", "none: unstable at the smallest loads"], ["grows", grows]]
         if loss.load is None or loss.frequency is None:
             return [["critical load", f"none up to {self.question.load_max:.10g}"]]
         return [["critical load", f"{loss.load:.10g} by {loss.kind}"], ["frequency", f"{loss.frequency:.6g}"]]
@@ -88,6 +125,8 @@ class Show(FileOptions, CaseOptions, SearchOptions):
     @property
     def top(self) -> float | None:
         """The largest load that is drawn; None for one a little beyond the critical load."""
+        if self.loss is None:
+            return self.scale
         return self.question.load_max if self.loss.load is None else None
 
     @cached_property
@@ -142,9 +181,13 @@ class Show(FileOptions, CaseOptions, SearchOptions):
             figures.frequency_load(q.column, self.top, count=count, ax=first, **own)
         figures.root_locus(q.column, self.top, count=count, ax=second, **asked)
         try:
-            figures.mode_shape(q.column, None if self.top is None else 0.0, ax=third, **asked)
+            figures.mode_shape(q.column, self.drawn_at, ax=third, **asked)
         except InputError:  # what is lost does not oscillate, or there is no beam
             self.draw_still(third) if q.column.ends else self.draw_column(third)
+        if self.loss is None:
+            third.set_title(
+                f"{third.get_title('left')}, grows by Re $\\lambda$ = {self.growing[1].real:.4g}", loc="left"
+            )
         axes, loads = self.over
         if not axes:
             self.draw_column(fourth)
@@ -165,11 +208,12 @@ class Show(FileOptions, CaseOptions, SearchOptions):
 
     @property
     def still(self) -> tuple[Any, Any]:
-        """Places, and the deflection of least stiffness at the critical load, largest 1: what a divergence grows by."""
+        """Places, and the deflection of least stiffness at the load of the picture, largest 1: what diverges."""
         import numpy as np
 
         x = np.linspace(0.0, 1.0, 101)
-        system = self.question.system(self.loss.load or 0.0)
+        load = self.loss.load if self.loss else self.growing[0]
+        system = self.question.system(load or 0.0)
         shape = np.linalg.svd(system.K)[2][-1] @ system.shapes(x)
         return x, shape / shape[np.abs(shape).argmax()]
 
@@ -219,7 +263,7 @@ class Show(FileOptions, CaseOptions, SearchOptions):
 
         x = np.linspace(0.0, 1.0, 101)
         try:
-            Y = curves.cycle(self.question, None if self.top is None else 0.0).shape(x)
+            Y = curves.cycle(self.question, self.drawn_at).shape(x)
             Y = Y * np.exp(-1j * np.angle(Y[np.abs(Y).argmax()]))
             motion = [(x, Y.real, "*"), (x, (Y * 1j).real, "o")]
             return plotted(motion, "place x", "least stable motion: * at t = 0, o a quarter period later")

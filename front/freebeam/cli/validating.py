@@ -130,7 +130,8 @@ def _print_references(rows: Sequence[Checked]) -> None:
                 row.explained,
                 row.reference.kind,
                 ("yes" if row.passed else "NO")
-                + (f", {row.reference.rule}" if row.reference.rule != "rounded" else ""),
+                + (f", {row.reference.rule}" if row.reference.rule != "rounded" else "")
+                + (f", of {row.reference.modes} modes" if row.reference.modes else ""),
                 row.reference.by,
             ]
             for row in found

@@ -23,9 +23,12 @@ if TYPE_CHECKING:
 
 __all__ = ["page", "site"]
 
-NUMERICS = ("pencil", "search", "general", "problem", "branches", "motion", "response", "map", "analysis", "worker")
+NUMERICS = (
+    "pencil", "search", "massless", "general", "losses", "problem", "branches", "motion", "response", "map", "analysis",
+    "worker",
+)  # fmt: skip
 """Scripts that compute, in the page and in its worker."""
-PAGE = ("units", "words", "state", "controls", "colours", "beam", "plots", "mapplot", "app")
+PAGE = ("units", "words", "state", "controls", "colours", "beam", "plots", "mapplot", "showing", "wiring", "app")
 """Scripts that show."""
 SHARED = "explorer.js"
 """What the pages of a site share, beside the style."""
@@ -35,8 +38,7 @@ def page(column: Column, given: str = "") -> str:
     """The page of a column, as HTML that refers to nothing outside itself.
 
     given: what a command takes for the column, such as the path of its file; its name where that is enough.
-    Raises InputError where the column is not stable without load, for one of too many coordinates, and for a kernel
-    whose statement is not at hand.
+    Raises InputError for a column of too many coordinates, and for a kernel whose statement is not at hand.
     """
     scripts = "\n".join(f'<script id="{name}">\n{text}\n</script>' for name, text in _shared_scripts().items())
     return _page(column, given, f"<style>\n{_style()}\n</style>", scripts)
@@ -174,6 +176,7 @@ def _search_note(column: Column) -> str:
         return ""
     return (
         " Divergences are the roots of det K(P). Flutter is looked for by eigenvalues at loads in steps, 16 up to the "
-        "least |P| of these roots and then of 4 %, twice as long in the map, and bisected: what begins and ends within "
-        "a step is not seen."
+        "least |P| of these roots and then of 4 %: what begins and ends within a step is not seen. In the map steps "
+        "are twice as long, and most points are followed from their neighbours: that nothing grows is then counted at "
+        "50, 80 and 99.9 % of the load, and that something does just above it."
     )

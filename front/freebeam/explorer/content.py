@@ -30,8 +30,8 @@ FLOWS = ("inside", "outside")
 def content(column: Column) -> dict[str, Any]:
     """What a page is told, as JSON has it.
 
-    Raises InputError where the column is not stable without load, where it needs more coordinates than a page bears,
-    and for a general column whose statement is not at hand.
+    Raises InputError where the column needs more coordinates than a page bears, and for a general column whose
+    statement is not at hand.
     """
     from freebeam_sym.spectra import spectrum
 
@@ -39,7 +39,7 @@ def content(column: Column) -> dict[str, Any]:
     fields, coordinates = _unknowns(column)
     drawn = _drawn(column)
     N, most = min(8, MODES), _most(column)
-    first = _first_load(column, min(N, most))
+    first = _first_load(column, min(N, most), alpha, beta)
     span = _nice(1.6 * first) if first else LOAD_MAX
     start = 0.4 * span
     frequency = float(np.abs(spectrum(column.system(min(N, most), start)).eigenvalues).min())
@@ -120,10 +120,16 @@ def _most(column: Column) -> int:
     return most
 
 
-def _first_load(column: Column, modes: int) -> float | None:
+def _first_load(column: Column, modes: int, alpha: float, beta: float) -> float | None:
+    """The first loss without α and β, or with those of the case where it grows at once without; None for none."""
     from freebeam.maps.known import critical_load
 
-    return critical_load(column, modes).load
+    for dampings in ((0.0, 0.0), (alpha, beta)):
+        try:
+            return critical_load(column, modes, *dampings).load
+        except InputError:  # something grows at the smallest loads
+            continue
+    return None
 
 
 def statement_of(column: Column) -> Statement:

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam.loci import branches
 from freebeam.maps.known import answer
-from freebeam_sym.checks import InputError, count, positive
+from freebeam_sym.checks import InputError, Unstable, count, positive
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import ROUNDING, spectrum
 from freebeam_sym.stability.critical import CriticalLoad
@@ -39,12 +39,14 @@ def unstable(values: Complex) -> NDArray[np.bool_]:
 @dataclass(frozen=True)
 class Locus:
     """Eigenvalues followed along the load: `loads` (m,), `eigenvalues` (m, k), column j one branch, Im λ ≥ 0 at the
-    first load. `critical` is the first loss of stability. `reference` is λ₀ of Eq. (26), None where it says nothing.
+    first load. `critical` is the first loss of stability of the `question`, None where something grows at once.
+    `reference` is λ₀ of Eq. (26), None where it says nothing.
     """
 
     loads: Real
     eigenvalues: Complex
-    critical: CriticalLoad
+    question: Question
+    critical: CriticalLoad | None
     reference: float | None
 
     @property
@@ -61,7 +63,7 @@ class Locus:
     def scale(self, normalised: bool) -> float:
         """What the eigenvalues are divided by: λ₀ of Eq. (26), or 1. Raises InputError where λ₀ does not exist."""
         if normalised and self.reference is None:
-            c = self.critical.question
+            c = self.question
             raise InputError(
                 f"alpha = {c.alpha:g}, beta = {c.beta:g}: mode 1 of the unloaded beam is overdamped, and Eq. (26) has "
                 "no frequency to divide by; use normalised=False"
@@ -87,30 +89,40 @@ def locus(question: Question, loads: ArrayLike | None = None, *, count: int = 2,
     values.
     """
     q = question
-    critical = answer(q)
-    undamped = answer(q.at(alpha=0.0, beta=0.0)) if loads is None and (q.alpha or q.beta) else critical
-    P = _loads(loads, critical, points, max(x.load or 0.0 for x in (critical, undamped)))
+    critical = first_loss(q)
+    undamped = first_loss(q.at(alpha=0.0, beta=0.0)) if loads is None and (q.alpha or q.beta) else critical
+    P = _loads(q, loads, points, [x.load for x in (critical, undamped) if x and x.load])
     values: dict[str, Any] = q.values
     followed = branches(q.column, P, q.modes, **values)
     start = followed.eigenvalues[0]
-    # those that swing, by |λ|, which is the mode's undamped frequency; then the overdamped, whose Im λ is 0
+    # those that swing or grow, by |λ|, which is the mode's undamped frequency; then the overdamped, whose Im λ is 0
     still = np.abs(start.imag) <= 1e-12 * np.abs(start)
-    order = np.lexsort((np.abs(start), still))
+    order = np.lexsort((np.abs(start), still & ~unstable(start)))
     kept = order[(start.imag >= 0)[order] | still[order]][: _branches(count, q.modes)]
     shown = followed.eigenvalues[:, kept].copy()
     for k, branch in enumerate(kept):
         if not still[branch]:
             mirrored = followed.eigenvalues[:, np.abs(start - start[branch].conj()).argmin()].conj()
             shown[:, k] = np.where(mirrored.real > shown[:, k].real, mirrored, shown[:, k])
+    shown.imag = np.abs(shown.imag)  # of a pair that comes to swing, or swings again, the upper one
     reference = spectrum(q.system(0.0)).reference_frequency
-    return Locus(P, shown, critical, reference)
+    return Locus(P, shown, q, critical, reference)
+
+
+def first_loss(question: Question) -> CriticalLoad | None:
+    """The first loss of stability; None where something grows at the smallest loads."""
+    try:
+        return answer(question)
+    except Unstable:
+        return None
 
 
 def _branches(wanted: int, modes: int) -> int:
     return count("count", wanted, 1, modes, "branches to draw, no more than modes")
 
 
-def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int, highest: float) -> Real:
+def _loads(question: Question, loads: ArrayLike | None, points: int, critical: list[float]) -> Real:
+    """critical: loads that are critical, the question's own first."""
     if loads is not None and np.ndim(loads):
         P = np.asarray(loads, dtype=float)
         if P.ndim != 1 or len(P) < 2 or not np.isfinite(P).all():
@@ -118,28 +130,29 @@ def _loads(loads: ArrayLike | None, critical: CriticalLoad, points: int, highest
         return P
     if loads is not None:
         top = positive("loads", loads, "the largest load")
-    elif highest:
-        top = 1.25 * highest
+    elif critical:
+        top = 1.25 * max(critical)
     else:
-        asked = critical.question
         raise InputError(
-            f"loads: {asked.column.name} is stable up to P = {asked.load_max:g}; give the largest load to draw"
+            f"loads: {question.column.name} has no critical load up to P = {question.load_max:g}; give the largest "
+            "load to draw"
         )
     P = np.linspace(0.0, top, points)
-    if critical.load is not None:
+    for load in critical[:1]:
         near = np.geomspace(1e-9, 0.05, 18)
-        P = np.concatenate([P, critical.load * (1 - near), critical.load * (1 + near)])
+        P = np.concatenate([P, load * (1 - near), load * (1 + near)])
     return np.unique(P[P <= top])
 
 
 @dataclass(frozen=True)
 class FrequencyLoad:
     """Squared frequencies s = ω² of the undamped column along the load: `loads` (m,), `squares` (m, k) complex, each
-    column one branch. Real as long as the branch is a free vibration; `critical` is the undamped critical load."""
+    column one branch. Real as long as the branch is a free vibration; `critical` is the undamped critical load, None
+    where something grows at once."""
 
     loads: Real
     squares: Complex
-    critical: CriticalLoad
+    critical: CriticalLoad | None
 
     @property
     def unstable(self) -> NDArray[np.bool_]:
@@ -180,7 +193,8 @@ class Tangent:
     @property
     def drop(self) -> float:
         """What vanishing damping takes from the undamped critical load, as a share of it."""
-        return 1 - self.load / float(self.curves.critical.load or math.nan)
+        critical = self.curves.critical
+        return 1 - self.load / float((critical and critical.load) or math.nan)
 
     def line(self, loads: ArrayLike) -> Real:
         """The tangent at these loads."""
@@ -202,7 +216,7 @@ def tangent(question: Question, points: int = 240) -> Tangent:
         raise InputError(f"kappa = {kappa}: must be finite (external damping alone leaves the coalescence where it is)")
     curves = frequency_load(replace(question, kappa=None), points=points)
     limit = answer(question)
-    if curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
+    if curves.critical is None or curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
         raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
     c_M, c_E = _proportions(question, kappa)
     if not c_E:
@@ -382,7 +396,8 @@ def cycle(question: Question, load: float | None = None, *, rigid: bool = False,
         raise InputError(f"load = {load:g}: the least stable motion of {name} there does not oscillate")
     if not damped and abs(worst.real) < 1e-3 * abs(worst):
         # all decay alike: the pair that flutters is the one that the load brings together
-        target = answer(question).frequency or above.imag.min()
+        coalescence = first_loss(question)
+        target = (coalescence and coalescence.frequency) or above.imag.min()
         worst = above[np.abs(above.imag - target).argmin()]
     k = int(np.abs(found.eigenvalues - worst).argmin())
     lam, v = complex(found.eigenvalues[k]), found.vectors[:, k]

@@ -53,13 +53,21 @@ def frequency_load(
     found = curves.frequency_load(Question.of(column, modes, **parameters), loads, count=count)
     with drawing(ax) as ax:
         _squares(ax, column, found)
-        critical = found.critical
-        if critical.load is not None and critical.frequency is not None and critical.load <= found.loads.max():
-            kind = "coalescence" if critical.frequency else "divergence"
-            text = f"{kind}: {symbol(column, 'P')} = {digits(critical.load)}"
-            mark(ax, critical.load, critical.frequency**2, text, (-11, 0 if critical.frequency else 9))
+        if crossing := _crossing(found):
+            load, frequency = crossing
+            kind = "coalescence" if frequency else "divergence"
+            text = f"{kind}: {symbol(column, 'P')} = {digits(load)}"
+            mark(ax, load, frequency**2, text, (-11, 0 if frequency else 9))
         key(ax, loc="upper right")
     return ax
+
+
+def _crossing(found: curves.Locus | curves.FrequencyLoad) -> tuple[float, float] | None:
+    """Load and frequency of the first loss of stability, where there is one among the loads that are drawn."""
+    critical, P = found.critical, found.loads
+    if critical is None or critical.load is None or critical.frequency is None:
+        return None
+    return (critical.load, critical.frequency) if P.min() <= critical.load <= P.max() else None
 
 
 def _squares(ax: Axes, column: Column, found: curves.FrequencyLoad, top: float | None = None) -> None:
@@ -87,7 +95,7 @@ def tangent(
     """
     found = curves.tangent(Question.of(column, modes, kappa=kappa, **parameters))
     critical = found.curves.critical
-    assert critical.load is not None and critical.frequency is not None
+    assert critical and critical.load is not None and critical.frequency is not None
     letter, meeting = symbol(column, "P"), critical.frequency**2
     start = float(found.curves.squares[0, 0].real)
     with drawing(ax) as ax:
@@ -195,11 +203,10 @@ def draw_locus(ax: Axes, column: Column, found: curves.Locus, normalised: bool) 
     ax.set_xlabel(rf"Re$\,\lambda{over}$")
     ax.set_ylabel(rf"Im$\,\lambda{over}$")
     taken: list[Any] = []
-    critical = found.critical
     letter = symbol(column, "P")
-    if critical.load is not None and critical.frequency is not None and P.min() <= critical.load <= P.max():
-        height = critical.frequency / found.scale(normalised)
-        mark(ax, 0.0, height, f"{letter} = {digits(critical.load)}", (11, -9))
+    if crossing := _crossing(found):
+        height = crossing[1] / found.scale(normalised)
+        mark(ax, 0.0, height, f"{letter} = {digits(crossing[0])}", (11, -9))
         taken.append(ax.transData.transform((0.0, height)))
     for load in MaxNLocator(6, steps=[1, 2, 2.5, 5, 10]).tick_values(P.min(), P.max()):
         if not P.min() <= load <= P.max():
@@ -258,13 +265,13 @@ def draw_part(ax: Axes, column: Column, found: curves.Locus, part: str, normalis
     else:
         for k in range(values.shape[1]):
             note(ax, P[0], shown[0, k], f"mode {k + 1}", (7, 7), color=colour(k))
-    critical = found.critical
-    if critical.load is not None and critical.frequency is not None and P.min() <= critical.load <= P.max():
-        height = 0.0 if part == "real" else critical.frequency / found.scale(normalised)
+    if crossing := _crossing(found):
+        load, frequency = crossing
+        height = 0.0 if part == "real" else frequency / found.scale(normalised)
         at, ha = ((-9, 7), "right") if part == "real" else ((0, -10), "center")
-        if part == "imaginary" and not (critical.question.alpha or critical.question.beta):  # between the two that meet
+        if part == "imaginary" and not (found.question.alpha or found.question.beta):  # between the two that meet
             at, ha = (-11, 0), "right"
-        mark(ax, critical.load, height, f"{symbol(column, 'P')} = {digits(critical.load)}", at, ha=ha)
+        mark(ax, load, height, f"{symbol(column, 'P')} = {digits(load)}", at, ha=ha)
     ax.set_xlabel(f"load {symbol(column, 'P')}")
     over = "/\\lambda_0" if normalised else ""
     ax.set_ylabel(rf"{'Re' if part == 'real' else 'Im'}$\,\lambda{over}$")

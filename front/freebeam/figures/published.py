@@ -121,7 +121,7 @@ def _scanned(load: float, step: float) -> str:
 def _locus(column: Column, s: dict[str, Any]) -> tuple[curves.Locus, dict[str, Any], dict[str, Any]]:
     found = curves.locus(Question.of(column, MODES, s["alpha"], s["beta"]), s["load_max"])
     critical = found.critical
-    assert critical.load is not None and critical.frequency is not None
+    assert critical and critical.load is not None and critical.frequency is not None
     words = {"kind": critical.kind, "scanned": _scanned(critical.load, s["scan_step"])}
     marks = {"critical_load": critical.load, "critical_frequency": critical.frequency, "lambda_0": found.scale(True)}
     return found, words, marks

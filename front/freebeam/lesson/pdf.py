@@ -66,8 +66,9 @@ class _Page(Writer):
 
     def prose(self, block: blocks.Prose) -> str:
         text = self.inline(block.text)
-        # the name of a step stays with what it is about
-        return f"#block(sticky: true)[{text}]" if block.text.startswith("**") else text
+        # the name of a step, and words that end in a colon, stay with what they are about
+        leads = block.text.startswith("**") or block.text.endswith(":")
+        return f"#block(sticky: true)[{text}]" if leads else text
 
     def heading(self, block: blocks.Heading) -> str:
         return f"{'=' * (block.level - 1)} {self.inline(block.text)}"

@@ -21,10 +21,12 @@ MORE = 3
 
 def theorem(facts: Facts) -> list[Block]:
     """Statement, proof and numbers, where the first loss of the beam itself is proven in its modes; else nothing."""
+    from freebeam_derive.certify.decimals import outward
+
     exact = facts.exact
     if isinstance(exact, str) or exact.load is None or exact.evidence is None:
         return []
-    m, P = int(exact.evidence["lowest"]), float(exact.load[0])
+    m, P, reach = int(exact.evidence["lowest"]), float(exact.load[0]), Fraction(exact.evidence["reach"])
     rows = _lines(facts, max(1, m - 1), m + MORE)
     if not rows:
         return []
@@ -45,9 +47,9 @@ def theorem(facts: Facts) -> list[Block]:
         prose("theorem.count"),
         Table(
             ("line", "$R_k$", r"$P \lVert D^{-1/2} B D^{-1/2} \rVert$", "free"),
-            tuple((f"$R_{{{k}}}$", n(R, 6), f"{norm:.4f}", "yes" if norm < 1 else "not known") for k, R, norm in rows),
+            tuple((f"$R_{{{k}}}$", n(R, 6), norm, "yes" if free else "not known") for k, R, norm, free in rows),
         ),
-        prose("theorem.here", m=m, load=P, reach=exact.evidence["reach"]),
+        prose("theorem.here", m=m, load=P, reach=outward(reach, reach, 7)[0]),
         figure("strips", "Eigenvalues, lines and discs", call, draw, text("theorem.drawn", m=m)),
         prose("theorem.low", m=m, stretches=int(exact.evidence["stretches"])),
         exercise("theorem.norm"),
@@ -55,17 +57,21 @@ def theorem(facts: Facts) -> list[Block]:
     ]
 
 
-def _lines(facts: Facts, low: int, high: int) -> list[tuple[int, float, float]]:
-    """k, R_k and the bound of P‖D^(−1/2) B D^(−1/2)‖ on some lines; none where energy holds more than bending."""
-    from freebeam_derive.certify.balls import precision
+def _lines(facts: Facts, low: int, high: int) -> list[tuple[int, float, str, bool]]:
+    """k, R_k, the bound of P‖D^(−1/2) B D^(−1/2)‖ rounded up, whether it is below one; of some lines.
+
+    None where energy holds more than bending.
+    """
+    from freebeam_derive.certify.balls import ends, exact, precision
+    from freebeam_derive.certify.decimals import outward
     from freebeam_derive.certify.strips import Strips
 
     own = {name: Fraction(f"{value:g}") for name, value in facts.own.items()}
     assert not isinstance(facts.exact, str) and facts.exact.load is not None
-    P = float(facts.exact.load[1])
+    P = exact(Fraction(facts.exact.load[1]))
     with precision(128):
         strips = Strips(facts.column.kernel, own, MODES)
         if not strips.T.nothing:
             return []
-        lines = {k: strips.line(k) for k in range(low, high + 1)}
-        return [(k, float(R), float(P * strips.B.norm(R))) for k, R in lines.items()]
+        norms = {k: P * strips.B.norm(strips.line(k)) for k in range(low, high + 1)}
+        return [(k, float(strips.line(k)), outward(*ends(v), 4)[1], bool(v < 1)) for k, v in norms.items()]

@@ -27,6 +27,6 @@ column = Column(
         Parameter(c, "coefficient of its damper", 0.1, 0.0, 1.0),
         Parameter(a, "its place", 0.7, 0.05, 0.95),
     ),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("17.512540396912", "flutter", TWO_ROUTES, alpha=0.01, beta=0.1),),
 )

@@ -20,7 +20,9 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(w, "dead load at the tip", 1.0, 0.0, 2.4),),
-    source="Stated for this project; with the load shared in a fixed ratio it is the sub-tangential force of"
-    " the column beck",
+    # seen on 27 November 2026 at revistas.udea.edu.co/index.php/ingenieria, article 14229
+    source="Arboleda-Monsalve, Zapata-Medina and Aristizabal-Ochoa, Reut and Beck columns: effects of end "
+    "gravity force, translation and rotational inertias; as stated for this project, where the load "
+    "shared in a fixed ratio is the sub-tangential force of the column beck",
     references=(Reference("18.2946320604", "flutter", TWO_ROUTES),),
 )

@@ -20,6 +20,6 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(g, "weight of the whole beam; negative where it hangs", 3.0, -20.0, 7.5),),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("19.0417033100", "flutter", TWO_ROUTES),),
 )

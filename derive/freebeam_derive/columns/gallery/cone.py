@@ -21,6 +21,6 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(tau, "what the diameter loses up to the tip, as a share", 0.5, 0.0, 0.8, r"\tau"),),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("6.50560305109434", "flutter", TWO_ROUTES),),
 )

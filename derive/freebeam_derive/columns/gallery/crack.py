@@ -23,7 +23,10 @@ column = Column(
         Parameter(k, "stiffness of the crack", 10.0, 0.5, 100.0),
         Parameter(a, "its place", 0.4, 0.05, 0.95),
     ),
-    source="Stated for this project",
+    # seen on 27 November 2026 at extrica.com/article/18982
+    source="Sokół, An influence of the parameters of the loading heads on stability and free vibrations of a "
+    "damaged column subjected to a specific load (2018), has a crack as a rotational spring, under "
+    "another load; as stated for this project",
     references=(
         Reference("16.994377060550", "flutter", TWO_ROUTES),
         Reference("8.6850375767349", "flutter", TWO_ROUTES, own={"k": 2.0, "a": 0.5}),

@@ -20,6 +20,8 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("pinned", "free"),
     parameters=(Parameter(c, "stiffness of the root's rotational spring", 5.0, 0.1, 100.0),),
-    source="Stated for this project",
+    # seen on 27 November 2026 at arxiv.org/abs/1812.09164
+    source="Batista, Large deflections and stability of spring-hinged cantilever beam, arXiv:1812.09164, has its "
+    "equilibria; as stated for this project",
     references=(Reference("16.6761695961", "flutter", TWO_ROUTES),),
 )

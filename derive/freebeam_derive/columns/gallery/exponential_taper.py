@@ -20,6 +20,6 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(tau, "rate at which the stiffness falls", 1.0, 0.0, 3.0, r"\tau"),),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("12.237286729359", "flutter", TWO_ROUTES),),
 )

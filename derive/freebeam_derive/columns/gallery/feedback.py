@@ -24,6 +24,9 @@ column = Column(
         Parameter(k, "gain: tip force by slope at the sensor and load", 0.2, -0.5, 0.5),
         Parameter(a, "place of the sensor", 0.4, 0.05, 0.95),
     ),
-    source="Stated for this project",
+    # seen on 27 November 2026 at distantreader.org, jtam-4602
+    source="Bogacz and Frischmuth, On problems with solution-dependent load, Journal of Theoretical and Applied "
+    "Mechanics 56 (2018) 435-446, is about forces that hang on the solution; the law as this project "
+    "states it",
     references=(Reference("14.895892307888", "flutter", TWO_ROUTES, alpha=0.01, beta=0.1),),
 )

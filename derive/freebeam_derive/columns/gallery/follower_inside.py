@@ -20,6 +20,6 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(a, "place of the force", 0.7, 0.2, 0.98),),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("21.433028408332", "flutter", TWO_ROUTES),),
 )

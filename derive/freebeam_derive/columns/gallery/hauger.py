@@ -15,6 +15,6 @@ column = Column(
     - P * integral((1 - x) * y.diff(x) * delta(y))
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("150.64159540449", "flutter", TWO_ROUTES),),
 )

@@ -24,6 +24,8 @@ column = Column(
         Parameter(c, "damping of the outer part", 1.0, 0.0, 5.0),
         Parameter(a, "where it begins", 0.5, 0.05, 0.95),
     ),
-    source="Stated for this project",
+    # seen on 27 November 2026 at paperexplained.cn, 6febb04be2719338ca4fe1aa75df6378b00c5003
+    source="The effect of external damping on the stability of Beck's column, of damping along the whole; of its "
+    "outer part as stated for this project",
     references=(Reference("20.067842660665", "flutter", TWO_ROUTES),),
 )

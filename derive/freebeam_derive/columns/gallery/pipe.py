@@ -28,8 +28,17 @@ column = Column(
     references=(
         Reference("4.74989677311", "flutter", TWO_ROUTES),
         Reference("8.4376423464509", "flutter", TWO_ROUTES, own={"b": 0.3, "k": 50.0}),
-        # Seen on 27 November 2026. The page also has 7.0 at b = 0.295, where the curve is steep: it is 7.04 at 0.29 and
-        # 7.26 at 0.295 here, and no way of rounding gives the page's number.
+        # Both seen on 27 November 2026. The page does not say how 7.0 was found: three modes of the cantilever give
+        # 6.98, and 5.60 at b = 0.2; four give 7.37, and the beam itself loses stability at 7.26.
+        Reference(
+            "7.0",
+            "flutter",
+            "Païdoussis, Fluid-Structure Interactions, vol. 1, page 112, after Gregory and Païdoussis (1966)",
+            own={"b": 0.295},
+            seen="https://digilib.universitaspertamina.ac.id/ebook/Fluid%20Structure%20Interactions%20Slender%"
+            "20Structure%20and%20Axial%20Flow%20(Volume%201)/files/basic-html/page130.html",
+            modes=3,
+        ),
         Reference(
             "5.6",
             "flutter",

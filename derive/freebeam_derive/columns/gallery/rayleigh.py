@@ -20,6 +20,8 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(r, "rotary inertia: the square of the radius of gyration", 0.01, 0.0, 0.05),),
-    source="Stated for this project",
+    # seen on 27 November 2026 at revistas.udea.edu.co/index.php/ingenieria, article 14229
+    source="Arboleda-Monsalve, Zapata-Medina and Aristizabal-Ochoa, Reut and Beck columns: effects of end "
+    "gravity force, translation and rotational inertias; as stated for this project",
     references=(Reference("18.1684874096", "flutter", TWO_ROUTES),),
 )

@@ -25,7 +25,7 @@ column = Column(
         Parameter(mu, "mass where they meet", 0.0, 0.0, 2.0, r"\mu"),
         Parameter(a, "where they meet", 0.5, 0.1, 0.9),
     ),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(
         Reference("12.7155928090377", "flutter", TWO_ROUTES),
         Reference("25.919950122601", "flutter", TWO_ROUTES, own={"a": 0.6, "r": 0.5, "mu": 0.3}),

@@ -21,6 +21,6 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(c, "coefficient of the damper", 0.5, 0.0, 5.0),),
-    source="Stated for this project",
+    source="Stated for this project; no open paper of it was found",
     references=(Reference("16.0524615771634", "flutter", TWO_ROUTES),),
 )

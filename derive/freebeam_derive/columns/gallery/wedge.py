@@ -21,6 +21,8 @@ column = Column(
     + F_0 * at(delta(y), x_F),
     ends=("clamped", "free"),
     parameters=(Parameter(tau, "what the depth loses up to the tip, as a share", 0.5, 0.0, 0.9, r"\tau"),),
-    source="Stated for this project",
+    # seen on 27 November 2026 at koreascience.or.kr/article/JAKO200622219574371.page
+    source="Critical Loads of Tapered Beck's Columns with Clamped and Spring Supports (2006), with linearly "
+    "tapered rectangular sections; as stated for this project",
     references=(Reference("8.4207877434", "flutter", TWO_ROUTES),),
 )

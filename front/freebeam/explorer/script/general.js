@@ -1,9 +1,6 @@
 // Columns of any damping: M(P) q̈ + C(P) q̇ + K(P) q = 0, each matrix a polynomial in the load and none symmetric, as in
-// freebeam_sym/stability/general.py. The search is the plainest that is right: divergences are the roots of det K(P);
-// flutter is looked for in steps of the load by eigenvalues, and bisected. What begins and ends within a step is not seen.
+// freebeam_sym/stability/general.py. losses.js looks for their first loss of stability.
 
-const STEP = 1 / 16; // of the least |P| with det K(P) = 0: the first steps of the load
-const GROWING = 1.04; // each further step is this factor at most
 const GROWTH = 1e-13; // as in general.py: Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows
 const SPLIT = 1e-7; // as there: relative, where eigenvalues stay on the axis and rounding splits two that meet by its root
 const BASES = [0, 0.01, 0.0371, 0.293]; // loads of which the first with a regular K is taken, as there
@@ -25,12 +22,12 @@ function generalMatrices(N, own) {
     new Matrix(square(all, (i, j) => values[(k * all + i) * all + j])));
   const rates = (alpha, beta) => split(kernel.rate_terms(functions, alpha, beta, own));
   const given = { M: split(kernel.mass_terms(functions, own)), K: split(kernel.stiffness_terms(functions, own)) };
-  if (given.M[0].diagonal().some((mass) => !(mass > 0))) throw new RangeError("a coordinate has no mass");
   const T = ownFrame(functions, own, given);
   const moved = (terms) => terms.map((X) => T.transpose().mmul(X).mmul(T));
   const [M, K, C] = [moved(given.M), moved(given.K), moved(rates(0, 0))];
   const of = (terms) => moved(terms).map((X, k) => X.sub(C[k]));
   const problem = { N, n: T.columns, functions, M, K, C, ofAlpha: of(rates(1, 0)), ofBeta: of(rates(0, 1)), basis: T };
+  problem.massless = withoutMass(M[0]);
   inModes(problem);
   problem.basis = problem.basis.to2DArray();
   const { n } = problem;
@@ -44,6 +41,7 @@ function generalMatrices(N, own) {
   problem.rest = base ? problem.unit / 4 : 0; // what nothing holds without load has its first mode under some
   problem.first = Math.sqrt(Math.min(...branchesAt(problem, problem.rest).s.map(({ re, im }) => Math.hypot(re, im))));
   problem.root ??= Array(n).fill(problem.first);
+  if (problem.massless) reducedNode(problem, problem, problem.unit / 8); // refuses a motion that is not determined
   return problem;
 }
 
@@ -51,7 +49,7 @@ function generalMatrices(N, own) {
 function inModes(problem) {
   const { M, K, C, ofAlpha, ofBeta, n } = problem;
   const isSymmetric = (X) => X.clone().sub(X.transpose()).norm() <= 1e-14 * X.norm();
-  if (M.length > 1 || !isSymmetric(M[0]) || !isSymmetric(K[0])) return;
+  if (problem.massless || M.length > 1 || !isSymmetric(M[0]) || !isSymmetric(K[0])) return;
   const even = (X) => Matrix.add(X, X.transpose()).mul(0.5).to2DArray();
   const found = diagonalise(even(M[0]), even(K[0]));
   if (found === null) return;
@@ -158,17 +156,17 @@ function polished({ K, n }, near) {
   return load;
 }
 
-/** The damping of a case. size: 0 where there is none at all; light: so little that growth is taken to first order. */
+/** The damping of a case. size: 0 where there is none at all; ratio: of the first modes, Infinity where that says nothing;
+ * below LIGHTEST growth is taken to first order. splits: share of an eigenvalue from which it grows. */
 function generalDamping(problem, alpha, beta) {
-  const { C, ofAlpha, ofBeta, M, K, n } = problem;
+  const { C, ofAlpha, ofBeta } = problem;
   const terms = C.map((X, k) => X.clone().add(Matrix.mul(ofAlpha[k], alpha)).add(Matrix.mul(ofBeta[k], beta)));
-  const moves = terms.slice(1).some((X) => X.norm() > 0);
+  const moves = problem.massless || terms.slice(1).some((X) => X.norm() > 0);
   const isDamped = moves || terms.some((X) => X.norm() > 0);
   const damping = { C: terms, size: isDamped ? 1 : 0, ratio: 0, splits: SPLIT };
   if (isDamped) {
-    const first = moves ? Infinity : Math.max(...branchesAt(problem, problem.unit * 1e-4, terms).growth.slice(0, 4).map(Math.abs)) / problem.first;
-    damping.ratio = first;
-    if (first >= LIGHTEST) {
+    damping.ratio = moves ? Infinity : firstRatio((problem.rates ??= firstRates(problem)), [1, alpha, beta]) / problem.first;
+    if (damping.ratio >= LIGHTEST) {
       const at = thetaAt(problem, damping, problem.unit * 1e-3);
       const isOnAxis = at.some(({ re, im }) => Math.abs(re) < 1e-10 * Math.hypot(re, im));
       damping.splits = isOnAxis ? SPLIT : 0;
@@ -176,6 +174,18 @@ function generalDamping(problem, alpha, beta) {
   }
   damping.grows = [1e-4, 1e-4 / 8].every((share) => isGrowing(problem, damping, problem.unit * share));
   return damping;
+}
+
+function firstRatio(rates, sizes) {
+  const acting = rates.filter((_, k) => sizes[k]);
+  const factors = sizes.filter((size) => size);
+  return Math.max(...acting[0].map((_, i) => Math.abs(acting.reduce((sum, rate, k) => sum + factors[k] * rate[i], 0))));
+}
+
+/** Growth of the lowest branches at a small load to first order in the column's own damping, in α and in β. */
+function firstRates(problem) {
+  const { C, ofAlpha, ofBeta, unit } = problem;
+  return [C, ofAlpha, ofBeta].map((terms) => branchesAt(problem, unit * 1e-4, terms).growth.slice(0, 4));
 }
 
 /** Undamped branches s = ω², ascending in size, with their vectors and their growth to first order in a damping. */
@@ -209,21 +219,32 @@ function firstOrder(MV, CV) {
   return lu.isSingular() ? CV.diagonal().map(() => Infinity) : lu.solve(CV).diagonal().map((x) => -x / 2);
 }
 
-/** Inverse of the state matrix times ω₁, on (θv, v): its eigenvalues are θ = ω₁/λ, the low modes to their own digits. */
-function inverseState({ M, K, n, first }, { C }, P) {
-  const lu = new LuDecomposition(termsAt(K, P, n));
+/** The inverse A of the state matrix times ω₁, so that the low modes have their own digits in its eigenvalues θ = ω₁/λ, with
+ * what makes the motion q of its vectors; null where K is singular. */
+function inverseState(problem, { C }, P) {
+  const { M, K, n, first } = problem;
+  const [m, c, k] = [M, C, K].map((terms) => termsAt(terms, P, n));
+  if (problem.massless) {
+    const { A, states } = reduced(m, c, k);
+    const lu = new LuDecomposition(A);
+    const shapes = states.subMatrix(0, n - 1, 0, A.rows - 1).to2DArray();
+    return lu.isSingular() ? null : { A: lu.solve(Matrix.eye(A.rows)).mul(first), motion: (x) => times(shapes, x) };
+  }
+  const lu = new LuDecomposition(k);
   if (lu.isSingular()) return null;
-  const A = Matrix.zeros(2 * n, 2 * n);
-  A.setSubMatrix(lu.solve(termsAt(C, P, n)).mul(-first), 0, 0);
-  A.setSubMatrix(lu.solve(termsAt(M, P, n)).mul(-(first ** 2)), 0, n);
+  const A = Matrix.zeros(2 * n, 2 * n); // on (θv, v)
+  A.setSubMatrix(lu.solve(c).mul(-first), 0, 0);
+  A.setSubMatrix(lu.solve(m).mul(-(first ** 2)), 0, n);
   for (let i = 0; i < n; i++) A.set(n + i, i, 1);
-  return new EigenvalueDecomposition(A, { assumeSymmetric: false });
+  return { A, motion: (x) => x.subarray(n) };
 }
 
 /** θ = ω₁/λ of all motions at a load; none where K is singular. */
 function thetaAt(problem, damping, P) {
-  const found = inverseState(problem, damping, P);
-  return found ? found.realEigenvalues.map((re, k) => ({ re, im: found.imaginaryEigenvalues[k] })) : [];
+  const inverse = inverseState(problem, damping, P);
+  if (!inverse) return [];
+  const { realEigenvalues, imaginaryEigenvalues: im } = new EigenvalueDecomposition(inverse.A, { assumeSymmetric: false });
+  return realEigenvalues.map((re, k) => ({ re, im: im[k] }));
 }
 
 /** Growth, up to a positive factor and 0 where there is none but rounding, and frequency of each motion. */
@@ -242,45 +263,6 @@ function generalGrowth(problem, damping, P) {
   });
 }
 
-/** The first loss for 0 < P ≤ limit, null where none is seen. close: relative width of the last bracket. */
-function generalLoss(problem, damping, limit = LOAD_MAX, close = 4e-16) {
-  const end = problem.divergences.find((load) => load <= limit && isGrowing(problem, damping, load * (1 + MARGIN)));
-  const top = (end ?? limit) * (1 - MARGIN);
-  const stride = close > 1e-10 ? 2 : 1; // a map's cells are looked through in steps twice as long
-  for (let low = 0, high; low < top; low = high) {
-    high = Math.min(top, Math.max(low + stride * STEP * problem.unit, (1 + stride * (GROWING - 1)) * low));
-    if (isGrowing(problem, damping, high)) return bisected(problem, damping, low, high, close);
-  }
-  return end === undefined ? null : { load: end, omega: 0, kind: "divergence", simple: true };
-}
-
-function bisected(problem, damping, stable, unstable, close) {
-  let [low, high] = [stable, unstable];
-  const smooth = damping.ratio >= LIGHTEST && !damping.splits; // Re λ passes zero with a slope
-  const width = smooth ? Math.max(close, 1e-6) : close;
-  for (let middle = (low + high) / 2; high - low > width * high && low < middle && middle < high; middle = (low + high) / 2) {
-    if (isGrowing(problem, damping, middle)) high = middle;
-    else low = middle;
-  }
-  const worst = fastestAt(problem, damping, high);
-  const found = { load: high, omega: worst.omega, kind: worst.omega > 0 ? "flutter" : "divergence", simple: true };
-  return smooth && close < width && worst.theta ? { ...found, ...followed(problem, damping, low, high, worst.theta) } : found;
-}
-
-/** Where the eigenvalue beside `theta` passes the axis, by the secant through two loads. */
-function followed(problem, damping, low, high, theta) {
-  const near = (P) => thetaAt(problem, damping, P).reduce((x, y) =>
-    (Math.hypot(y.re - theta.re, y.im - theta.im) < Math.hypot(x.re - theta.re, x.im - theta.im) ? y : x));
-  let [a, b] = [low, high];
-  let [fa, fb] = [near(a), near(b)];
-  for (let turn = 0; turn < 4 && fa.re !== fb.re && a !== b; turn++) {
-    const next = b - (fb.re * (b - a)) / (fb.re - fa.re);
-    if (!(Math.abs(next - high) < 1e-3 * high)) return {};
-    [a, fa, b, fb] = [b, fb, next, near(next)];
-  }
-  return { load: b, omega: (problem.first * Math.abs(fb.im)) / (fb.re ** 2 + fb.im ** 2) };
-}
-
 /** λ with their motions q, as `spectrumOf` gives them. */
 function generalSpectrum(problem, damping, P) {
   if (damping.size === 0) {
@@ -291,15 +273,13 @@ function generalSpectrum(problem, damping, P) {
       return [{ re, im, q: vectors[k] }, { re: -re, im: -im, q: vectors[k] }];
     });
   }
-  const { n, first } = problem;
-  const found = inverseState(problem, damping, P) ?? inverseState(problem, damping, P * (1 + 1e-9) + 1e-9);
-  const theta = found.realEigenvalues.map((re, k) => ({ re, im: found.imaginaryEigenvalues[k] }));
-  const largest = Math.max(...theta.map(({ re, im }) => Math.hypot(re, im)));
-  return complexColumns(found, 2 * n).flatMap(({ re, im }, k) => {
-    const size = theta[k].re ** 2 + theta[k].im ** 2;
-    if (!(Math.sqrt(size) > 1e-14 * largest)) return []; // without mass: infinite
-    const q = { re: re.subarray(n), im: im.subarray(n) };
-    return [{ re: (first * theta[k].re) / size, im: (-first * theta[k].im) / size, q }];
+  const { first } = problem;
+  const { A, motion } = inverseState(problem, damping, P) ?? inverseState(problem, damping, P * (1 + 1e-9) + 1e-9);
+  const found = new EigenvalueDecomposition(A, { assumeSymmetric: false });
+  const [a, b] = [found.realEigenvalues, found.imaginaryEigenvalues];
+  return complexColumns(found, A.rows).map(({ re, im }, k) => {
+    const size = a[k] ** 2 + b[k] ** 2;
+    return { re: (first * a[k]) / size, im: (-first * b[k]) / size, q: { re: motion(re), im: motion(im) } };
   });
 }
 
@@ -314,10 +294,20 @@ function byMass({ M, n, numbered }, X, P) {
 /** The branches along the load with their slopes: s = ω² without damping, else λ. */
 function generalNode(problem, damping) {
   if (damping.size === 0) return (P) => nodeOf(...byMass(problem, problem.K, P), P);
+  if (problem.massless) return (P) => nodeOf(...reducedNode(problem, damping, P), P);
   return (P) => {
     const [k, c] = [byMass(problem, problem.K, P), byMass(problem, damping.C, P)];
     return nodeOf(stateOf(problem, k[0], c[0]), stateOf(problem, k[1], c[1], 0), P);
   };
+}
+
+/** The matrix of the states where some coordinate has no mass, and its slope by a difference quotient. */
+function reducedNode({ M, K, n, unit }, { C }, P) {
+  const at = (load) => reduced(...[M, C, K].map((terms) => termsAt(terms, load, n)));
+  const step = 1e-6 * (P + unit);
+  const [here, ahead] = [at(P), at(P + step)];
+  const isSame = here.free.join() === ahead.free.join(); // else the slope says nothing, and steps are halved
+  return [here.A, isSame ? Matrix.sub(ahead.A, here.A).div(step) : Matrix.zeros(here.A.rows, here.A.rows)];
 }
 
 /** The state matrix on (Ωq, q̇), Ω = diag(root), of k = M⁻¹K and c = M⁻¹C; or its slope, with unit = 0. */

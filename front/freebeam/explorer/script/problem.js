@@ -29,10 +29,23 @@ function nodesOf(problem, damping) {
   return damping.size === 0 ? undampedNode(problem) : dampedNode(problem, damping);
 }
 
-/** The state matrix on (Ωq, q̇), Ω = diag(root), at a load. */
-function stateMatrixAt(problem, damping, P) {
-  if (!problem.general) return stateMatrix(problem, damping, P);
-  return stateOf(problem, byMass(problem, problem.K, P)[0], byMass(problem, damping.C, P)[0]);
+/** x′ = A x + input F of the states x at a load, for a generalised force Q of F = 1. start(q): the states at rest; seen(values):
+ * what reads Σ values q of x. Without Q there is no input; input is null where a force would act on what has no mass. */
+function statesAt(problem, damping, P, Q) {
+  const { n, root, M } = problem;
+  if (problem.massless) {
+    const { A, states, free, input } = reduced(...[M, damping.C, problem.K].map((terms) => termsAt(terms, P, n)));
+    const shapes = states.subMatrix(0, n - 1, 0, A.rows - 1).transpose().to2DArray();
+    return { A, input: Q && input(Q), start: (q) => free.map((k) => q[k] ?? 0), seen: (values) => times(shapes, values) };
+  }
+  const A = problem.general ? stateOf(problem, byMass(problem, problem.K, P)[0], byMass(problem, damping.C, P)[0]) : stateMatrix(problem, damping, P);
+  const push = Q && (problem.general ? new LuDecomposition(termsAt(M, P, n)).solve(Matrix.columnVector(Q)).to1DArray() : Q);
+  const still = Array(n).fill(0);
+  return {
+    A, input: push && [...still, ...push],
+    start: (q) => [...Array.from(q, (x, i) => x * root[i]), ...still], // (Ωq, q̇), Ω = diag(root)
+    seen: (values) => [...Array.from(values, (x, i) => x / root[i]), ...still],
+  };
 }
 
 /** Values of the problem's coordinates q at places, a list for each place; reads: number of the field or coordinate. */
@@ -43,11 +56,10 @@ function seenAt({ general, functions, basis, own }, places, reads) {
 }
 
 /** The generalised force of a unit force at a place: as the column states it, else one on the field or coordinate of a number. */
-function forceAt({ general, functions, basis, own, M }, place, number) {
+function forceAt({ general, functions, basis, own }, place, number) {
   const values = !general ? kernel.force(functions, place) : kernel.force ? kernel.force(functions, place, own)
     : kernel.shapes(functions, [place], number, 0, 0, own);
-  const Q = turned(basis, (i) => values[i]);
-  return general ? new LuDecomposition(M[0]).solve(Matrix.columnVector(Q)).to1DArray() : Q;
+  return turned(basis, (i) => values[i]);
 }
 
 /** Values of the kernel's functions as those of the problem's coordinates. */

@@ -7,29 +7,37 @@ const SIZE = 0.01; // of a force, of the first coordinate or deflection released
  * Deflection at the sensor after release from rest in the first mode of the unloaded column, or from rest under a force.
  *
  * drive: { kind, place, rate }: one of DRIVES, where the force acts, the frequency of a sine. seen, force: values of the
- * problem's coordinates at the sensor, and of a unit force; growth: the greatest Re λ. It ends where it has grown a thousandfold. Eqs. (9), (10).
+ * problem's coordinates at the sensor, and of a unit force; growth: the greatest Re λ. It ends where it has grown a thousandfold; it is
+ * empty where the force would act on what has no mass. Eqs. (9), (10).
  */
 function responseAt(problem, damping, P, { kind, rate, seen, force, release, growth }, duration, count = 700) {
-  const { n, root } = problem;
-  const A = Matrix.zeros(2 * n + 2, 2 * n + 2);
-  A.setSubMatrix(stateMatrixAt(problem, damping, P), 0, 0);
+  const { A: own, input, start, seen: weights } = statesAt(problem, damping, P, force);
+  if (force && !input) return { t: [], y: [] };
+  const m = own.rows;
+  const A = Matrix.zeros(m + 2, m + 2);
+  A.setSubMatrix(own, 0, 0);
   const end = growth > 0 ? Math.min(duration, Math.log(1000) / growth) : duration;
   const step = end / (count - 1);
   // the force is sin(rate t), or 1: the first of two states that turn at that rate, or rest
-  if (kind !== "release") for (let i = 0; i < n; i++) A.set(n + i, 2 * n, force[i]);
-  if (kind === "sine") A.setSubMatrix([[0, rate], [-rate, 0]], 2 * n, 2 * n);
+  if (force) input.forEach((x, i) => A.set(i, m, x));
+  if (kind === "sine") A.setSubMatrix([[0, rate], [-rate, 0]], m, m);
   const carry = exponential(A.mul(step));
-  let state = new Float64Array(2 * n + 2);
-  if (kind === "release") state.set(release.map((q, i) => q * root[i]));
-  else state[2 * n + (kind === "sine" ? 1 : 0)] = SIZE;
+  let [state, next] = [new Float64Array(m + 2), new Float64Array(m + 2)];
+  if (release) state.set(start(release));
+  else state[m + (kind === "sine" ? 1 : 0)] = SIZE;
   const off = kind === "pulse" ? Math.round(pulseLength(problem) / step) : Infinity;
-  const weights = Array.from(seen, (x, i) => x / root[i]);
+  const sensor = weights(seen);
   const t = Float64Array.from({ length: count }, (_, k) => k * step);
   const y = new Float64Array(count);
   for (let k = 0; k < count; k++) {
-    if (k === off) state[2 * n] = 0;
-    for (let i = 0; i < n; i++) y[k] += weights[i] * state[i];
-    state = times(carry, state);
+    if (k === off) state[m] = 0;
+    for (let i = 0; i < m; i++) y[k] += sensor[i] * state[i];
+    for (let i = 0, at = 0; i < m + 2; i++) {
+      let sum = 0;
+      for (let j = 0; j < m + 2; j++) sum += carry[at++] * state[j];
+      next[i] = sum;
+    }
+    [state, next] = [next, state];
   }
   return { t, y };
 }
@@ -53,7 +61,7 @@ function releasedFrom(problem, shapes) {
   return largest ? q.map((x) => (SIZE * x) / largest) : q;
 }
 
-/** e^A by the Padé approximant of degree (6, 6), halved until it is small and squared again; rows of numbers. */
+/** e^A by the Padé approximant of degree (6, 6), halved until it is small and squared again; row by row. */
 function exponential(A) {
   const n = A.rows;
   const largest = Math.max(...A.to2DArray().map((row) => row.reduce((sum, x) => sum + Math.abs(x), 0)));
@@ -73,7 +81,7 @@ function exponential(A) {
   const full = (values) => Matrix.from1DArray(n, n, values);
   let found = Float64Array.from(new LuDecomposition(full(under)).solve(full(over)).to1DArray());
   for (let k = 0; k < halvings; k++) found = product(found, found, n);
-  return square(n, (i, j) => found[i * n + j]);
+  return found;
 }
 
 /** A product of two matrices that are stored row by row. */

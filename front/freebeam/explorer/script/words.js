@@ -68,6 +68,8 @@ function criticalOf(critical, limit, units) {
   return units.isSI ? said(units, "load", critical.load, 6) : `${exact(Number(critical.load.toPrecision(10)))}`;
 }
 
+const NO_FORCE = "No force may act on what has no mass: choose another coordinate, or the motion after release.";
+
 /** What the sensor's plot is of, in a sentence. */
 function responseNote(column, { force, place, sensor, reads, rate }, units, problem) {
   const at = (x) => (units.isSI ? said(units, "length", x) : exact(x));
