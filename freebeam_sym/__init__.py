@@ -19,15 +19,15 @@ if TYPE_CHECKING:
     from freebeam_sym.checks import InputError
     from freebeam_sym.columns import Column, System, column, column_names
     from freebeam_sym.question import Question
-    from freebeam_sym.response import Harmonic, Response, respond, state_space
-    from freebeam_sym.spectra import Spectrum, proportional_damping, spectrum
+    from freebeam_sym.response import Harmonic, Response, respond
+    from freebeam_sym.spectra import Spectrum, spectrum
     from freebeam_sym.stability.critical import CriticalLoad, critical_load
 
 __all__ = [
     "column", "column_names", "Column", "System", "Question",
-    "spectrum", "proportional_damping", "Spectrum",
+    "spectrum", "Spectrum",
     "critical_load", "CriticalLoad",
-    "respond", "state_space", "Harmonic", "Response",
+    "respond", "Harmonic", "Response",
     "InputError",
     "__version__",
 ]  # fmt: skip
@@ -37,9 +37,9 @@ __all__ = [
 _HOMES = {
     "columns": ["column", "column_names", "Column", "System"],
     "question": ["Question"],
-    "spectra": ["spectrum", "proportional_damping", "Spectrum"],
+    "spectra": ["spectrum", "Spectrum"],
     "stability.critical": ["critical_load", "CriticalLoad"],
-    "response": ["respond", "state_space", "Harmonic", "Response"],
+    "response": ["respond", "Harmonic", "Response"],
     "checks": ["InputError"],
 }
 

@@ -1,4 +1,4 @@
-"""Response in time: Eq. (10) by a method of steps, and the same system for control engineers.
+"""Response in time: Eq. (10) by a method of steps.
 
 All quantities are nondimensional, Eq. (5).
 """
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
-from freebeam_sym.massless import Reduced, accelerated, reduced, without_mass
+from freebeam_sym.massless import Reduced, accelerated, without_mass
 from freebeam_sym.response.eigen import Spectrum, spectrum_of
 from freebeam_sym.response.inputs import (
     LOST,
@@ -26,7 +26,6 @@ from freebeam_sym.response.inputs import (
     check_finite,
     checked_parameters,
     force_of,
-    position_of,
     start_of,
     times_of,
 )
@@ -38,11 +37,9 @@ from freebeam_sym.response.results import OUTPUTS, Response, Results, Target, na
 from freebeam_sym.spectra import state_matrix
 
 if TYPE_CHECKING:
-    from scipy.signal import StateSpace
-
     from freebeam_sym.columns import System
 
-__all__ = ["respond", "state_space"]
+__all__ = ["respond", "rows_of", "with_masses"]
 
 Array = NDArray[np.float64]
 Rows = dict[str, Array]
@@ -124,7 +121,7 @@ def respond(
         _check_phase(spectrum, duration)
     if progress is not None:
         progress(0.0)
-    rows, direct = _rows(system, names, x_s, load.Q, field, derivative)
+    rows, direct = rows_of(system, names, x_s, load.Q, field, derivative)
 
     def about(**parts: Any) -> Response:
         return Response(
@@ -168,56 +165,24 @@ def _stretches(
     return forced(powers, x, (recurrence.before, recurrence.after), own, direct, load.sampled, times)
 
 
-def state_space(
-    system: System,
-    force_position: float,
-    sensors: ArrayLike = (0.1,),
-    outputs: Sequence[str] = ("y",),
-    field: str = "",
-    derivative: int = 0,
-) -> StateSpace:
-    """The same system as a `scipy.signal.StateSpace`: state (q, dq), input F₀, outputs at sensors. Eq. (25).
-
-    The outputs are those named, of "y", "dy", "ddy", each at all sensors, in that order; field and derivative as
-    `respond` has them. Of a coordinate without mass the rate, or the coordinate too, is no state. Raises InputError for
-    positions off the beam and for an unknown output.
-    """
-    is_system(system)
-    names_of(outputs, False, False, None)
-    x_s = positions("sensors", sensors)
-    Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
-    from scipy.signal import StateSpace  # half a second, so only where it is used
-
-    free = states = None
-    if without_mass(system.M):
-        found = reduced(system.M, system.C, system.K)
-        system, Q = _with_masses(system, found, Q)
-        free, states = found.free, found.states
-    rows, direct = _rows(system, outputs, x_s, Q, field, derivative)
-    B = np.concatenate([np.zeros(Q.size), np.linalg.solve(system.M, Q)])
-    C, D = (np.concatenate([part[name] for name in outputs]) for part in (rows, direct))
-    A = state_matrix(system.M, system.C, system.K)
-    if states is not None:
-        A, B, C = (A @ states)[free], B[free], C @ states
-    return StateSpace(A, B[:, None], C, D[:, None])
-
-
 def _with_accelerations(system: System, load: Load, start: Start) -> tuple[System, Load, Start]:
     """A system with a singular M as one with M = I that moves alike, and what acts on it and starts it. Where the
     start breaks a relation of the states, what has no mass is set by it."""
     found = accelerated(system.M, system.C, system.K)
-    alike, Q = _with_masses(system, found, load.Q)
+    alike, Q = with_masses(system, found, load.Q)
     return alike, replace(load, Q=Q), replace(start, states=start.states[:, found.free] @ found.states.T)
 
 
-def _with_masses(system: System, found: Reduced, Q: Array) -> tuple[System, Array]:
+def with_masses(system: System, found: Reduced, Q: Array) -> tuple[System, Array]:
     """The system with M = I, and its force. Raises InputError where a force Q acts on what has no mass."""
     if np.abs(found.idle @ Q).max() > 1e-12 * (np.abs(found.idle) @ np.abs(Q)).max(initial=1e-300):
         raise InputError("force_position: the force acts on what has no mass, and its rate would count")
     return replace(system, M=np.eye(len(Q)), C=found.C, K=found.K), found.rows @ Q
 
 
-def _rows(system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int) -> tuple[Rows, Rows]:
+def rows_of(
+    system: System, names: Sequence[str], x_s: Array, Q: Array, field: str, derivative: int
+) -> tuple[Rows, Rows]:
     """What gives each output from (q, dq), (s, 2 n), and from F₀, (s,)."""
     n, r = len(Q), system.rigid_count
     read = system.shapes(x_s, derivative, field) if field or derivative else system.shapes(x_s)

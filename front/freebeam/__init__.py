@@ -16,6 +16,8 @@ import freebeam_sym as _runtime
 
 if TYPE_CHECKING:
     import freebeam.figures  # noqa: F401 (fb.figures, for type checkers)
+    from freebeam.control import state_space
+    from freebeam.damping import proportional_damping
     from freebeam.exact_ranges import ExactPiece, ExactRange, OpenPiece, exact_range
     from freebeam.loci import Branches, branches
     from freebeam.maps.arrays import CriticalLoads, critical_loads, eigenvalues
@@ -50,10 +52,8 @@ if TYPE_CHECKING:
         Response,
         Spectrum,
         System,
-        proportional_damping,
         respond,
         spectrum,
-        state_space,
     )
 
 __all__ = [
@@ -76,6 +76,8 @@ __all__ = [
 _HOMES = {
     "own": ["column", "column_names"],
     "loci": ["branches", "Branches"],
+    "control": ["state_space"],
+    "damping": ["proportional_damping"],
     "maps.arrays": ["critical_loads", "CriticalLoads", "eigenvalues"],
     "maps.known": ["critical_load"],
     "maps.labelled": ["stability_map"],

@@ -539,6 +539,18 @@ def test_what_grows_at_a_load_is_not_given_another_load(share: float) -> None:
     assert found.kind == "flutter"
 
 
+@pytest.mark.parametrize("kappa", [None, 0.0, 1.0, math.inf])
+@pytest.mark.parametrize("eta", [0.06, 0.25])
+def test_what_grows_beyond_a_divergence_is_told_as_one_where_damping_vanishes(eta: float, kappa: float | None) -> None:
+    problem = Proportional(pencil("beck", 10, eta), kappa=kappa)
+    first = first_loss(problem).crossing
+    assert first is not None and first.kind == "divergence"
+    for beyond in (1e-12, 1e-9, 1e-6):
+        found = problem.onset(first.load * (1 + beyond))
+        assert (found.kind, found.frequency) == ("divergence", 0.0)
+        assert found.load == pytest.approx(first.load, rel=2 * beyond)
+
+
 @settings(max_examples=40, deadline=None, derandomize=True)
 @given(
     name=st.sampled_from(NAMES[:2]),

@@ -18,8 +18,9 @@ from scipy.linalg import eigvals, expm
 from scipy.optimize import brentq
 
 import freebeam as fb
+from freebeam.control import state_space
 from freebeam_sym.checks import InputError
-from freebeam_sym.response import Response, respond, state_space
+from freebeam_sym.response import Response, respond
 
 X = np.array([0.1, 0.6])
 
