@@ -3,6 +3,7 @@
 import ast
 import importlib
 import json
+import pickle
 import subprocess
 import sys
 from collections import Counter
@@ -150,6 +151,13 @@ def test_front_doors_are_the_same_for_type_checkers(package: ModuleType) -> None
     assert {*declared, "__version__"} == set(package.__all__)
     for name, value in declared.items():
         assert getattr(package, name) is value, name
+
+
+@pytest.mark.parametrize("package", [freebeam_sym, freebeam])
+def test_what_is_offered_can_be_sent_to_another_process(package: ModuleType) -> None:
+    for name in package.__all__:
+        value = getattr(package, name)
+        assert pickle.loads(pickle.dumps(value)) == value, name
 
 
 def test_freebeam_offers_all_that_the_runtime_does() -> None:

@@ -24,7 +24,7 @@ from freebeam_sym.stability.proportional import LIGHTEST_SCAN, Proportional
 __all__ = ["answer", "critical_load", "near", "settled"]
 
 
-@wraps(critical.critical_load)
+@wraps(critical.critical_load, assigned=("__doc__",))
 def critical_load(
     column: Column,
     modes: int | None = None,
