@@ -36,9 +36,10 @@ vehicle.mass, vehicle.length, vehicle.settings["thrust"]
 
 # %%
 hertz = vehicle.frequencies / (2 * np.pi)
-for shape in vehicle.unloaded.shape[:4]:
-    plt.plot(vehicle.unloaded.x, shape.real)
+for shape, frequency in zip(vehicle.unloaded.shape[:4], hertz, strict=False):
+    plt.plot(vehicle.unloaded.x, shape.real, label=f"{frequency:.3g} Hz")
 plt.xlabel("x, m")
+plt.legend()
 hertz, vehicle.unloaded.error
 
 # %% [markdown]

@@ -196,7 +196,7 @@ def test_a_file_that_names_all_is_what_its_options_are(tmp_path: Path, capsys: p
 WRONG = {
     "gap": ("x,EI,m\n0,2e6,50\n1,,50\n2,2e6,50\n", "row 3, column EI: is empty"),
     "not a number": ("x,EI,m\n0,2e6,50\n1,soft,50\n", "row 3, column EI: 'soft' is not a number"),
-    "nan": ("x,EI,m\n0,2e6,50\n1,2e6,nan\n", "row 3, column m: is empty"),
+    "nan": ("x,EI,m\n0,2e6,50\n1,2e6,nan\n", "row 3, column m = nan: must be finite"),
     "infinite": ("x,EI,m\n0,2e6,50\n1,inf,50\n", "row 3, column EI = inf: must be finite"),
     "short row": ("x,EI,m\n0,2e6,50\n1,2e6\n", "row 3: has 2 cells where the header has 3"),
     "order": ("x,EI,m\n0,2e6,50\n2,2e6,50\n1,2e6,50\n", "row 4, column x = 1: must be greater than 2"),

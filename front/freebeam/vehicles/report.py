@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from freebeam.figures.look import ACCENT, COLOURS, INK, MUTED, figure, shades, style
-from freebeam.figures.marks import legend
+from freebeam.figures.marks import legend, note
 from freebeam.figures.saving import FORMATS as PLAIN
 from freebeam.figures.saving import image_of
 from freebeam.maps.verdict import digits_that_hold
@@ -184,7 +184,7 @@ def _over_thrust(vehicle: Vehicle) -> Figure:
     ax.set_xlabel("thrust, N")
     ax.set_ylabel("frequency, Hz")
     if ax.get_legend_handles_labels()[0]:
-        legend(ax, loc="upper right")
+        legend(ax, loc="lower left", bbox_to_anchor=(0, 1), ncols=3)
     return drawn
 
 
@@ -243,7 +243,7 @@ def _map(vehicle: Vehicle) -> Figure:
     ax.plot(found.gain, found.load, color=ACCENT, marker="o", ms=3)
     if "thrust" in vehicle.settings:
         ax.plot([gain], [vehicle.settings["thrust"]], "s", color=INK, ms=5)
-        ax.annotate(" the vehicle", (gain, vehicle.settings["thrust"]), fontsize=8.5, va="center")
+        note(ax, gain, vehicle.settings["thrust"], "the vehicle", (8, 0))
     ax.set_xlabel("gain, rad/rad")
     ax.set_ylabel("thrust, N")
     ax.set_xlim(gains[0], gains[-1])
@@ -333,16 +333,28 @@ def _html(vehicle: Vehicle, shown: list[Shown]) -> bytes:
     return (text + "\n".join(parts) + "</body></html>\n").encode()
 
 
+PAPER = (8.27, 11.69)
+"""A4, in inches."""
+
+
+def _on_paper(picture: Shown) -> Figure:
+    """A picture at the top of a page, below its title and words."""
+    drawn = picture.drawn
+    width, height = drawn.get_size_inches() / PAPER
+    drawn.set_size_inches(PAPER)
+    drawn.set_layout_engine("constrained", rect=(0.08, 0.89 - height, width, height))
+    drawn.text(0.1, 0.93, picture.title, fontsize=13)
+    drawn.text(0.1, 0.91, picture.words, fontsize=9, color=MUTED)
+    return drawn
+
+
 def _pdf(vehicle: Vehicle, shown: list[Shown]) -> bytes:
     import textwrap
 
     from matplotlib.backends.backend_pdf import PdfPages
 
-    def page() -> Figure:
-        return figure((8.27, 11.69))
-
     stream = io.BytesIO()
-    first = page()
+    first = figure(PAPER)
     first.text(0.1, 0.93, vehicle.name, fontsize=17)
     place = 0.89
     for rows in (facts(vehicle), _settings(vehicle)):
@@ -356,9 +368,5 @@ def _pdf(vehicle: Vehicle, shown: list[Shown]) -> bytes:
     with PdfPages(stream, metadata=PLAIN["pdf"] | {"Title": vehicle.name}) as pages:
         pages.savefig(first)
         for picture in shown:
-            picture.drawn.suptitle(f"{picture.title}\n", x=0.01, ha="left", fontsize=11)
-            picture.drawn.supxlabel(picture.words, x=0.01, ha="left", fontsize=8.5, color=MUTED)
-            width, height = picture.drawn.get_size_inches()
-            picture.drawn.set_size_inches(width, height + 0.8)
-            pages.savefig(picture.drawn)
+            pages.savefig(_on_paper(picture))
     return stream.getvalue()

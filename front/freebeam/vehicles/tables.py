@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import difflib
 import io
-import math
 import re
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -48,8 +47,8 @@ SETTINGS: dict[str, tuple[str, str]] = {
     "load_max": ("N", "largest thrust to look at"),
     "imu": ("m", "place of the IMU"),
     "control": ("m", "place where a control force acts"),
-    "gimbal.gain": ("", "gimbal angle a slope at the sensor, rad/rad"),
-    "gimbal.rate": ("s", "gimbal angle a rate of the slope, s"),
+    "gimbal.gain": ("", "gimbal angle per slope at the sensor, rad/rad"),
+    "gimbal.rate": ("s", "gimbal angle per rate of the slope, s"),
     "gimbal.sensor": ("m", "place of the sensor"),
     "gimbal.actuator": ("rad/s", "natural frequency of the gimbal's actuator"),
     "gimbal.actuator_ratio": ("", "damping ratio of the actuator"),
@@ -277,7 +276,7 @@ def _factor(where: str, given: str, unit: str, meaning: str) -> float:
 
 def _value(table: Rows, row: int, name: str, known: Mapping[str, tuple[str, str]]) -> float:
     value = table.columns[name][row]
-    if value is None or (isinstance(value, float) and math.isnan(value)):
+    if value is None:
         raise InputError(f"{table.where(row, name)}: is empty; each station needs a number ({known[name][1]})")
     return quantity(table.where(row, name), value, *known[name])
 
