@@ -153,7 +153,8 @@ def _approximated(d: GeneralDerivation) -> Step:
     return Step(
         SERIES,
         "Approximate all unknowns by one series",
-        "trial function j is a motion of the whole column, with a share in each unknown; its size in time is q_j",
+        "trial function j is a motion of the whole column, with a share in each unknown; how large "
+        "it is at each time is its coordinate",
         d.column.name,
         tuple(series),
         "Eq. (9)",

@@ -671,7 +671,7 @@ def test_words_in_tex() -> None:
 
 def test_words_in_typst(tmp_path: Path) -> None:
     text, _ = typeset(WORDS)
-    (title,) = re.findall(r'weight: "bold"\)\[(.*)\]$', text, re.MULTILINE)
+    (title,) = re.findall(r"hyphenate: false\)\[(.*)\]\)$", text, re.MULTILINE)
     assert re.sub(r"\\([!-/:-@\[-`{-~])", r"\1", title) == HOSTILE
     assert not re.search(r"(?<!\\)(?:\\\\)*[][#$*_`<>@]", title)
     (data,) = printed(WORDS, "pdf", tmp_path / "a.pdf").values()

@@ -99,7 +99,8 @@ def lesson(
             blocks += [Heading(text("opening.errata"), 2, "errata"), *rest]
     made = Lesson(facts.column.title, _subtitle(facts), stated.name, (*_opening(facts, chapter.paper), *blocks))
     residual = max(check.residual for check in made.checks)
-    closing = prose("opening.closing", count=len(made.checks), residual=residual)
+    left = text("opening.rounded", residual=residual) if residual else text("opening.exact")
+    closing = prose("opening.closing", count=len(made.checks), left=left)
     return replace(made, blocks=(*made.blocks, closing))
 
 

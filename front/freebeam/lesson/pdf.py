@@ -42,7 +42,8 @@ def source(lesson: blocks.Lesson) -> tuple[str, dict[Path, bytes]]:
     body = page.joined(lesson.blocks)
     if page.proofs:
         items = "\n".join(f"+ {proof}" for proof in page.proofs)
-        body += f"\n\n= {_escape(text('proof.appendix'))}\n\n#text(size: 9pt)[\n{items}\n]"
+        opening = _escape(text("proof.listed"))
+        body += f"\n\n= {_escape(text('proof.appendix'))}\n\n{opening}\n\n#text(size: 9pt)[\n{items}\n]"
     return page.filled("page.typ", lesson, name=_quoted(lesson.title), body=body), page.pictures
 
 
@@ -105,7 +106,7 @@ class _Page(Writer):
     def exercise(self, block: blocks.Exercise) -> str:
         question = f"*Exercise {self.count['exercise']}.* {self.inline(block.question)}"
         answer = f"#block(inset: (left: 8pt), text(size: 9.3pt, fill: grey)[_Answer._ {self.inline(block.answer)}])"
-        return f"{question}\n\n{answer}" if block.answer else question
+        return f"#block(breakable: false, width: 100%)[{question}\n\n{answer}]" if block.answer else question
 
     def summary(self, block: blocks.Summary) -> str:
         return f"#short[{self.inline(block.text)}]"

@@ -50,7 +50,10 @@ def files(lesson: blocks.Lesson, output: Path) -> dict[Path, bytes]:
     body = page.joined(lesson.blocks)
     if page.proofs:
         items = "\n".join(rf"\item {proof}" for proof in page.proofs)
-        body += rf"\section{{{text('proof.appendix')}}}{{\small\begin{{enumerate}}" + f"\n{items}\n\\end{{enumerate}}}}"
+        body += (
+            rf"\section{{{text('proof.appendix')}}}{text('proof.listed')}{{\small\begin{{enumerate}}"
+            + f"\n{items}\n\\end{{enumerate}}}}"
+        )
     return {output: page.filled("page.tex", lesson, body=body).encode(), **page.pictures}
 
 

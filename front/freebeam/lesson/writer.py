@@ -61,7 +61,8 @@ class Writer(ABC):
 
     def noted(self, check: blocks.Check) -> int:
         """Keep a proof for the end; its number."""
-        self.proofs.append(self.inline(proven(check)))
+        left = text("proof.left", check=check.text, residual=check.residual) if check.residual else check.text
+        self.proofs.append(self.inline(left))
         return len(self.proofs)
 
     def filled(self, template: str, lesson: blocks.Lesson, **values: str) -> str:
