@@ -48,7 +48,9 @@ verified = outcome.figures["beck, legendre, c"]
 
 # %%
 header = (here / "beck_legendre.h").read_text()
-print(header[header.index("/** The column's own parameters") :][:900])
+paragraphs = header.split("\n\n")
+for text in ("own parameters, nondimensional", "beck_legendre_stiffness_load("):
+    print("\n\n".join(part for part in paragraphs if text in part))
 
 # %% [markdown]
 # ## Compile it
