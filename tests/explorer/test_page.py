@@ -488,6 +488,29 @@ def test_fits_the_screen(opened, width):
     page.page.set_viewport_size({"width": 1280, "height": 800})
 
 
+def test_words_beside_a_point_lie_within_the_plot(opened):
+    """On a phone there is room on neither side of the meeting for its words."""
+    page = opened("beck", "#P=16&alpha=0.001&beta=0.1")
+    page.ask("""() => {
+      window.told = [];
+      const draw = window.draw = CanvasRenderingContext2D.prototype.fillText;
+      CanvasRenderingContext2D.prototype.fillText = function (text, x, y) {
+        const plot = this.canvas.parentElement.querySelector(".u-over");
+        const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right } = this.measureText(text);
+        if (plot && /coalescence|tangent/.test(text)) {
+          const start = plot.offsetLeft * devicePixelRatio;
+          told.push([x - left - start, start + plot.clientWidth * devicePixelRatio - x - right]);
+        }
+        return draw.call(this, text, x, y);
+      };
+    }""")
+    page.page.set_viewport_size({"width": 390, "height": 800})
+    page.page.wait_for_function("told.length >= 2")
+    rooms = page.ask("() => { CanvasRenderingContext2D.prototype.fillText = draw; return told; }")
+    page.page.set_viewport_size({"width": 1280, "height": 800})
+    assert min(min(room) for room in rooms) >= 0
+
+
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_text_stands_out(opened, scheme):
     page = opened()

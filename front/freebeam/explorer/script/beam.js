@@ -125,7 +125,13 @@ function drawSensor({ context, sensor }, frame, y) {
   context.arc(place.x, place.y, frame.thick * 0.75, 0, 2 * Math.PI);
   context.fill();
   context.stroke();
-  write(context, "sensor", place.x, place.y - frame.thick - 8, "center");
+  if (sensor > 0.1 && sensor < 0.9) return write(context, "sensor", place.x, place.y - frame.thick - 8, "center");
+  // near an end the word lies along the beam, inward: outside are the load's arrow and the support
+  context.save();
+  context.translate(place.x, place.y);
+  context.rotate(-Math.atan(place.slope));
+  write(context, "sensor", 0, -frame.thick - 8, sensor < 0.5 ? "left" : "right");
+  context.restore();
 }
 
 /** The transversal force of the sensor's plot. */

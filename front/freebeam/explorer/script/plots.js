@@ -115,9 +115,9 @@ function note(u, text, x, y, { colour = palette.ink, below = false } = {}) {
   const gap = 8 * uPlot.pxRatio;
   const wide = ctx.measureText(text).width;
   const left = px + gap + wide > bbox.left + bbox.width;
-  ctx.textAlign = left ? "right" : "left";
+  ctx.textAlign = "left";
   ctx.textBaseline = "middle";
-  const at = [px + (left ? -gap : gap), py + (below ? 14 : -13) * uPlot.pxRatio];
+  const at = [left ? Math.max(bbox.left + gap / 2, px - gap - wide) : px + gap, py + (below ? 14 : -13) * uPlot.pxRatio];
   at[1] = Math.min(bbox.top + bbox.height - gap, Math.max(bbox.top + gap, at[1]));
   ctx.lineWidth = 3.5 * uPlot.pxRatio;
   ctx.lineJoin = "round";
