@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.columns import Coefficients, Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import KINDS, Answers, BeamLoss, beam_losses, judge
@@ -65,7 +65,10 @@ class CriticalLoad:
         def ask(modes: int, _: Any) -> Answers:
             return _as_arrays(answer(self.question.over(polynomials, modes), self.search))
 
-        found, change = beam_losses(ask, 1)
+        try:
+            found, change = beam_losses(ask, 1)
+        except Unstable:  # of a longer series something grows at the smallest loads
+            return None
         if math.isinf(change[0]):
             return None
         kind: Kind = KINDS[found.kind[0]]

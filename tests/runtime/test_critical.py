@@ -19,6 +19,8 @@ from freebeam.maps.known import _refined, near
 from freebeam.maps.surface import first_crossing
 from freebeam.maps.verdict import digits_that_hold
 from freebeam.proofs import enclosed_load
+from freebeam_sym.checks import Unstable
+from freebeam_sym.stability import critical
 from freebeam_sym.stability.arnoldi import Krylov
 from freebeam_sym.stability.critical import critical_load
 from freebeam_sym.stability.crossings import _in_order, first_loss
@@ -350,6 +352,17 @@ def test_verdict_on_convergence() -> None:
     none = fb.critical_load(beck, 8, load_max=5.0)
     assert (none.load, none.kind, none.frequency, none.mode, none.error) == (None, "none", None, None, None)
     assert none.converged and none.beam.kind == "none"
+
+
+def test_a_load_that_a_longer_series_does_not_have_is_not_converged(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As of an absorber close to the tip, where rounding makes a motion of the short segment grow at N = 24."""
+    found = fb.critical_load(fb.column("beck"), 8)
+
+    def grows(*_: object) -> None:
+        raise Unstable("something grows at the smallest loads")
+
+    monkeypatch.setattr(critical, "answer", grows)
+    assert found.beam is None and found.error is None and not found.converged
 
 
 def test_many_modes_that_change_little_are_not_converged() -> None:
