@@ -7,6 +7,7 @@ import math
 import os
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from functools import lru_cache
 from html import escape
 from itertools import groupby
 from pathlib import Path
@@ -26,6 +27,7 @@ from freebeam_sym.checks import InputError
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from numpy.typing import NDArray
 
     from freebeam_derive.statement import Column, Reference
 
@@ -43,7 +45,9 @@ def drawings(statement: Column) -> Iterator[tuple[str, str, tuple[float, float]]
     else:  # eigenvalues that meet at 0 and part along the real axis are seen better as squares
         yield "frequencies", "Its first two squared frequencies as the load grows, α = β = 0.", (5.2, 3.4)
     for p in statement.parameters:
-        yield p.name, f"First loss of stability over ${letter(p)}$: {p.meaning}.", (5.2, 3.4)
+        left_out = POINTS - len(agreed(statement.name, p.name, p.low, p.high))
+        told = f" Left out: {left_out} of {POINTS} points, where series of growing N do not agree." if left_out else ""
+        yield p.name, f"First loss of stability over ${letter(p)}$: {p.meaning}.{told}", (5.2, 3.4)
     if set(DAMPINGS) <= set(statement.damping):
         yield "map", "First loss of stability over internal damping α and external damping β.", (5.4, 4.0)
 
@@ -60,7 +64,16 @@ def draw(name: str, statement: Column, ax: Axes) -> None:
         fb.figures.stability_map(fb.stability_map(column, convergence=False, **DAMPINGS), ax=ax)
     else:
         low, high = next((p.low, p.high) for p in statement.parameters if p.name == name)
-        fb.figures.critical_curve(column, name, np.linspace(low, high, POINTS), ax=ax)
+        fb.figures.critical_curve(column, name, agreed(statement.name, name, low, high), ax=ax)
+
+
+@lru_cache
+def agreed(column: str, name: str, low: float, high: float) -> NDArray[np.float64]:
+    """Values of a column's parameter at which the load is converged. Undamped, high frequencies of a series may meet at
+    low loads, for one N here and for another there (Timoshenko's column, whose motions are of two kinds)."""
+    every = np.linspace(low, high, POINTS)
+    polynomials = fb.column(column, "legendre")
+    return every[[fb.critical_load(polynomials, **{name: value}).converged for value in every.tolist()]]
 
 
 def page(statement: Column, file: Path, refused: Mapping[str, str]) -> str:

@@ -315,6 +315,9 @@ def draw_critical(
             label = label and "_" + label  # one entry of a legend for both
     if label is None and len(set(found.kinds)) > 1:
         legend(ax)
+    least, most = np.nanmin(found.loads, initial=np.inf), np.nanmax(found.loads, initial=-np.inf)
+    if most - least < 1e-6 * most:  # a constant, whose rounding would fill the axis
+        ax.set_ylim(0, 2 * most)
     if geometric(found.values):
         ax.set_xscale("log")
     ax.set_xlim(found.values.min(), found.values.max())
