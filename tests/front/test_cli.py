@@ -589,6 +589,20 @@ def test_entry_point_gives_the_exit_status():
     assert (run.returncode, run.stdout) == (2, "") and "Traceback" not in run.stderr
 
 
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="threads are counted in Linux's /proc")
+@pytest.mark.parametrize("given", [None, "2"])
+def test_linear_algebra_runs_on_one_thread_unless_told_otherwise(given):
+    """Threads that wait for each other on small matrices cost ten times the processor's time."""
+    run = (
+        "import os, sys; from freebeam import cli; sys.argv = ['freebeam', '--help']; cli.main(); import numpy;"
+        "numpy.linalg.eigvals(numpy.ones((200, 200))); print(len(os.listdir('/proc/self/task')), file=sys.stderr)"
+    )
+    plain = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    told = {"OMP_NUM_THREADS": given} if given else {}
+    found = subprocess.run([sys.executable, "-c", run], capture_output=True, text=True, env=plain | told, check=True)
+    assert int(found.stderr) == int(given or 1)
+
+
 # --- the paper's critical loads -----------------------------------------------------------------------------
 
 

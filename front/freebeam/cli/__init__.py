@@ -17,6 +17,10 @@ from contextlib import contextmanager
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line and return its exit status; the entry point."""
+    if arguments is None:
+        # Matrices are small: threads of linear algebra wait for each other, and where the machine has other work a
+        # vehicle's report takes 34 s of processor time instead of 3. Read when NumPy is loaded; a user's setting holds.
+        os.environ.setdefault("OMP_NUM_THREADS", "1")
     try:
         with _ended_tidily():
             from freebeam.cli.application import app  # here, where an interrupt is caught
