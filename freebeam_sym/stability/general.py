@@ -123,12 +123,21 @@ class General:
     # --- counts ----------------------------------------------------------------------------------------------------
 
     def inverse(self, P: float) -> Real:
-        """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits."""
+        """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits. A state is
+        (q, w), w = λ Fq with M = GF.
+
+        Of light damping it is nearly skew where F = Gᵀ, for the stiffness nearly has 1 on its diagonal and nothing
+        beside: rounding is then that of a normal matrix, below what the highest modes of a short segment are damped by.
+        """
         M, C, K = self._at(P)
         n = self.size
         A = np.zeros((2 * n, 2 * n))
-        A[:n] = -np.linalg.solve(K, np.concatenate([C, M], axis=1))
-        A[n:, :n] = np.eye(n)
+        try:
+            G, F = (M, np.eye(n)) if not np.array_equal(M, M.T) else (L := np.linalg.cholesky(M), L.T)
+        except np.linalg.LinAlgError:
+            G, F = M, np.eye(n)
+        A[:n] = -np.linalg.solve(K, np.concatenate([C, G], axis=1))
+        A[n:, :n] = F
         return A
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
@@ -152,7 +161,7 @@ class General:
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
         rounding = np.inf if not self._threshold else _rounding(np.asarray(V, complex))
-        return rate, V[self.size :].astype(complex), _growth(np.asarray(theta, complex), self._threshold, rounding)
+        return rate, V[: self.size].astype(complex), _growth(np.asarray(theta, complex), self._threshold, rounding)
 
     def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
         """The same of branches s = ω² with their damping to first order."""
@@ -320,7 +329,7 @@ class _States(_Operator):
         self.k = k = len(up)
         lam = 1 / np.concatenate([theta[up], theta[real]])
         V = V[:, np.concatenate([up, real])]
-        V = np.concatenate([V[n:], lam * V[n:]])  # (v, λv)
+        V = np.concatenate([V[:n], lam * V[:n]])  # (v, λv)
         V = V / np.sqrt(np.abs((V[:n].conj() * (problem._at(P)[0] @ V[:n])).sum(axis=0)))
         self.V = np.concatenate([V[:, :k].real, V[:, :k].imag, V[:, k:].real], axis=1)
         M, C, K = (shifted(X, P, unit) for X in (problem.M, problem.C, problem.K))
