@@ -12,6 +12,7 @@ from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, refusal
 
 if TYPE_CHECKING:
+    from freebeam_derive.certify.balls import Range
     from freebeam_derive.certify.beam_itself import Itself
     from freebeam_derive.certify.beam_ranges import Piece
     from freebeam_sym.columns import Column
@@ -55,7 +56,7 @@ class ExactRange:
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
     each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider;
-    None of a column beyond the textbook's.
+    None of a column beyond the textbook's, and where the parameter stands elsewhere than in one condition at x = 1.
     """
 
     parameter: str
@@ -85,9 +86,10 @@ def exact_range(
     """The critical load of the beam itself for every value of a parameter from low to high, enclosed and proven to be
     the first, over all modes. Eqs. (6), (14), (15).
 
-    parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own that stands in one
-    condition at x = 1 alone, linearly; of a column in uniform parts, without damping, in one condition anywhere, such
-    as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to a relative
+    parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own in which equation
+    of motion and end conditions of a uniform column are linear, such as a foundation or a dead load, its bending
+    stiffness and mass apart; of a column in uniform parts, without damping, one that stands in one condition anywhere,
+    such as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to a relative
     width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of which a step
     of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential cantilever.
 
@@ -98,8 +100,10 @@ def exact_range(
 
     Raises InputError for bad values, for a column or a parameter that is not served, and where nothing is proven.
     """
+    from freebeam_derive.certify.balls import Range
     from freebeam_derive.certify.certificate import write_range
     from freebeam_derive.certify.decimals import shown
+    from freebeam_derive.certify.parameter_series import OverEquation
 
     digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
     (start, first), (end, last) = (proofs.rational(parameter, value) for value in (low, high))
@@ -123,7 +127,7 @@ def exact_range(
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
     certificate = None
-    if not column.general:
+    if not column.general and not isinstance(_over(asked, parameter, Range(start, end)), OverEquation):
         ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
         certificate = write_range(column.kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
@@ -173,22 +177,11 @@ def _pieces(
 def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width: Fraction | None) -> Piece:
     """What is proven from low to high. Raises Unproven, also where the load is wider, relative to its size."""
     from freebeam_derive.certify.balls import Range, Unproven
-    from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import Over, OverSystem, linear_damping, piece
+    from freebeam_derive.certify.beam_ranges import piece
 
-    column, exact = asked.column, asked.exact
     values = Range(low, high)
-    damping: Any = tuple(values if n == name else exact.get(n) for n in ("alpha", "beta", "kappa"))
-    beam: Itself
-    if column.general:
-        if name not in asked.own or any(exact.get(n) for n in ("alpha", "beta")) or "kappa" in exact:
-            raise NoSeries(f"{column.name} goes beyond the uniform beam: its own parameters alone, and without damping")
-        beam = OverSystem(column.kernel, {**asked.own, name: values})
-    elif name in asked.own:
-        beam = Over(column.kernel, {**asked.own, name: values})
-    else:
-        beam = Beam(column.kernel, asked.own)
-        linear_damping(beam, "beta" if name == "kappa" else name)
+    damping: Any = tuple(values if n == name else asked.exact.get(n) for n in ("alpha", "beta", "kappa"))
+    beam = _over(asked, name, values)
     middle = float((low + high) / 2)
     question = replace(asked.question, kappa=middle) if name == "kappa" else asked.question.at(**{name: middle})
     loss = answer(question)
@@ -197,6 +190,32 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     if near is None or loss_of_beam.kind == "none":
         raise Unproven(f"no series loses stability up to the load {question.load_max:.10g}")
     return piece(beam, values, damping, near, loss_of_beam.kind, width)
+
+
+def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
+    """The beam over a range of one of its own parameters, or the beam that a damping ranges of. Raises NoSeries."""
+    from freebeam_derive.certify.beam import Beam, NoSeries
+    from freebeam_derive.certify.beam_ranges import OverSystem, linear_damping, over
+    from freebeam_derive.certify.uniform import uniform
+
+    own = {**asked.own, name: values}
+    kernel: Any = asked.column.kernel
+    if asked.column.general:
+        kernel = uniform(kernel)
+        if name in asked.own and not any(asked.exact.get(n) for n in ("alpha", "beta")) and "kappa" not in asked.exact:
+            try:
+                return OverSystem(asked.column.kernel, own)
+            except NoSeries:
+                if kernel is None:
+                    raise
+        elif kernel is None:
+            raise NoSeries(
+                f"{asked.column.name} goes beyond the uniform beam: its own parameters alone, and without damping"
+            )
+    if name in asked.own:
+        return over(kernel, own)
+    linear_damping(beam := Beam(kernel, asked.own), "beta" if name == "kappa" else name)
+    return beam
 
 
 def _at(asked: proofs._Asked, name: str, value: Fraction) -> dict[str, Any]:

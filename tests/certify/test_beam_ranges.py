@@ -11,7 +11,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat
+from flint import acb, arb, arb_mat
 from scipy.linalg import eigh
 
 import freebeam as fb
@@ -20,15 +20,18 @@ from freebeam import exact_ranges
 from freebeam.cli import main
 from freebeam_derive.certify import frequency_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
-from freebeam_derive.certify.beam import Beam, NoSeries
+from freebeam_derive.certify.beam import Beam, Jets, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_ranges import Over, OverSystem, _Family, crossing, piece
+from freebeam_derive.certify.beam_ranges import over as beam_over
 from freebeam_derive.certify.beam_stability import damping_factors
 from freebeam_derive.certify.column_forms import ColumnForms, over_both
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.parameter_series import DEGREE, OverEquation, Series
 from freebeam_derive.certify.strips import NoStrips, Strips
+from freebeam_derive.certify.uniform import uniform
 from freebeam_sym.checks import InputError
 
 F = Fraction
@@ -39,6 +42,7 @@ CASES: dict[str, tuple[str, str, str, str, dict[str, Any]]] = {
     "external damping": ("beck", "beta", "0.5", "0.52", {"alpha": "0.01"}),
     "internal damping": ("beck", "alpha", "0.01", "0.0101", {"beta": "0.5"}),
     "flutter, a rotary inertia": ("pflueger", "J", "0.1", "0.102", {}),
+    "flutter, a dead load": ("beck-dead-load", "w", "1", "1.1", {}),
     "vanishing damping": ("beck", "kappa", "0", "0.5", {"kappa": 0}),
 }
 
@@ -49,6 +53,8 @@ def test_each_value_of_the_range_has_its_load_in_its_piece(name: str) -> None:
     found = fb.exact_range(fb.column(column), parameter, low, high, digits=1, **given)
     ends = [F(low), *(F(p.high) for p in found.pieces)]
     assert [F(p.low) for p in found.pieces] == ends[:-1] and ends[-1] == F(high) and found.open == ()
+    if column == "beck-dead-load":
+        assert found.certificate is None
     random = np.random.default_rng(3)
     for p in found.pieces:
         assert p.kind == name.split(",")[0] or p.kind == "flutter"
@@ -61,6 +67,19 @@ def test_each_value_of_the_range_has_its_load_in_its_piece(name: str) -> None:
         assert F(p.load[1]) < F(p.load[0]) * F(11, 10)
     assert F(found.load[0]) <= min(F(p.load[0]) for p in found.pieces)
     assert F(found.load[1]) >= max(F(p.load[1]) for p in found.pieces)
+
+
+def test_a_foundation_shifts_the_square_of_each_frequency_and_leaves_the_load() -> None:
+    """Over a range of it, which stands in the equation of motion; without damping."""
+    beck_load = fb.proofs.enclosed_load(fb.column("beck"), digits=9)
+    assert beck_load.load is not None and beck_load.frequency is not None
+    found = fb.exact_range(fb.column("foundation"), "k", "100", "101", digits=3)
+    (only,) = found.pieces
+    assert F(only.load[0]) < F(beck_load.load[0]) and F(beck_load.load[1]) < F(only.load[1])
+    low, high = (F(v) ** 2 for v in only.frequency)
+    square = F(beck_load.frequency[0]) ** 2
+    assert low < square + 100 and square + 101 < high
+    assert found.certificate is None  # which a file of two ends, linear between, cannot hold
 
 
 # ------------------------------------------------------------ broken ranges
@@ -146,23 +165,102 @@ def test_the_function_of_each_value_is_in_that_of_the_range() -> None:
         assert all(reach < Strips(beck, {"eta": eta}, 40).reach(2) for eta in (F(2, 5), F(1, 2), F(3, 5)))
 
 
-@pytest.mark.parametrize("which", ["eta", "alpha", "beta"])
+FOUNDATION = fb.column("foundation").kernel
+SPREAD = Range(F(95), F(105))
+
+
+def of_foundation(share: Any) -> Beam:
+    """share: −1 to 1 of the way from the middle to an end."""
+    return Beam(FOUNDATION, {"k": 100 + 5 * F(share)})
+
+
+@pytest.mark.parametrize("place", [(arb(15), arb(150)), (acb(15, -1), acb(150, 3))])
+def test_the_function_of_each_foundation_is_in_the_polynomial_of_the_range(place: Any) -> None:
+    orders = ((0, 0), (1, 0), (0, 1), (0, 2))
+    with precision(128):
+        over_it = OverEquation(FOUNDATION, {"k": SPREAD})
+        around = [side + (arb(0, 1) if isinstance(side, arb) else acb(arb(0, 1), arb(0, 1))) for side in place]
+        found = over_it.taylor(*place, orders), Local(over_it, *around).taylor(*place, orders)
+        jets = Jets(orders, isinstance(place[0], acb))
+        terms = [row.entries() for row in over_it.coefficients(*place, jets)]
+        middle = [row.entries() for row in _coefficients(over_it._at, *place, jets)]
+        for share in (-1, F(1, 3), 1):
+            thin = of_foundation(share).taylor(*place, orders)
+            assert all(whole[order].contains(thin[order]) for whole in found for order in orders)
+            assert _at(terms, share)[0].contains(thin[0, 0])
+            # what is left out after t² is there, and counted
+            assert not _at(middle, share)[0].contains(thin[0, 0])
+
+
+def _coefficients(beam: Any, p: Any, s: Any, jets: Jets) -> list[Any]:
+    series = Series(jets, DEGREE)
+    return series.coefficients(beam.expanded(p, s, series))
+
+
+def _at(terms: list[list[Any]], t: Any) -> list[Any]:
+    t = arb(F(t).numerator) / F(t).denominator
+    return [sum((c * t**k for k, c in enumerate(column)), arb(0)) for column in zip(*terms, strict=True)]
+
+
+def test_a_foundation_may_be_nothing_in_a_range() -> None:
+    """The bounds of the strips are those of its largest value, not of a ball about nothing."""
+    with precision(128):
+        reach = Strips(FOUNDATION, {"k": Range(F(0), F(1))}, 40).reach(2)
+        most = Strips(FOUNDATION, {"k": F(1)}, 40).reach(2)
+        assert most * arb("0.999") < reach < most * arb("1.000001")
+
+
+def test_conditions_that_hold_the_parameter_too() -> None:
+    """A dead load stands in the equation and at x = 1, a rotational spring at x = 0."""
+    orders, place = ((0, 0), (0, 1)), (arb(9), arb(70))
+    for name, own in (("beck-dead-load", "w"), ("elastic-root", "c")):
+        kernel = uniform(fb.column(name).kernel)
+        with precision(128):
+            over_it = OverEquation(kernel, {own: Range(F(1), F(2))})
+            whole = over_it.taylor(*place, orders)
+            terms = [row.entries() for row in over_it.coefficients(*place, Jets(orders, False))]
+            for share in (-1, F(1, 3), 1):
+                thin = Beam(kernel, {own: F(3, 2) + F(share) / 2}).taylor(*place, orders)
+                assert all(whole[order].contains(thin[order]) for order in orders)
+                assert _at(terms, share)[0].overlaps(thin[0, 0])
+
+
+def test_a_parameter_of_stiffness_mass_or_a_square_is_refused() -> None:
+    def changed(**more: Any) -> Any:
+        def equation(*given: Any, k: Any, **rest: Any) -> Any:
+            return {**FOUNDATION.equation(*given, **rest), **{key: (f(k),) for key, f in table.items()}}
+
+        table = {tuple(map(int, key[1:].split("_"))): f for key, f in more.items()}
+        return SimpleNamespace(COLUMN=FOUNDATION.COLUMN, equation=equation, end_conditions=FOUNDATION.end_conditions)
+
+    for bad in ({"d4_0": lambda k: k}, {"d0_2": lambda k: k}, {"d0_0": lambda k: k * k}, {"d4_1": lambda k: k}):
+        with pytest.raises(NoSeries, match="linear in it, and bending stiffness"):
+            OverEquation(changed(**bad), {"k": Range(F(1), F(2))})
+    for name in ("pflueger", "cone", "tip-damper", "exponential-taper", "step"):
+        assert uniform(fb.column(name).kernel) is None
+    with precision(64), pytest.raises(NoSeries, match="damping is not of the form"):
+        Beam(uniform(fb.column("beck-dead-load").kernel)).damping(F(1, 100), F(0))
+
+
+@pytest.mark.parametrize("which", ["eta", "k", "alpha", "beta"])
 def test_the_equations_of_each_value_are_in_those_of_the_range(which: str) -> None:
     """At a point that is no crossing, times a matrix."""
-    middle = {"eta": F(3, 5), "alpha": F(1, 100), "beta": F(1, 2)}
+    own = "k" if which == "k" else "eta"
+    kernel = FOUNDATION if which == "k" else beck
+    middle = {"eta": F(3, 5), "alpha": F(1, 1000), "beta": F(1, 2), "k": F(100)}
     spread = middle[which] / 40
     held: dict[str, Any] = {**middle, which: Range(middle[which] - spread, middle[which] + spread)}
     x = [arb(15), arb(7)]
     with precision(128):
         Y = arb_mat([[2, -1], [arb("0.5"), 3]])
-        beam = Over(beck, {"eta": held["eta"]}) if which == "eta" else Beam(beck, {"eta": held["eta"]})
+        beam = beam_over(kernel, {own: held[own]}) if which == own else Beam(kernel, {own: held[own]})
         whole = _Family(beam, (held["alpha"], held["beta"], None), "flutter").moved(Y, x)
         for share in (-1, F(1, 3), 1):
             at = {**middle, which: middle[which] + share * spread}
-            thin = _Family(Beam(beck, {"eta": at["eta"]}), (at["alpha"], at["beta"], None), "flutter").moved(Y, x)
+            thin = _Family(Beam(kernel, {own: at[own]}), (at["alpha"], at["beta"], None), "flutter").moved(Y, x)
             assert all(a.contains(b.mid()) for a, b in zip(whole.entries(), thin.entries(), strict=True))
         far = {**middle, which: middle[which] + 3 * spread}
-        thin = _Family(Beam(beck, {"eta": far["eta"]}), (far["alpha"], far["beta"], None), "flutter").moved(Y, x)
+        thin = _Family(Beam(kernel, {own: far[own]}), (far["alpha"], far["beta"], None), "flutter").moved(Y, x)
         assert not all(a.contains(b) for a, b in zip(whole.entries(), thin.entries(), strict=True))
 
 

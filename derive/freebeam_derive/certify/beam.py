@@ -42,7 +42,11 @@ Order = tuple[int, int]
 Taylor = dict[Order, Any]
 _Sources = list[tuple[int, arb_mat | None]]  # (block, how it is gathered from)
 _Part = tuple[tuple[int, tuple[Any, ...]], ...]  # (d, factors of n!/(n−k)! for k = 0, 1, …)
-_Terms = tuple[_Part, _Part, _Part]  # of e, h, m
+_Terms = tuple[_Part, ...]  # of e, h, m and the slopes of e and h
+
+
+Linear = tuple[Any, ...]  # constant, factor of u, factor of v, and of their products with a parameter the first two
+_ZERO = arb(0)
 
 
 class NoSeries(ValueError):
@@ -50,14 +54,27 @@ class NoSeries(ValueError):
 
 
 class Coefficient(NamedTuple):
-    """One coefficient of e + p h − s m."""
+    """One coefficient of e + p h − s m; e_t, h_t: the slopes of e and h in a parameter, of `parameter_series`."""
 
     e: arb
     h: arb
     m: arb
+    e_t: arb = _ZERO
+    h_t: arb = _ZERO
 
     def __bool__(self) -> bool:
         return not all(part.is_zero() for part in self)
+
+    def at(self, p: Any, s: Any) -> Linear:
+        """Value and slopes in p and s of e + p h − s m; where a parameter counts, the slopes of the first two in it."""
+        value: Any = self.e
+        if not self.h.is_zero():
+            value = value + p * self.h
+        if not self.m.is_zero():
+            value = value - s * self.m
+        if self.e_t.is_zero() and self.h_t.is_zero():
+            return value, self.h, -self.m
+        return value, self.h, -self.m, self.e_t + p * self.h_t, self.h_t
 
 
 class _Parts(NamedTuple):
@@ -198,7 +215,7 @@ class Beam:
             for k in range(2):
                 total = None
                 for derivative, c in condition.items():
-                    value = jets.times(values[derivative][k], _shifted(c, p, s))
+                    value = jets.times(values[derivative][k], c.at(p, s))
                     total = value if total is None else total + value
                 on.append(jets.zero() if total is None else total)
         return jets.product(on[0], on[3]) - jets.product(on[1], on[2])
@@ -218,50 +235,55 @@ class Beam:
         Two of the four derivatives are free, the other two follow by Cramer's rule, with a determinant that depends
         neither on p nor on s: so no zero of F is lost or gained.
         """
+        left, pivots = self._parts().left, self.pivots()
+        (a, b), (c, d) = [[row.get(q, _NONE) for q in pivots] for row in left]
+        determinant = a.e * d.e - b.e * c.e
+        rows = [[jets.zero(), jets.zero()] for _ in range(4)]
+        for k, q in enumerate(q for q in range(4) if q not in pivots):
+            rows[q][k] = jets.row((arb(1), arb(0), arb(0)))
+            if any(q in row for row in left):
+                first, second = (jets.row(row.get(q, _NONE).at(p, s)) for row in left)
+                above, beside, below, other = (entry.at(p, s) for entry in (a, b, c, d))
+                rows[pivots[0]][k] = (jets.times(second, beside) - jets.times(first, other)) / determinant
+                rows[pivots[1]][k] = (jets.times(first, below) - jets.times(second, above)) / determinant
+        return jets.matrix(4, 2 * len(jets.orders), [e for both in rows for row in both for e in row.entries()])
+
+    def pivots(self) -> tuple[int, int]:
+        """Which two derivatives at x = 0 follow from the conditions there. Raises NoSeries."""
         left = self._parts().left
         for pivots in combinations((3, 2, 1, 0), 2):
-            entries = [[row.get(q, _NONE) for q in pivots] for row in left]
-            (a, b), (c, d) = entries
-            determinant = a.e * d.e - b.e * c.e
-            # every other coefficient of a d − b c in p and s
+            (a, b), (c, d) = [[row.get(q, _NONE) for q in pivots] for row in left]
+            # every coefficient of a d − b c in p and s but the constant one
+            n = len(a)
             others = [
-                a[i] * d[j] + a[j] * d[i] - b[i] * c[j] - b[j] * c[i] for i in range(3) for j in range(max(i, 1), 3)
+                a[i] * d[j] + a[j] * d[i] - b[i] * c[j] - b[j] * c[i] for i in range(n) for j in range(max(i, 1), n)
             ]
-            if determinant.contains(0) or not all(other.is_zero() for other in others):
-                continue
-            rows = [[jets.zero(), jets.zero()] for _ in range(4)]
-            for k, q in enumerate(q for q in range(4) if q not in pivots):
-                rows[q][k] = jets.row((arb(1), arb(0), arb(0)))
-                if any(q in row for row in left):
-                    first, second = (jets.row(_shifted(row.get(q, _NONE), p, s)) for row in left)
-                    above, beside, below, other = (_shifted(entry, p, s) for entry in (a, b, c, d))
-                    rows[pivots[0]][k] = (jets.times(second, beside) - jets.times(first, other)) / determinant
-                    rows[pivots[1]][k] = (jets.times(first, below) - jets.times(second, above)) / determinant
-            return jets.matrix(4, 2 * len(jets.orders), [e for both in rows for row in both for e in row.entries()])
+            if not (a.e * d.e - b.e * c.e).contains(0) and all(other.is_zero() for other in others):
+                return pivots
         raise NoSeries(f"{self.name}: the conditions at x = 0 do not determine two derivatives there")
+
+    def _operators(self, p: Any, s: Any, jets: Jets) -> tuple[Any, ...]:
+        """What the parts of the recurrence are multiplied by; None: by −1."""
+        return None, jets.operator((-p, arb(-1), arb(0)), 2), jets.operator((s, arb(0), arb(1)), 2)
 
     def _ends(self, p: Any, s: Any, jets: Jets, needed: tuple[int, ...]) -> dict[int, list[Any]]:
         """Some derivatives at x = 1 of both solutions, as balls: derivative -> one (1, orders) for each solution."""
         parts = self._parts()
         norms = {}
         for key, c in parts.equation.items():
-            norms[key] = sum((_upper(part) for part in jets.scaled(_shifted(c, p, s))), arb(0)).upper()
+            norms[key] = sum((_upper(part) for part in jets.scaled(c.at(p, s))), arb(0)).upper()
         bits = flint.ctx.prec
         sizes = _sizes(norms, bits)
         batch = parts.batches
         count = -(-(len(sizes) - 4) // batch.size)
-        operators = (
-            None,
-            jets.operator((-p, arb(-1), arb(0)), 2),
-            jets.operator((s, arb(0), arb(1)), 2),
-        )
+        operators = self._operators(p, s, jets)
         blocks = [self._start(p, s, jets)]
         try:
             for t, sources in enumerate(batch.first(count)):
                 if t % 8 == 0:  # small terms need fewer bits
                     flint.ctx.prec = max(32, bits + 16 + min(0, sizes[4 + t * batch.size]))
                 total = None
-                for part, operator in zip(sources, operators, strict=True):
+                for part, operator in zip(sources, operators, strict=False):
                     value = None
                     for u, gather in part:
                         product = blocks[u] if gather is None else gather * blocks[u]
@@ -299,14 +321,13 @@ class _Batches:
     def __init__(self, terms: _Terms) -> None:
         self.size = min((d for part in terms for d, _ in part), default=4)
         self._terms = terms
-        self._found: list[tuple[_Sources, _Sources, _Sources]] = []
+        self._found: list[tuple[_Sources, ...]] = []
 
-    def first(self, count: int) -> list[tuple[_Sources, _Sources, _Sources]]:
-        """For each of the first blocks after block 0, for e, h and m: which blocks it is gathered from, and how."""
+    def first(self, count: int) -> list[tuple[_Sources, ...]]:
+        """For each of the first blocks after block 0, for each part: which blocks it is gathered from, and how."""
         while len(self._found) < count:
             begin = 4 + len(self._found) * self.size
-            e, h, m = (self._sources(terms, begin) for terms in self._terms)
-            self._found.append((e, h, m))
+            self._found.append(tuple(self._sources(terms, begin) for terms in self._terms))
         return self._found[:count]
 
     def _sources(self, terms: _Part, begin: int) -> _Sources:
@@ -338,7 +359,7 @@ _shared = lru_cache(maxsize=16)(_Batches)
 def _batches(equation: Mapping[tuple[int, int], Coefficient]) -> _Batches:
     """Where all factors are whole numbers, what was built before for them serves again."""
     parts = []
-    for part in range(3):
+    for part in range(len(_NONE)):
         terms: dict[int, list[Any]] = {}
         for (q, k), c in equation.items():
             if not c[part].is_zero():
@@ -346,9 +367,10 @@ def _batches(equation: Mapping[tuple[int, int], Coefficient]) -> _Batches:
                 row += [0] * (k + 1 - len(row))
                 row[k] = int(str(c[part].unique_fmpz())) if c[part].is_integer() else c[part]
         parts.append(tuple((d, tuple(row)) for d, row in terms.items()))
-    e, h, m = parts
+    while len(parts) > 3 and not parts[-1]:
+        parts.pop()  # slopes that there are none of, most often
     whole = all(isinstance(factor, int) for part in parts for _, row in part for factor in row)
-    return (_shared if whole else _Batches)((e, h, m))
+    return (_shared if whole else _Batches)(tuple(parts))
 
 
 class Jets:
@@ -362,7 +384,7 @@ class Jets:
     def zero(self) -> Any:
         return self.matrix(1, len(self.orders))
 
-    def scaled(self, linear: tuple[Any, Any, Any]) -> tuple[Any, Any, Any]:
+    def scaled(self, linear: Linear) -> Linear:
         """Constant, factor of u, factor of v, in the units that u and v are counted in."""
         return linear
 
@@ -374,12 +396,12 @@ class Jets:
         """The ball of so great an error."""
         return arb(0, error) if self.matrix is arb_mat else acb(arb(0, error), arb(0, error))
 
-    def row(self, linear: tuple[Any, Any, Any]) -> Any:
+    def row(self, linear: Linear) -> Any:
         """The polynomial constant + u · first + v · second."""
         known = dict(zip(((0, 0), (1, 0), (0, 1)), linear, strict=True))
         return self.matrix(1, len(self.orders), [known.get(order, 0) for order in self.orders])
 
-    def times(self, row: Any, linear: tuple[Any, Any, Any]) -> Any:
+    def times(self, row: Any, linear: Linear) -> Any:
         """A row times constant + u · first + v · second."""
         value, first, second = linear
         if first.is_zero() and second.is_zero():
@@ -414,17 +436,7 @@ def _entry(table: Any, p: int, r: int, k: int) -> arb:
     return row[k] if k < len(row) else arb(0)
 
 
-def _shifted(c: Coefficient, p: Any, s: Any) -> tuple[Any, Any, Any]:
-    """Value and slopes in p and s of e + p h − s m."""
-    value: Any = c.e
-    if not c.h.is_zero():
-        value = value + p * c.h
-    if not c.m.is_zero():
-        value = value - s * c.m
-    return value, c.h, -c.m
-
-
-_NONE = Coefficient(arb(0), arb(0), arb(0))
+_NONE = Coefficient(_ZERO, _ZERO, _ZERO)
 
 
 def _upper(ball: Any) -> arb:

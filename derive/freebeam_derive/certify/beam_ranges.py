@@ -1,11 +1,11 @@
 """The critical load of the beam itself over a range of a parameter, proven for each value. Eqs. (6), (14), (15).
 
 A damping enters F(p, s) by p and s alone. A parameter of the column's own is served where it stands in one condition,
-linearly; of the textbook's columns one at x = 1. Then F, a determinant of the conditions, is linear in it as well, and
-lies between its values at the ends of the range (`Over`, `OverSystem`). Krawczyk's test on a box of P and s (or ω),
-with F at the middle of the range and its slope over all of it, holds for all values at once: each has one crossing in
-the box. That it is the first, and that the column is stable below, is shown by `beam_stability`, whose balls hold all
-values too.
+linearly; of uniform columns also elsewhere, by a series in it (`parameter_series`). In one condition, at x = 1, F, a
+determinant of the conditions, is linear in it as well, and lies between its values at the ends of the range (`Over`,
+`OverSystem`). Krawczyk's test on a box of P and s (or ω), with F at the middle of the range and its slope over all of
+it, holds for all values at once: each has one crossing in the box. That it is the first, and that the column is stable
+below, is shown by `beam_stability`, whose balls hold all values too.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from collections.abc import Mapping, Sequence
 from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
-from inspect import signature
 from typing import Any
 
 from flint import acb, arb, arb_mat
@@ -35,6 +34,7 @@ from freebeam_derive.certify.beam_stability import BITS, Evidence, complete
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import inside, inverse
 from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.parameter_series import OverEquation, power, rows_of, straight
 
 GROWTHS = 12  # of a box, before the range is said to be too wide
 
@@ -78,6 +78,9 @@ class Over(Beam):
     def damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
         return self.low.damping(alpha, beta)  # which conditions where a load acts have no part in
 
+    def terms(self, middle: Beam) -> list[Any]:
+        return [middle, _Half(self.low, self.high, middle)]
+
 
 class OverSystem(ExactSystem):
     """The same of a column beyond the textbook's, without damping: one of its own parameters is a `Range`.
@@ -112,7 +115,7 @@ class OverSystem(ExactSystem):
             raise NoSeries(f"{self.name}: where {name} stands is not known; give it one value") from None
         holding = [k for k, row in enumerate(rows) if any(place in v.free_symbols for v in row)]
         inside = len(rows) - 1 > (holding or [0])[0] >= len(equations)
-        if not _straight(rows, place) or len(holding) != 1 or not inside:
+        if not straight(rows, place) or len(holding) != 1 or not inside:
             raise NoSeries(
                 f"{self.name}: a range of {name} is served where it stands in one condition alone, linearly; "
                 "give it one value"
@@ -122,12 +125,36 @@ class OverSystem(ExactSystem):
         low, high = (system.taylor(P, s, orders) for system in (self.low, self.high))
         return {order: value.union(high[order]) for order, value in low.items()}
 
+    def terms(self, middle: ExactSystem) -> list[Any]:
+        return [middle, _Half(self.low, self.high, middle)]
+
+
+class _Half:
+    """Half the way of F from one end of the range to the other, in place of F."""
+
+    def __init__(self, low: Itself, high: Itself, middle: Itself) -> None:
+        self._ends, self.pencil = (low, high), middle.pencil
+        if isinstance(middle, Beam):
+            self.damping = middle.damping
+
+    def taylor(self, p: Any, s: Any, orders: Sequence[Any]) -> Any:
+        low, high = (end.taylor(p, s, orders) for end in self._ends)
+        return {order: (high[order] - value) / 2 for order, value in low.items()}
+
+
+def over(kernel: Any, own: Mapping[str, Any]) -> Over | OverEquation:
+    """A uniform column over a range of one of its own parameters. Raises NoSeries where none is served."""
+    try:
+        return Over(kernel, own)
+    except NoSeries:
+        return OverEquation(kernel, own)
+
 
 def _linear(beam: Beam, name: str) -> None:
     """That a parameter stands in one condition at x = 1 alone, and is linear there. Raises NoSeries."""
-    rows, place = _rows(beam, name)
+    rows, place = rows_of(beam, name)
     holding = {k for k, row in enumerate(rows) if any(place in v.free_symbols for v in row)}
-    if not _straight(rows, place) or len(holding) > 1 or not holding <= {3, 4}:  # 0: the equation, 1, 2: at x = 0
+    if not straight(rows, place) or len(holding) > 1 or not holding <= {3, 4}:  # 0: the equation, 1, 2: at x = 0
         raise NoSeries(
             f"{beam.name}: a range of {name} is served where it stands in one condition at x = 1 alone, linearly"
         )
@@ -135,29 +162,8 @@ def _linear(beam: Beam, name: str) -> None:
 
 def linear_damping(beam: Beam, name: str) -> None:
     """That the equation is linear in alpha or beta. Raises NoSeries."""
-    if not _straight(*_rows(beam, name)):
+    if not straight(*rows_of(beam, name)):
         raise NoSeries(f"{beam.name}: its damping is not linear in {name}, and its range is not served")
-
-
-def _straight(rows: list[list[Any]], place: Any) -> bool:
-    import sympy as sp
-
-    return all(sp.expand(sp.diff(v, place, 2)) == 0 for row in rows for v in row)
-
-
-def _rows(beam: Beam, name: str) -> tuple[list[list[Any]], Any]:
-    """The factors in the equation, in the conditions at x = 0 and at x = 1, and the symbol of a parameter in them."""
-    import sympy as sp
-
-    given: dict[str, Any] = dict(zip(("P", "alpha", "beta"), sp.symbols("P alpha beta"), strict=True))
-    given |= {n: sp.Rational(v.numerator, v.denominator) for n, v in beam.own.items()}
-    if name in beam.own:
-        given[name] = sp.Symbol(name)
-    if "one" in signature(beam.kernel.equation).parameters:
-        given["one"] = sp.Integer(1)
-    equation, (left, right) = beam.kernel.equation(**given), beam.kernel.end_conditions(**given)
-    rows = [[sp.sympify(v) for row in equation.values() for v in row]]
-    return rows + [[sp.sympify(v) for v in row.values()] for row in (*left, *right)], given[name]
 
 
 def crossing(
@@ -199,14 +205,15 @@ class _Family:
     """
 
     def __init__(self, beam: Itself, damping: tuple[Exact, Exact, Exact | None], kind: Kind) -> None:
-        self.ends: list[Onset] = []
         at_middle: Itself = beam
+        terms: list[Any] = [beam]
         thin: Any = tuple(_middle(value) for value in damping)
-        if isinstance(beam, Over | OverSystem):
-            of: type[Itself] = Beam if isinstance(beam, Over) else ExactSystem
+        if isinstance(beam, Over | OverEquation | OverSystem):
+            of: type[Itself] = ExactSystem if isinstance(beam, OverSystem) else Beam
             at_middle = of(beam.kernel, {name: _middle(value) for name, value in beam.own.items()})
-            self.ends = [_problem(end, damping, kind) for end in (beam.low, beam.high)]
-        self.over, self.middle = _problem(at_middle, damping, kind), _problem(at_middle, thin, kind)
+            terms = beam.terms(at_middle)  # type: ignore[arg-type]
+        self.over, self.middle = _problem(beam, damping, kind), _problem(at_middle, thin, kind)
+        self.terms = [_with(self.middle, term) for term in terms]
 
     def newton(self, x: list[arb]) -> list[arb]:
         """The crossing at the middle of the range."""
@@ -222,10 +229,9 @@ class _Family:
 
     def moved(self, Y: arb_mat, x: list[arb]) -> arb_mat:
         """Y times the equations at a point, for each value of the range."""
-        total = Y * _column(self.middle.value(x))
-        if self.ends:
-            low, high = (_column(end.value(x)) for end in self.ends)
-            total = total + (Y * (high - low)) * arb(0, 0.5)
+        total = arb_mat(len(x), 1)
+        for k, term in enumerate(self.terms):
+            total = total + (Y * _column(term.value(x))) * power(k)
         for slope, away in self._by_damping(x):
             total = total + (Y * _column(slope)) * away
         return total
@@ -250,9 +256,13 @@ class _Family:
 
 def _on(problem: Onset, box: list[arb]) -> Onset:
     """The same, with a series that stands for F on a box."""
-    local = copy(problem)
-    local.beam = Local(problem.beam, *problem.place(box))  # type: ignore[assignment]
-    return local
+    return _with(problem, Local(problem.beam, *problem.place(box)))
+
+
+def _with(problem: Onset, beam: Any) -> Onset:
+    other = copy(problem)
+    other.beam = beam
+    return other
 
 
 def _middle(value: Any) -> Any:

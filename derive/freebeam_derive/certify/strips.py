@@ -61,17 +61,17 @@ def _moved(along: Along, points: Points, summed: int) -> _Side:
     for (k, *orders), f in along.items():
         stays, goes = orders[1 - summed], orders[summed]
         if goes == 0:
-            add(inner, stays, abs(arb(f)))
+            add(inner, stays, _upper(abs(arb(f))))
         else:  # ∫ w φ' = [w φ] − ∫ w' φ with w = x^k φ^(stays)
-            add(inner, stays + 1, abs(arb(f)))
+            add(inner, stays + 1, _upper(abs(arb(f))))
             if k:
-                add(inner, stays, k * abs(arb(f)))
+                add(inner, stays, k * _upper(abs(arb(f))))
             add(ends, (1, stays, 1, 0), arb(f))
             if k == 0:
                 add(ends, (0, stays, 0, 0), -arb(f))
     for (a, p, b, q), f in points.items():
         add(ends, (a, p, b, q) if summed else (b, q, a, p), arb(f))
-    kept = tuple((*key, abs(f)) for key, f in ends.items() if not f.is_zero())
+    kept = tuple((*key, _upper(abs(f))) for key, f in ends.items() if not f.is_zero())
     return _Side(tuple(inner.items()), kept)
 
 
@@ -217,7 +217,7 @@ class Strips:
             mass, elastic, load = ([_kept(part) for part in stated[letter]] for letter in ("M", "E", "H"))
         except (AttributeError, TypeError, ValueError) as error:
             raise NoStrips(f"{name}: a factor of its forms is no fraction: {error}") from None
-        if mass != [{(0, 0, 0): 1}, {}] or elastic[0].pop((0, 2, 2), 0) != 1:
+        if mass != [{(0, 0, 0): 1}, {}] or not elastic[0].pop((0, 2, 2), 0) == 1:
             raise NoStrips(f"{name}: its mass or its bending stiffness is not that of the uniform comparison beam")
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))
         self.rigid = int(kernel.COLUMN["rigid"])
