@@ -22,6 +22,7 @@ from freebeam_sym.stability.critical import CriticalLoad
 
 if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing
+    from freebeam_derive.certify.beam_crossings import Survey
     from freebeam_derive.certify.beam_stability import Evidence
     from freebeam_derive.certify.verifier_claims import Statement
     from freebeam_sym.columns import Column
@@ -560,7 +561,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
     from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
-    from freebeam_derive.certify.certificate import write_of_beam
+    from freebeam_derive.certify.certificate import write_list, write_of_beam
     from freebeam_derive.certify.decimals import outward
 
     exact, name = asked.exact, asked.column.name
@@ -576,12 +577,16 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
         evidence: Evidence | None = None
         missing, certificate = "", None
-        touches: list[Crossing] = []
+        survey: Survey | None = None
         if whole:
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
-            crossing, evidence, missing, touches = beam_crossings.complete(beam, crossing, *dampings)
-        if evidence is not None and not touches and not asked.squares and not asked.column.general:
-            certificate = write_of_beam(asked.column.kernel, asked.certified, crossing, evidence)
+            crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, *dampings)
+        stated = asked.column.kernel, asked.certified
+        if evidence is not None and not asked.squares and not asked.column.general:
+            if survey is None:
+                certificate = write_of_beam(*stated, crossing, evidence)
+            else:
+                certificate = write_list(*stated, survey, survey.crossings)
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
@@ -600,7 +605,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         certificate,
         missing=missing,
         evidence=None if evidence is None else evidence.numbers,
-        touches=tuple(_told(asked, c, digits) for c in touches),
+        touches=() if survey is None else tuple(_told(asked, c, digits) for c in survey.crossings[:-1]),
     )
 
 

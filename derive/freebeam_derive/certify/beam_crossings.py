@@ -56,7 +56,8 @@ class _Passing:
 class Survey:
     """The search for one column. alpha, beta, or kappa for the limit α → 0⁺ at β = κα. digits: of each crossing.
 
-    After `run`: found, what crosses, and evidence, on which that it is all of it stands (one stretch, at P = 0).
+    After `run`: found, what crosses; crossings, what is said of that; evidence, on which it stands that it is all (one
+    stretch, at P = 0).
     """
 
     beam: Beam
@@ -67,6 +68,7 @@ class Survey:
     digits: int
     say: Callable[[str], None] = lambda _: None
     found: list[_Passing] = field(default_factory=list)
+    crossings: list[Crossing] = field(default_factory=list)
     evidence: Evidence | None = None
 
     def run(self) -> list[Crossing]:
@@ -86,7 +88,8 @@ class Survey:
             cells = Cells(self.beam, strips.rigid, load, [], lambda place: self._seek(problem, place))
             count = cells.no_other_zero(problem, top, self.say)
             self.evidence = Evidence(m, rational(reach, 60), strips.modes.count, (at_rest,), count, float(top) ** 0.5)
-        return self._counted(damped)
+        self.crossings = self._counted(damped)
+        return self.crossings
 
     def _problem(self, undamped: bool) -> Onset:
         if undamped:
@@ -208,21 +211,22 @@ class Survey:
 
 def complete(
     beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
-) -> tuple[ExactCrossing, Evidence | None, str, list[Crossing]]:
-    """As `beam_stability.complete`, and where it fails and below there are touches and nothing else, these."""
+) -> tuple[ExactCrossing, Evidence | None, str, Survey | None]:
+    """As `beam_stability.complete`, and where it fails and below there are touches and nothing else, with the survey of
+    these and the crossing."""
     found, evidence, missing = beam_stability.complete(beam, crossing, alpha, beta, kappa)
     with precision(BITS):
         top = ends(crossing.load.upper() * (1 + arb(2) ** -20))[1]
         if evidence is not None or not isinstance(beam, Beam) or not touches(beam, exact(top)):
-            return found, evidence, missing, []
+            return found, evidence, missing, None
     survey = Survey(beam, alpha, beta, kappa, top, crossing.digits)
     try:
         *below, last = survey.run()
     except Unproven as error:
-        return found, None, str(error), []
+        return found, None, str(error), None
     if any(c.change for c in below) or (last.kind, last.change > 0) != (crossing.kind, True):
-        return found, None, "touches: between them and the crossing there is another", []
-    return replace(crossing, proof=Proof(first=True, stable_below=True)), survey.evidence, "", below
+        return found, None, "touches: between them and the crossing there is another", None
+    return replace(crossing, proof=Proof(first=True, stable_below=True)), survey.evidence, "", survey
 
 
 def _change(problem: Onset, x: list[arb], t: Any) -> int:
