@@ -26,9 +26,9 @@ from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDa
 from freebeam_derive.certify.strips import Strips
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Form, Refused, form
+from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form
 from freebeam_derive.certify.verifier_equations import Equations
-from freebeam_derive.certify.verifier_lines import Norms, check_rigid
+from freebeam_derive.certify.verifier_lines import Lines, Norms, check_rigid
 from freebeam_derive.certify.verifier_of_beam import Bounds
 from freebeam_derive.certify.verifier_shooting import Part, Shooting
 from tests.front.test_proofs import run
@@ -377,3 +377,12 @@ def test_both_have_the_same_equations_of_a_crossing(kind: str) -> None:
         ours, J = check.system(lambda p, s, i, j: beam.taylor(p, s, orders)[i, j], *x)
         for one, two in [*zip(ours, theirs, strict=True), *((J[i][j], matrix[i, j]) for i in (0, 1) for j in (0, 1))]:
             assert one.overlaps(two) and one.rad() < 1e-20 * abs(one)
+
+
+@pytest.mark.parametrize("ends", [(a, b) for a in ORDERS for b in ORDERS], ids="-".join)
+def test_lengths_of_the_modes_derivatives_are_bounded(ends: tuple[str, str]) -> None:
+    with precision(128):
+        lines = Lines(list(ends), 9)
+        squares = lines.integrals(0, 1, 1)
+        for i, (bound, g) in enumerate(zip(lines.norms, lines.gamma, strict=True)):
+            assert squares[i, i].sqrt() < bound + arb("1e-30") and bound < lines.longest * g + arb("1e-30")

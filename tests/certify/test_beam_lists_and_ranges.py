@@ -20,6 +20,7 @@ from types import SimpleNamespace
 from typing import Any
 from unittest.mock import patch
 
+import numpy as np
 import pytest
 from flint import arb
 
@@ -392,6 +393,24 @@ def test_a_crossing_is_of_one_direction_alone() -> None:
         verifier_of_beam._passing(equations, passing)
         with pytest.raises(Refused, match="not known to change so"):
             verifier_of_beam._passing(equations, replace(passing, change=-passing.change))
+
+
+def test_the_direction_in_a_limit_is_the_curvature_of_the_branch() -> None:
+    """2 P s″ of the branch s(P) where P s′ = s + κ, by differences of a long series' eigenvalues."""
+    kappa = Fraction(1, 10)
+    (c,) = (c for c in fb.exact_crossings(fb.column("beck"), kappa=kappa, load_max=12))
+    P, s, h = float(c.load[0]), float(c.frequency[0]) ** 2, 0.02
+    branch = [
+        np.sort(fb.spectrum(fb.column("beck", "legendre").system(24, load)).eigenvalues.imag)
+        for load in (P - h, P, P + h)
+    ]
+    near = [min(w**2 for w in found if abs(w**2 - s) < 20) for found in branch]
+    curvature = (near[0] - 2 * near[1] + near[2]) / h**2
+    one, ratio = (Fraction(1),) * 2, (kappa,) * 2
+    equations = Equations(Shooting(*of_kernel(beck)), 0, one, ratio, True)
+    with precision(128):
+        direction = equations._direction([arb(P, 1e-9), arb(s, 1e-9)])
+    assert float(direction) == pytest.approx(P * curvature, rel=1e-3)
 
 
 def test_a_static_zero_that_is_not_said_is_found() -> None:
