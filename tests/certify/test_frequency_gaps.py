@@ -9,18 +9,22 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import arb
-from scipy.linalg import eigh
+from numpy.polynomial import Legendre
+from numpy.polynomial.legendre import leggauss
+from scipy.linalg import eigh, eigvalsh, null_space
 
 import freebeam as fb
 from freebeam import cli
 from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps, stepped_section
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.comparison_form import ORDERS
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.stepped_section import SteppedSection
@@ -140,6 +144,35 @@ def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remain
         *_, g1, g0, _, _ = local(1.0)
         rest += g1 * 0.5**2 + 2 * g0 * 0.5 * 0.5
     assert abs(energy / (c**4 * (uniform + rest)) - 1) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "kinds", [("clamped", "free"), ("sliding", "pinned"), ("clamped", "pinned"), ("pinned", "pinned")]
+)
+def test_displacements_and_slopes_are_bounded_by_the_curvature(kinds: tuple[str, str]) -> None:
+    """By the largest quotients over polynomials that meet the conditions: the slope's bound, at its point, within 2."""
+    lengths, points = ColumnForms.reach.func(SimpleNamespace(lines=[], kinds=kinds))  # type: ignore[attr-defined]
+    basis = [Legendre.basis(n, domain=[0, 1]) for n in range(12)]
+
+    def at(x: Any, order: int) -> np.ndarray:
+        return np.array([f.deriv(order)(x) if order else f(x) for f in basis])
+
+    held = np.array([at(end, order) for end, kind in enumerate(kinds) for order in ORDERS[kind] if order < 2])
+    free = null_space(held)
+    x, weight = leggauss(20)
+    x, weight = (x + 1) / 2, weight / 2
+
+    def square(order: int) -> np.ndarray:
+        f = free.T @ at(x, order)
+        return np.asarray((f * weight) @ f.T)
+
+    for order in (0, 1):
+        assert eigvalsh(square(order), square(2))[-1] <= float(lengths[order]) ** 2
+        of = [free.T @ at(place, order) for place in np.linspace(0, 1, 41)]
+        largest = max(float(f @ np.linalg.solve(square(2), f)) for f in of)
+        assert largest <= float(points[order]) ** 2 * (1 + 1e-12) and (
+            order == 0 or largest > float(points[1]) ** 2 / 4
+        )
 
 
 def test_no_eigenvalue_meets_a_line_for_any_load_up_to_the_reach() -> None:
