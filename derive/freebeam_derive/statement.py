@@ -555,11 +555,21 @@ def _refuse_energy(name: str, part: Expr) -> None:
         if term != 0 and not jets(term):
             raise StatementError(f"{name}: the term {show(term)} does not hold y, so that it does no work")
         if name == "T" and term != 0 and not any(int(j.args[2]) for j in jets(term)):
-            raise StatementError(f"T: holds {show(term)}; it must be made of rates of y")
+            _refuse_without_rate(part, term)
     if part.has(alpha, beta):
         damping = alpha if part.has(alpha) else beta
         raise StatementError(f"{name}: the damping {damping} acts in dW_nc, not in {name}")
     _refuse_powers_of_the_load(name, part)
+
+
+def _refuse_without_rate(T: Expr, term: Expr) -> None:
+    """A term of T without rates, but in a rotating frame: what it holds then multiplies a rate in another term."""
+    for j in jets(term):
+        if not any(int(other.args[2]) for with_j in Add.make_args(T) if with_j.has(j) for other in jets(with_j)):
+            raise StatementError(
+                f"T: holds {show(term)}, which has no rate; write the rate where it was forgotten, such as y.diff(t), "
+                "and the potential of a centrifugal force in V, with the other sign"
+            )
 
 
 def _refuse_powers_of_the_load(name: str, part: Expr) -> None:
