@@ -564,7 +564,7 @@ def _on_segment(name: str, density: Expr, beam: Beam, segment: int) -> Expr:
                 raise StatementError(f"{name}: the condition {condition} does not compare x with a place")
         low, high = beam.places[segment : segment + 2]
         raise StatementError(
-            f"{name}: {piecewise} has no value between x = {low} and x = {high}; add the piece, such as (1, True)"
+            f"{name}: {show(piecewise)} has no value between x = {low} and x = {high}; add the piece, such as (1, True)"
         )
 
     result = density
