@@ -342,8 +342,16 @@ class Column:
         >>> beam["load"]  # newtons in one unit of P
         5000.0
 
-        Raises InputError where one is not positive and finite, or a unit is beyond the range of a float.
+        Raises InputError where one is not positive and finite, a unit is beyond the range of a float, or the load is no
+        force: stiffness then holds powers of it alone, as of a flow's velocity.
         """
+        terms = self.coefficients()
+        if any(map(len, (terms.C, terms.K[1:]))) and not any(np.any(K) for K in terms.K[1:2]):
+            raise InputError(
+                f"the load of {self.name} is no force: its square or rates hold it, as of a flow's velocity, so that "
+                "Eq. (5) has no unit for it; ask in nondimensional quantities, whose unit of frequency is "
+                "sqrt(EI/(m L^4))"
+            )
         EI = positive("bending_stiffness", bending_stiffness, "EI in N m²")
         m = positive("mass_per_length", mass_per_length, "m in kg/m")
         L = positive("length", length, "L in m")

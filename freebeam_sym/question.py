@@ -110,7 +110,9 @@ class Question:
             return Proportional(self.pencil, *self.factors)
         terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
         if not terms.C and self.kappa is None and _textbook(terms):
-            return Proportional(pencil_of(terms.M[0], *terms.K))
+            pencil = pencil_of(terms.M[0], *terms.K)
+            if pencil.conservative or not pencil.coincident:
+                return Proportional(pencil)
         return self.general
 
     @property

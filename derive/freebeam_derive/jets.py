@@ -416,6 +416,7 @@ def read(expression: Expr, name: str, length: Expr) -> Reading:
         if found == 0 and expression != 0:
             raise StatementError(f"{name}: the term {term} is zero; {_LOST}")
     at_points, opened = _leaps(expand(Add(*points)), name)
+    opened |= _differences(at_points)
     _refuse_strays(name, Add(*(d for _, _, d in densities)), at_points)
     return Reading(name, tuple(densities), at_points, opened)
 
@@ -436,6 +437,27 @@ def _leaps(points: Expr, name: str) -> tuple[Expr, frozenset[tuple[str, int, Exp
         sides[j] = jet(which, p, r, beside(place.args[0], 1)) - jet(which, p, r, beside(place.args[0], -1))
         opened.add((name_of(which), int(p), place.args[0]))
     return expand(points.xreplace(sides)), frozenset(opened)
+
+
+def _differences(points: Expr) -> frozenset[tuple[str, int, Expr]]:
+    """What jumps though jump() does not say so: where both sides of a place enter by their difference alone."""
+    opened = set()
+    for right, left in both_sides(points):
+        moved = expand(points.xreplace({right: right + left}))
+        if not moved.has(left):
+            opened.add((name_of(right.args[0]), int(right.args[1]), right.args[3].args[0]))
+    return frozenset(opened)
+
+
+def both_sides(points: Expr) -> Iterator[tuple[Expr, Expr]]:
+    """Values just right and just left of one place, where both are there."""
+    found = set(jets(points))
+    for right in jets(points):
+        place = right.args[3]
+        if place.func == beside and place.args[1] == 1:
+            left = jet(*right.args[:3], beside(place.args[0], -1))
+            if left in found:
+                yield right, left
 
 
 def _refuse_strays(name: str, density: Expr, points: Expr) -> None:
@@ -542,7 +564,7 @@ def _on_segment(name: str, density: Expr, beam: Beam, segment: int) -> Expr:
                 raise StatementError(f"{name}: the condition {condition} does not compare x with a place")
         low, high = beam.places[segment : segment + 2]
         raise StatementError(
-            f"{name}: {piecewise} has no value between x = {low} and x = {high}; add the piece, such as (1, True)"
+            f"{name}: {show(piecewise)} has no value between x = {low} and x = {high}; add the piece, such as (1, True)"
         )
 
     result = density

@@ -25,6 +25,7 @@ from sympy import (
     Add,
     Derivative,
     Expr,
+    Mul,
     Piecewise,
     Poly,
     PolynomialError,
@@ -472,7 +473,8 @@ def _refuse_strength(column: Column, works: dict[str, Functional], name: str) ->
         )
     if not any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density)):
         raise StatementError(
-            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported"
+            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported: "
+            f"give {name} the inertia that it has, or eliminate it"
         )
     if order < max(highest, 1):
         wanted = f"{name}.diff(x, 2)**2" if max(highest, 1) == 2 or name == "y" else f"{name}.diff(x)**2"
@@ -496,10 +498,12 @@ def _refuse_negative(column: Column, work: Functional, name: str, what: str, fac
         raise StatementError(f"{name}: the energy {display(work, S.One, column.cuts)} is negative; check its sign")
     low, high = (float(place.subs(column.defaults)) for place in column.energies.beam.places[segment : segment + 2])
     at_defaults = factor.subs({**column.defaults, P: S.Zero})
-    for k in range(1, 64):
+    # at a break stiffness must not vanish either: it would be a hinge, which polynomials do not come near
+    breaks = (low > 0, high < 1) if name == "V" else (False, False)
+    for k in range(1 - breaks[0], 64 + breaks[1]):
         where = low + (high - low) * k / 64
         value = at_defaults.subs(x, where)
-        if value.is_real and not value > 0:
+        if value.is_real and not value > 1e-12 * (k in (0, 64)):
             raise StatementError(
                 f"{name}: the {what} {factor} is {float(value):.3g} at x = {where:.4g}, at the parameters' defaults; "
                 "it must be positive along the beam"
@@ -555,11 +559,21 @@ def _refuse_energy(name: str, part: Expr) -> None:
         if term != 0 and not jets(term):
             raise StatementError(f"{name}: the term {show(term)} does not hold y, so that it does no work")
         if name == "T" and term != 0 and not any(int(j.args[2]) for j in jets(term)):
-            raise StatementError(f"T: holds {show(term)}; it must be made of rates of y")
+            _refuse_without_rate(part, term)
     if part.has(alpha, beta):
         damping = alpha if part.has(alpha) else beta
         raise StatementError(f"{name}: the damping {damping} acts in dW_nc, not in {name}")
     _refuse_powers_of_the_load(name, part)
+
+
+def _refuse_without_rate(T: Expr, term: Expr) -> None:
+    """A term of T without rates, but in a rotating frame: what it holds then multiplies a rate in another term."""
+    for j in jets(term):
+        if not any(int(other.args[2]) for with_j in Add.make_args(T) if with_j.has(j) for other in jets(with_j)):
+            raise StatementError(
+                f"T: holds {show(term)}, which has no rate; write the rate where it was forgotten, such as y.diff(t), "
+                "and the potential of a centrifugal force in V, with the other sign"
+            )
 
 
 def _refuse_powers_of_the_load(name: str, part: Expr) -> None:
@@ -582,8 +596,32 @@ def check(column: Column) -> None:
     _refuse_off_the_beam(column)
     works = {name: column.energies.functional(name) for name in WORKS}
     _refuse_degrees(column, works)
+    _refuse_complex(column, works)
     if not any(part.has(P) for w in works.values() for part in (w.density, w.points)):
         raise StatementError("the load P does no work: it must stand in W_c or in dW_nc")
+
+
+def _refuse_complex(column: Column, works: Mapping[str, Functional]) -> None:
+    """Factors that are no finite real numbers at the parameters' defaults, somewhere along the beam."""
+    places = [place.subs(column.defaults) for place in column.energies.beam.places]
+    for name, work in works.items():
+        for term in Add.make_args(work.density + work.points):
+            factor = Mul(*(f for f in Mul.make_args(term) if not jets(f)))
+            at_defaults = factor.subs({**column.defaults, P: S.One, alpha: S.One, beta: S.One})
+            along = next((k for j in jets(term) if (k := segment_of(j.args[3])) is not None), None)
+            if along is None or at_defaults.is_polynomial(x):
+                wheres = [S.Zero]
+            else:
+                low, high = places[along : along + 2]
+                wheres = [low + (high - low) * k / 16 for k in range(17)]
+            for where in wheres:
+                value = at_defaults.subs(x, where)
+                if value.is_number and (value.is_real is False or value.is_finite is False):
+                    spot = f" at x = {float(where):.4g}" if len(wheres) > 1 else ""
+                    raise StatementError(
+                        f"{name}: {factor} is no finite real number{spot}, at the parameters' defaults; give it such "
+                        "values along the whole beam"
+                    )
 
 
 def _refuse_supports(column: Column) -> None:

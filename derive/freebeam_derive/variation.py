@@ -9,15 +9,15 @@ its slope at the ends that the geometric conditions leave free.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
-from sympy import Add, DiracDelta, Eq, Expr, Integer, Mul, S, Symbol, expand
+from sympy import Add, DiracDelta, Dummy, Eq, Expr, Integer, Mul, S, Symbol, expand
 
 from freebeam_derive.display import gathered
 from freebeam_derive.forms import Space
-from freebeam_derive.jets import ALWAYS, Beam, beside, leap, name_of, segment_of, trial, varying
+from freebeam_derive.jets import ALWAYS, Beam, beside, both_sides, leap, name_of, segment_of, trial, varying
 from freebeam_derive.notation import F_0, P, alpha, beta, x
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import (
@@ -437,6 +437,8 @@ def spaces_of(column: Column) -> tuple[Space, ...]:
     beam = column.energies.beam
     opened = {jump for work in works.values() for jump in work.opened}
     opened |= {("y", 1, release.place) for release in column.releases}
+    for work in works.values():
+        _refuse_two_sides(work, beam, opened, works)
     letters = {str(f): getattr(f, "letter", "y") for f in column.unknowns}
     spaces = []
     for name in column.fields:
@@ -455,6 +457,25 @@ def spaces_of(column: Column) -> tuple[Space, ...]:
             here.add((number, order))
         spaces.append(Space(name, letters[name], degree, column.held(name, degree), frozenset(here)))
     return tuple(spaces)
+
+
+def _refuse_two_sides(
+    work: Functional, beam: Beam, opened: set[tuple[str, int, Expr]], works: Mapping[str, Functional]
+) -> None:
+    """Both sides of a place, of what is continuous there, but as their mean: the statement may mean that it jumps."""
+    for right, left in both_sides(work.points):
+        name, order, place = name_of(right.args[0]), int(right.args[1]), right.args[3].args[0]
+        if order >= joined(works, name) or any(
+            (field, at) == (name, order) and beam.index(where) == beam.index(place) for field, at, where in opened
+        ):
+            continue
+        half = Dummy("half")
+        if expand(work.points.xreplace({right: right + half, left: left - half})).has(half):
+            what = show(right).args[0]
+            raise StatementError(
+                f"both sides of {what} at {place} are taken, and nothing says whether it jumps there: write "
+                f"jump({what}, {place}) for what jumps, and at({what}, {place}) for what does not"
+            )
 
 
 def derive_column(column: Column) -> EquationOfMotion:

@@ -70,14 +70,10 @@ def branches(
     computable("loads", float(np.abs(P).max()))
     modes = column.number(modes)
     system = column.system(modes, 0.0, alpha, beta, rigid, **parameters)
-    follower = _Follower(system)
-    states = [follower.at(P[0])]
-    for load in P[1:]:
-        follower.left = MOST_STEPS
-        states.append(follower.follow(states[-1], follower.at(load)))
-    pairs = [(x.values, x.vectors) for x in states]
+    followers = [_Follower(system, part) for part in _parts(system)]
+    pairs = [_together(states) for states in zip(*(follower.along(P) for follower in followers), strict=True)]
     if system.rigid_count:
-        pairs = [with_rigid(follower.whole(x.load), x.values, x.vectors) for x in states]
+        pairs = [with_rigid(followers[0].whole(load), *pair) for load, pair in zip(P, pairs, strict=True)]
     values, shapes = (np.array(part) for part in zip(*pairs, strict=True))
     order = sorting(values[0])
 
@@ -108,19 +104,50 @@ class _State:
         return _State(self.load, self.values[order], self.rates[order], self.vectors[:, order])
 
 
-class _Follower:
-    """Follows the eigenvalues of a system's elastic functions along the load."""
+def _together(states: tuple[_State, ...]) -> tuple[Complex, Complex]:
+    """Eigenvalues and vectors of all parts at a load."""
+    return np.concatenate([s.values for s in states]), np.concatenate([s.vectors for s in states], axis=1)
 
-    def __init__(self, system: System) -> None:
-        e = slice(system.rigid_count, None)
+
+def _parts(system: System) -> list[Places]:
+    """The elastic functions in parts that nothing couples, such as equal planes, whose eigenvalues agree at every
+    load; all in one where a part has no mass of its own."""
+    from scipy.sparse.csgraph import connected_components
+
+    e = slice(system.rigid_count, None)
+    terms = system.column.coefficients(system.modes, False, system.alpha, system.beta, **system.parameters)
+    coupled = np.any([X != 0 for part in (terms.M, terms.C, terms.K) for X in part], axis=0)
+    count, label = connected_components(coupled, directed=False)
+    parts = [np.flatnonzero(label == k) for k in range(count)]
+    if any(without_mass(system.M[e, e][np.ix_(part, part)]) for part in parts):
+        return [np.arange(len(label))]
+    return parts
+
+
+class _Follower:
+    """Follows the eigenvalues of a part of a system's elastic functions along the load."""
+
+    def __init__(self, system: System, part: Places) -> None:
+        e, own = slice(system.rigid_count, None), np.ix_(part, part)
+        M, E = system.M[e, e][own], system.E[e, e][own]
         self.system, self.left = system, MOST_STEPS
-        self.E, self.basis = coordinates(system.M[e, e], system.E[e, e])
-        self.M = self.basis.T @ system.M[e, e] @ self.basis if without_mass(system.M[e, e]) else None
+        self.E, self.basis = coordinates(M, E)
+        self.M = self.basis.T @ M @ self.basis if without_mass(M) else None
+        self.whole_basis = np.zeros((len(system.M) - system.rigid_count, len(part)))
+        self.whole_basis[part] = self.basis
         column, given = system.column, (system.alpha, system.beta)
         terms = column.coefficients(system.modes, False, *given, **system.parameters)
         if len(terms.M) > 1:
             raise InputError(f"{column.name}: its mass depends on the load, so that branches are not followed")
-        self.C, self.K = (tuple(self.basis.T @ X @ self.basis for X in part) for part in (terms.C, terms.K[1:]))
+        self.C, self.K = (tuple(self.basis.T @ X[own] @ self.basis for X in of) for of in (terms.C, terms.K[1:]))
+
+    def along(self, loads: Real) -> list[_State]:
+        """The states at each load, in the order of those at the first."""
+        states = [self.at(loads[0])]
+        for load in loads[1:]:
+            self.left = MOST_STEPS
+            states.append(self.follow(states[-1], self.at(load)))
+        return states
 
     def whole(self, load: float) -> System:
         """The system with its rigid functions at a load."""
@@ -144,7 +171,7 @@ class _Follower:
             if len(self.C) > 1:
                 moved = moved + values * np.einsum("kj,ji,ik->k", U, slopes[0], V)
             rates = np.nan_to_num(-moved)
-        return _State(float(load), values, rates, self.basis @ V).take(sorting(values))
+        return _State(float(load), values, rates, self.whole_basis @ V).take(sorting(values))
 
     def follow(self, a: _State, b: _State, depth: int = 0) -> _State:
         """State b in the order of a."""

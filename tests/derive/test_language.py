@@ -111,6 +111,15 @@ def turning() -> Column:
     )
 
 
+def rotating() -> Column:
+    """Two planes that turn about the axis: T holds the deflections themselves."""
+    z = Field("z")
+    return beck(
+        T=integral((y.diff(t) - s * z) ** 2 + (z.diff(t) + s * y) ** 2) / 2,
+        V=integral(y.diff(x, 2) ** 2 + z.diff(x, 2) ** 2) / 2,
+    )
+
+
 CASES: dict[str, Callable[[], Column]] = {
     "Beck": beck,
     "mass inside": lambda: beck(T=BECK["T"] + mu * at(y.diff(t), HALF) ** 2 / 2),
@@ -119,6 +128,13 @@ CASES: dict[str, Callable[[], Column]] = {
     "damped crack": lambda: beck(
         V=BECK["V"] + k * jump(y.diff(x), 0.4) ** 2 / 2,
         dW_nc=BECK["dW_nc"] - c * jump(y.diff(x, t), 0.4) * delta(jump(y.diff(x), 0.4)),
+    ),
+    "damped crack by its sides": lambda: beck(
+        V=BECK["V"] + k * (at(y.diff(x), 0.4, 1) - at(y.diff(x), 0.4, -1)) ** 2 / 2,
+        dW_nc=BECK["dW_nc"]
+        - c
+        * (at(y.diff(x, t), 0.4, 1) - at(y.diff(x, t), 0.4, -1))
+        * (at(delta(y.diff(x)), 0.4, 1) - at(delta(y.diff(x)), 0.4, -1)),
     ),
     "shear joint": lambda: beck(V=BECK["V"] + s * jump(y, a) ** 2 / 2),
     "hinge": lambda: beck(releases=(hinge(HALF),), ends=("clamped", "pinned"), dW_nc=BEAM_DAMPING),
@@ -150,6 +166,7 @@ CASES: dict[str, Callable[[], Column]] = {
     "absorber": absorber,
     "Ziegler": ziegler,
     "hub": turning,
+    "rotating frame": rotating,
 }
 
 

@@ -99,7 +99,27 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     # no motion, no bending
     "no kinetic energy": ({"T": "0"}, ("T", "y.diff(t)**2", "not supported")),
     "mass at a point alone": ({"T": "at(y.diff(t), 1)**2 / 2"}, ("T", "along the beam")),
-    "kinetic energy of y": ({"T": "integral(y**2) / 2"}, ("T", "rates of y")),
+    "kinetic energy of y": ({"T": "integral(y**2) / 2"}, ("T", "no rate", "y.diff(t)")),
+    "a rate that was forgotten": (
+        {"T": "integral(y.diff(t)**2) / 2 + k * at(y, 1)**2 / 2"},
+        ("T", "k*y(1, t)**2/2", "no rate", "in V"),
+    ),
+    "a root of what is negative": (
+        {"dW_nc": "damping - integral(sqrt(x - 0.5) * y.diff(t) * delta(y))"},
+        ("dW_nc", "sqrt(x - 1/2)", "no finite real number at x = 0"),
+    ),
+    "a pole at an end": (
+        {"dW_nc": "damping - integral(y.diff(t) * delta(y) / x)"},
+        ("dW_nc", "1/x", "no finite real number at x = 0"),
+    ),
+    "stiffness that vanishes inside": (
+        {"V": "integral(abs(x - 0.5) * y.diff(x, 2)**2) / 2"},
+        ("V", "bending stiffness", "is 0 at x = 0.5"),
+    ),
+    "sides that may jump": (
+        {"V": "integral(y.diff(x, 2)**2) / 2 + k * (at(y, 0.5, 1)**2 + at(y, 0.5, -1)**2) / 2"},
+        ("both sides of y(x, t) at 1/2", "jump(y(x, t), 1/2)"),
+    ),
     "constant kinetic energy": ({"T": "integral(x)"}, ("T", "quadratic")),
     "accelerations in T": ({"T": "integral(y.diff(t)**2 + y.diff(t, 2)**2) / 2"}, ("T", "first rates")),
     "no bending energy": ({"V": "integral(y.diff(x)**2) / 2"}, ("V", "y.diff(x, 2)**2", "not supported")),

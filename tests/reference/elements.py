@@ -157,8 +157,9 @@ def assemble(beam: Beam, count: int = 24) -> Matrices:
     if beam.rigid:  # the others are M-orthogonal to the rigid motions: then the zero eigenvalues leave, and only those
         motions = np.zeros((mesh.size, 2))
         for node, x in enumerate(mesh.nodes):
-            motions[mesh.number["y", 0, node, 1], :] = 1.0, x
-            motions[mesh.number["y", 1, node, 1], :] = 0.0, 1.0
+            for side in (-1, 1):
+                motions[mesh.number["y", 0, node, side], :] = 1.0, x
+                motions[mesh.number["y", 1, node, side], :] = 0.0, 1.0
         motions = motions[:, : beam.rigid]
         basis = null_space(motions.T @ mid["M"])
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 import pytest
 
@@ -52,3 +54,40 @@ def test_a_damper_too_light_for_the_high_modes_is_not_overlooked(damper: float) 
         values = fb.spectrum(column.system(10, load, **own)).elastic
         rates.append(float(values[np.abs(values - 1j * found.frequency).argmin()].real))
     assert rates[0] < 0 < rates[2] and abs(rates[1]) < 1e-3 * (rates[2] - rates[0])
+
+
+PLANES = """
+from freebeam_derive.notation import P, t, x, y
+from freebeam_derive.statement import Column, Field, at, delta, integral
+
+z = Field("z")
+column = Column(
+    name="two-planes",
+    title="Beck's column, free to bend in two planes",
+    T=integral(y.diff(t) ** 2 + z.diff(t) ** 2) / 2,
+    V=integral(y.diff(x, 2) ** 2 + z.diff(x, 2) ** 2) / 2,
+    W_c=P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2,
+    dW_nc=-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1)),
+    ends=("clamped", "free"),
+)
+"""
+
+
+def test_a_column_of_two_equal_planes_is_that_of_one_twice(tmp_path: Path) -> None:
+    """The clamped end holds both. Without damping each frequency is double, and so are eigenvalues and branches."""
+    (tmp_path / "planes.py").write_text(PLANES)
+    both, one = fb.column(str(tmp_path / "planes.py")), fb.column("beck", "legendre")
+    found, wanted = fb.critical_load(both, 6), fb.critical_load(one, 6)
+    assert found.kind == "flutter" and found.load == pytest.approx(wanted.load, rel=1e-9)
+    assert found.error == pytest.approx(wanted.error, rel=1e-3)
+    loads = np.linspace(0, 30, 7)
+    twice, once = (fb.branches(column, loads, 6).eigenvalues for column in (both, one))
+    for values in once.T:
+        off = np.abs(twice - values[:, None]).max(axis=0)
+        assert (off < 1e-7 * np.abs(values).max()).sum() == 2
+
+
+def test_a_load_that_is_no_force_has_no_si_unit() -> None:
+    """A pipe's is the velocity of its flow, which enters by its square and on rates."""
+    with pytest.raises(fb.InputError, match="no force"):
+        fb.column("pipe").scales(2e6, 50, 20)
