@@ -183,11 +183,14 @@ def kept(values: Array) -> Array:
 
 
 def growing(beam: Beam, matrices: Matrices, P: float) -> bool:
-    """Whether an eigenvalue grows, beyond rounding."""
-    if beam.damped:
-        t = kept(eigvals(state(matrices, P)))  # 1/λ
+    """Whether an eigenvalue grows, beyond rounding, or is zero."""
+    try:
+        t = kept(eigvals(state(matrices, P) if beam.damped else np.linalg.solve(matrices.stiffness(P), matrices.M)))
+    except np.linalg.LinAlgError:
+        return True
+    if beam.damped:  # 1/λ
         return bool((t.real > 1e-10 * np.abs(t).max()).any())
-    t = kept(eigvals(np.linalg.solve(matrices.stiffness(P), matrices.M)))  # 1/ω²
+    # 1/ω²
     return bool((np.abs(t.imag) > 3e-6 * np.abs(t)).any() or (t.real < 0).any())
 
 

@@ -162,3 +162,14 @@ def test_springs_in_a_row_are_one_where_nothing_damps_what_is_between(tmp_path: 
         found, expected = (fb.critical_load(column, 8, **asked) for column in (between, alone))
         assert (found.load, found.kind) == (pytest.approx(expected.load, rel=1e-12), expected.kind)
         assert found.frequency == pytest.approx(expected.frequency, rel=1e-7)
+
+
+def test_an_integral_controller_without_stiffness_has_its_digits(tmp_path: Path) -> None:
+    """Its state has neither mass nor energy; what grows by 7e-4 of its frequency is told, at any N."""
+    changes = {"dW_nc": "follower - 0.1 * q * at(delta(y), 1) - (q.diff(t) - at(y, half)) * delta(q)"}
+    column = fb.column(file_of(tmp_path, "integral", changes))
+    few, many = (fb.spectrum(column.system(modes, load=5.0)) for modes in (12, 24))
+    one, two = (found.eigenvalues[:3] for found in (few, many))
+    assert few.error[:3].max() < 1e-6 and many.error[:3].max() < 1e-6
+    assert (np.abs(one - two) <= (few.error[:3] + many.error[:3]) * np.abs(two)).all()
+    assert min(many.damping_ratio[:3]) == pytest.approx(-6.812e-4, rel=1e-3)
