@@ -135,18 +135,14 @@ def array(name: str, values: object, hint: str = "") -> NDArray[np.float64]:
         found = np.asarray(values)
     except Exception:  # ragged, or whatever an object's own conversion raises
         raise refusal(name, values, "must be a number, or an array of numbers", hint) from None
-    if found.dtype.kind in "iuf" and (isinstance(values, np.ndarray) or not {bool, np.bool_} & _kinds(values)):
+    listed = () if isinstance(values, np.ndarray) else np.asarray(values, dtype=object).flat
+    if found.dtype.kind in "iuf" and not any(isinstance(one, bool | np.bool_) for one in listed):
         with np.errstate(over="ignore"):  # of longer floats
             return found.astype(np.float64, copy=False)
     items = np.asarray(values, dtype=object)
     for place, item in np.ndenumerate(items):
         finite(f"{name}[{', '.join(map(str, place))}]" if place else name, item, hint)
     return items.astype(np.float64)
-
-
-def _kinds(values: object) -> set[type]:
-    """Types of the numbers in sequences of sequences."""
-    return set(map(type, np.asarray(values, dtype=object).ravel().tolist()))
 
 
 def reals(name: str, values: object, hint: str = "") -> NDArray[np.float64]:

@@ -7,7 +7,6 @@ the beam's load to their difference and rounding.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -15,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.stability.problem import Crossing, Kind, Real
+from freebeam_sym.stability.problem import Kind, Real
 
 __all__ = ["CONVERGED", "KINDS", "Answers", "BeamLoss", "beam_losses", "judge"]
 
@@ -47,17 +46,6 @@ class Answers(NamedTuple):
         """The answers of some points."""
         return Answers(self.load[which], self.frequency[which], self.kind[which])
 
-    def shaped(self, *shape: int) -> Answers:
-        """The same as arrays of another shape."""
-        return Answers(self.load.reshape(shape), self.frequency.reshape(shape), self.kind.reshape(shape))
-
-    def put(self, at: Any, found: Crossing | None) -> None:
-        """Write down the answer of a point."""
-        plain = (math.nan, math.nan, 0)
-        if found is not None:
-            plain = found.load, found.frequency, KINDS.index(found.kind)
-        self.load[at], self.frequency[at], self.kind[at] = plain
-
     @staticmethod
     def none(*shape: int) -> Answers:
         """Of points where nothing is lost."""
@@ -77,7 +65,7 @@ class BeamLoss(NamedTuple):
 def beam_losses(ask: Callable[[int, NDArray[np.intp]], Answers], points: int) -> tuple[Answers, Real]:
     """First losses of the beam itself at so many points, and the relative change (points,) from N to more polynomials:
     inf where they do not agree. ask: for N and the numbers of points, what a series of N polynomials answers there."""
-    best = Answers(np.full(points, np.nan), np.full(points, np.nan), np.zeros(points, dtype=np.int8))
+    best = Answers.none(points)
     change, left = np.full(points, np.inf), np.arange(points)
     before = ask(MODES[0], left)
     for fewer, modes in pairwise(MODES):

@@ -25,12 +25,23 @@ from freebeam_sym.spectra import coordinates, elastic_values, sorting
 from freebeam_sym.stability.convergence import KINDS, Answers
 from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import Complex, Real
+from freebeam_sym.stability.problem import Complex, Crossing, Real
 
 __all__ = [
-    "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "eigenvalues", "solve", "solve_points",
-    "with_values",
+    "CriticalLoads", "alike", "broadcast", "checked_axes", "critical_loads", "eigenvalues", "put", "shaped", "solve",
+    "solve_points", "with_values",
 ]  # fmt: skip
+
+
+def shaped(answers: Answers, *shape: int) -> Answers:
+    """The same as arrays of another shape."""
+    return Answers(answers.load.reshape(shape), answers.frequency.reshape(shape), answers.kind.reshape(shape))
+
+
+def put(answers: Answers, at: Any, found: Crossing | None) -> None:
+    """Write down the answer of a point."""
+    plain = (np.nan, np.nan, 0) if found is None else (found.load, found.frequency, KINDS.index(found.kind))
+    answers.load[at], answers.frequency[at], answers.kind[at] = plain
 
 
 def checked_axes(column: Column, values: Mapping[str, Any]) -> dict[str, Real]:
@@ -91,7 +102,7 @@ def critical_loads(
     question = Question.of(column, modes, load_max=load_max)
     values = checked_axes(column, {"alpha": alpha, "beta": beta, **parameters})
     points, shape = broadcast(values)
-    found = solve_points(question, points).shaped(*shape)
+    found = shaped(solve_points(question, points), *shape)
     return CriticalLoads(found.load, found.frequency, np.array(KINDS)[found.kind], question)
 
 
@@ -116,7 +127,7 @@ def solve(question: Question, alpha: Real, beta: Real) -> Answers:
         answers = Answers.none(len(alpha))
         for k, (a, b) in enumerate(zip(alpha.tolist(), beta.tolist(), strict=True)):  # each of them searched
             problem = replace(question, alpha=a, beta=b).problem
-            answers.put(k, first_loss(problem, question.load_max).crossing)
+            put(answers, k, first_loss(problem, question.load_max).crossing)
         return answers
     factors = question.column.kernel.damping_factors(alpha, beta, **question.parameters)
     c_M, c_E = (np.broadcast_to(c, alpha.shape) for c in factors)
@@ -188,7 +199,7 @@ def _of_pencil(pencil: Pencil, alpha: Real, beta: Real, load_max: float) -> Answ
             which = which[~settled]
         ask = np.append(ask, which)
     for k in ask:
-        answers.put(k, first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max))
+        put(answers, k, first_crossing(pencil, float(alpha[k]), float(beta[k]), load_max))
     if len(same):
         load[same], frequency[same], kind[same] = load[same[0]], frequency[same[0]], kind[same[0]]
     return answers

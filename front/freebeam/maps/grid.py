@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 
 import numpy as np
 
-from freebeam.maps.arrays import solve_points, with_values
+from freebeam.maps.arrays import put, shaped, solve_points, with_values
 from freebeam.maps.continuation import continued
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import Answers
@@ -30,16 +30,16 @@ def solve_grid(question: Question, axes: Mapping[str, Real], step: Callable[[flo
     """First loss of stability at every combination of the axes, and of what the question says of all else.
 
     axes: arrays (n_k,) by name, of alpha, beta and the column's own parameters; the answers' shape is (n_1, n_2, …) in
-    their order. step: told which part is done, 0 to 1. The rest as in `grids.solve`.
+    their order. step: told which part is done, 0 to 1. The rest as in `arrays.solve`.
     """
     shape = tuple(map(len, axes.values()))
     if not question.column.general:
-        return solve_points(question, crossed(axes), step).shaped(*shape)
+        return shaped(solve_points(question, crossed(axes), step), *shape)
     answers = Answers.none(*shape)
 
     def ask(at: tuple[int, ...]) -> Question:
         return with_values(question, {name: float(axis[k]) for (name, axis), k in zip(axes.items(), at, strict=True)})
 
     for at, found in continued(ask, shape, step).items():
-        answers.put(at, found)
+        put(answers, at, found)
     return answers

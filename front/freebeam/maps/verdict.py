@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam.maps.arrays import solve_points
+from freebeam.maps.arrays import shaped, solve_points
 from freebeam.maps.grid import crossed, solve_grid
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import Answers, beam_losses, judge
@@ -31,9 +31,9 @@ def verdict(
         nonlocal done
         asked = question.over(polynomials, modes)
         if asked == question:
-            answers = found.shaped(-1).at(which)
+            answers = shaped(found, -1).at(which)
         elif 2 * len(which) >= size:  # what a grid's points share saves more than half of them
-            answers = solve_grid(asked, axes).shaped(-1).at(which)
+            answers = shaped(solve_grid(asked, axes), -1).at(which)
         else:
             answers = solve_points(asked, {name: x[which] for name, x in points.items()})
         done += 1
@@ -44,7 +44,7 @@ def verdict(
     beam, uncertainty = beam_losses(ask, size)
     if step is not None:
         step(1.0)
-    error, converged = judge(found.shaped(-1), beam, uncertainty)
+    error, converged = judge(shaped(found, -1), beam, uncertainty)
     return error.reshape(shape), converged.reshape(shape)
 
 
