@@ -333,6 +333,26 @@ def test_between_two_functions_lies_that_of_each_value() -> None:
         Box(at(low), arb(12, 1), arb(0), 1).value(arb(12), arb(0), 0, 2)
 
 
+def test_the_equations_of_a_range_hold_those_of_each_function() -> None:
+    """At a point, as the sum that Krawczyk's test takes, for values of the parameter in the range and at its ends."""
+    still = (Fraction(0), Fraction(0))
+    low, high = (Shooting(*of_kernel(beck, eta=Fraction(eta, 10))) for eta in (6, 7))
+    with precision(128):
+        near = arb(16, 1), arb(70, 4)
+        parts = Equations(Between(low, high, (Fraction(0), Fraction(1))), 0, still, still, False).at(
+            arb(16), arb(70), near
+        )
+        held = [sum((value[i] * weight for value, weight in parts), arb(0)) for i in (0, 1)]
+        for eta in ("0.6", "0.63", "0.7"):
+            one = Equations(Shooting(*of_kernel(beck, eta=Fraction(eta))), 0, still, still, False)
+            values = one.system(Box(one.F, *near).value, arb(16), arb(70))[0]
+            assert all(h.overlaps(v) for h, v in zip(held, values, strict=True))
+        ends = [
+            Equations(F, 0, still, still, False).system(Box(F, *near).value, arb(16), arb(70))[0] for F in (low, high)
+        ]
+        assert all(h.rad() < 0.51 * abs(u - v) for h, u, v in zip(held, *ends, strict=True))
+
+
 def test_lines_are_looked_at_with_the_forms_of_both_ends_of_a_piece(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[Any] = []
     high = verifier_of_beam.High

@@ -259,6 +259,18 @@ def test_a_circle_holds_as_many_eigenvalues_as_are_known_without_load() -> None:
         assert [free.zeros(arb(r)) for r in (0.25, 1)] == [2, 4] == [free.inside([], arb(r)) for r in (0.25, 1)]
 
 
+def test_what_turns_on_a_circle_is_a_function_and_its_derivative() -> None:
+    with precision(192):
+        circle = _Circle(Beam(beck), Fraction(10), Fraction(1, 64), HALF)
+        radius, turn, h = arb(5), arb("0.3"), arb(2) ** -40
+        series = circle._series(radius, turn - h, turn + h, 2**30)
+        assert series is not None
+        at = radius * acb(turn.cos_pi(), turn.sin_pi())
+        _, slope = circle._value(series, at)
+        ends = [circle._value(series, at + side * h)[0] for side in (1, -1)]
+        assert abs((ends[0] - ends[1]) / (2 * h) - slope) < 1e-15 * abs(slope)
+
+
 def test_with_internal_damping_a_spectrum_lacks_none_up_to_what_is_said() -> None:
     with precision(192):
         known = with_damping(1 / 64, 0.5, 1)
