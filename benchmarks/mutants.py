@@ -1,4 +1,5 @@
-"""How many small changes of the code the tests see: `make mutants`, or `python benchmarks/mutants.py COUNT SEED JOBS`.
+"""How many small changes of the code the tests see: `make mutants`, or `python benchmarks/mutants.py COUNT SEED JOBS`, and
+with more words, such as `beam strips gaps`, of files alone whose names hold one of them.
 
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
@@ -250,8 +251,9 @@ def reach_of(part: str, copies: Queue[Path]) -> dict[str, dict[str, object]]:
         copies.put(copy)
 
 
-def main(count: int = 300, seed: int = 1, jobs: int = 2) -> int:
-    chosen = random.Random(seed).sample(mutants(), count)
+def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
+    drawn = [mutant for mutant in mutants() if not names or any(name in Path(mutant.file).stem for name in names)]
+    chosen = random.Random(seed).sample(drawn, count)
     alive: list[dict[str, object]] = []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
         copies: Queue[Path] = Queue()
@@ -275,4 +277,4 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2) -> int:
 if __name__ == "__main__":
     if sys.argv[1:2] == ["reach"]:
         sys.exit(record_reach(*sys.argv[2:]))
-    sys.exit(main(*map(int, sys.argv[1:])))
+    sys.exit(main(*map(int, sys.argv[1:4]), *sys.argv[4:]))
