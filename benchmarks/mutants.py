@@ -1,4 +1,4 @@
-"""How many small changes of the code the tests see: `make mutants`, or `python benchmarks/mutants.py COUNT SEED JOBS`, and
+"""How many small changes of the code the tests see: `make mutants`, or `python benchmarks/mutants.py COUNT SEED JOBS`;
 with more words, such as `beam strips gaps`, of files alone whose names hold one of them.
 
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
