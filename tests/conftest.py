@@ -1,7 +1,8 @@
-"""A headless Chromium for the tests of pages."""
+"""A headless Chromium for the tests of pages, and the order of all."""
 
 import shutil
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -20,3 +21,8 @@ def browser() -> Iterator[Any]:
         browser = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield browser
         browser.close()
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """What installs, builds and runs whole programs goes first: at the end one process would wait for it alone."""
+    items.sort(key=lambda item: item.path.parent != Path(__file__).parent)
