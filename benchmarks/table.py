@@ -42,7 +42,8 @@ def measured(arguments: list[str]) -> list[dict[str, Any]]:
         command = [
             sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-p", "no:xdist", "--benchmark-only",
             "-o", "python_files=bench_*.py", "-o", "python_functions=bench_*", "-o", "testpaths=benchmarks",
-            f"--benchmark-json={target}", "--benchmark-disable-gc", *(arguments or ["benchmarks"]),
+            f"--benchmark-json={target}", "--benchmark-disable-gc",
+            *(arguments or map(str, sorted((ROOT / "benchmarks").glob("bench_*.py")))),
         ]  # fmt: skip
         environment = {**os.environ, "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
         subprocess.run(command, cwd=ROOT, env=environment, check=True, stdout=sys.stderr)
