@@ -346,7 +346,7 @@ class Column:
         force: stiffness then holds powers of it alone, as of a flow's velocity.
         """
         terms = self.coefficients()
-        if any(map(len, (terms.C, terms.K[1:]))) and not any(np.any(K) for K in terms.K[1:2]):
+        if any(map(len, (terms.C[1:], terms.K[2:]))) and not np.any(terms.K[1:2]):
             raise InputError(
                 f"the load of {self.name} is no force: its square or rates hold it, as of a flow's velocity, so that "
                 "Eq. (5) has no unit for it; ask in nondimensional quantities, whose unit of frequency is "

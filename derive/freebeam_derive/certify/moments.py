@@ -16,13 +16,13 @@ from typing import Any
 import numpy as np
 from flint import acb, arb, fmpq_poly
 
-from freebeam_derive.certify.numbers import exact_value
+from freebeam_derive.certify.numbers import Operators, exact_value
 
 MOST_VALUES = 20_000
 """Of a factor in one integral; exp(−x) takes some 100 at 400 bits, √x from 0 on 1,500."""
 
 
-class _Place:
+class _Place(Operators):
     """A complex ball of places, as NumPy calls functions of it; analytic: whether those must be so on all of it."""
 
     def __init__(self, value: acb, analytic: bool) -> None:
@@ -34,26 +34,6 @@ class _Place:
             return NotImplemented
         one, two = (acb(two), self.value) if swapped else (self.value, acb(two))
         return _Place(combine(one, two), self.analytic)
-
-    def __add__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a + b)
-
-    def __sub__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a - b)
-
-    def __rsub__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a - b, True)
-
-    def __mul__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a * b)
-
-    def __truediv__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a / b)
-
-    def __rtruediv__(self, other: Any) -> Any:
-        return self._with(other, lambda a, b: a / b, True)
-
-    __radd__, __rmul__ = __add__, __mul__
 
     def __pow__(self, power: Any) -> Any:
         if isinstance(power, int):

@@ -8,24 +8,17 @@ from typing import Any
 
 from flint import arb, fmpq, fmpz
 
-__all__ = ["Number", "exact_value", "plain"]
+__all__ = ["Number", "Operators", "exact_value", "plain"]
 
 
-class Number:
-    """A fraction whose sums, products and quotients with fractions are such, with balls balls; and whose roots and
-    functions are balls at the precision in hand, unless a root is a fraction. NumPy calls them by these names."""
+class Operators:
+    """Sums, products and quotients of a number with others, by its `_with`."""
 
-    __slots__ = ("value",)
-
-    def __init__(self, value: fmpq | int) -> None:
-        self.value = fmpq(value)
+    __slots__ = ()
 
     def _with(self, other: Any, combine: Callable[[Any, Any], Any], swapped: bool = False) -> Any:
-        one, two = (arb(self.value), other) if isinstance(other, arb) else (self.value, _fraction(other))
-        if two is None:
-            return NotImplemented
-        found = combine(two, one) if swapped else combine(one, two)
-        return Number(found) if isinstance(found, fmpq) else found
+        """combine(self, other), or combine(other, self); NotImplemented where other is no number that it knows."""
+        raise NotImplementedError
 
     def __add__(self, other: Any) -> Any:
         return self._with(other, lambda a, b: a + b)
@@ -46,6 +39,23 @@ class Number:
         return self._with(other, lambda a, b: a / b, True)
 
     __radd__, __rmul__ = __add__, __mul__
+
+
+class Number(Operators):
+    """A fraction whose sums, products and quotients with fractions are such, with balls balls; and whose roots and
+    functions are balls at the precision in hand, unless a root is a fraction. NumPy calls them by these names."""
+
+    __slots__ = ("value",)
+
+    def __init__(self, value: fmpq | int) -> None:
+        self.value = fmpq(value)
+
+    def _with(self, other: Any, combine: Callable[[Any, Any], Any], swapped: bool = False) -> Any:
+        one, two = (arb(self.value), other) if isinstance(other, arb) else (self.value, _fraction(other))
+        if two is None:
+            return NotImplemented
+        found = combine(two, one) if swapped else combine(one, two)
+        return Number(found) if isinstance(found, fmpq) else found
 
     def __pow__(self, power: int) -> Number:
         return Number(self.value**power)
