@@ -76,12 +76,11 @@ class Spectrum:
     def rounding(self) -> Real:
         """By how much each of `eigenvalues` may be off, relative, for the rounding of a float, (2n,): near a
         coalescence half of the digits are lost. 0 where λ = 0."""
-        e = slice(self.system.rigid_count, None)
-        E, B, found, V = elastic_motion(self.system)
+        E, _, found, V = elastic_motion(self.system)
         size = np.abs(found).max()
         # states in the norm of the energy, in which all modes weigh alike
         W = np.vstack([np.sqrt(np.abs(np.diag(E)))[:, None] * V, V * found])
-        if len(idle := np.flatnonzero(np.diag(B.T @ self.system.M[e, e] @ B) == 0)):
+        if len(idle := np.flatnonzero(np.diag(self.system.M)[self.system.rigid_count :] == 0)):
             # without mass (an integral controller's without energy): as much as the rest where it is most of a motion
             W[[*idle, *(idle + len(V))]] = 0
             share = np.abs(V[idle]) / np.maximum(np.linalg.norm(W, axis=0), 1e-300)
