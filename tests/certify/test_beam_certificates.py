@@ -325,7 +325,8 @@ def test_the_command_line_writes_what_it_verifies(tmp_path: Any, capsys: pytest.
     assert run(capsys, *asked, "--set", "eta=0.5")[0] == 0
     status, text, _ = run(capsys, "verify", asked[-1])
     text = " ".join(text.split())
-    assert status == 0 and "changes at exactly 1 of these loads: flutter between 16.05246157716" in text
+    assert status == 0 and "for P from 0 to 16.0524" in text
+    assert "changes at exactly 1 of these loads: flutter between 16.05246157716" in text
     assert "touches zero and goes back at a touch between 9.8696044010" in text
 
 

@@ -216,7 +216,8 @@ def complete(
     these and the crossing."""
     found, evidence, missing = beam_stability.complete(beam, crossing, alpha, beta, kappa)
     with precision(BITS):
-        top = ends(crossing.load.upper() * (1 + arb(2) ** -20))[1]
+        above = ends(crossing.load.upper() * (1 + arb(2) ** -20))[1]
+        top = Fraction(int(above * 10**6) + 1, 10**6)  # a decimal, for a certificate says it
         if evidence is not None or not isinstance(beam, Beam) or not touches(beam, exact(top)):
             return found, evidence, missing, None
     survey = Survey(beam, alpha, beta, kappa, top, crossing.digits)
