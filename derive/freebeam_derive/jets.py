@@ -305,10 +305,12 @@ def fields_of(expression: Expr, name: str) -> Expr:
         if not any(kind_of(a.func) for a in e.atoms(AppliedUndef)):
             return e
         if isinstance(e, Subs):
-            place = e.point[0]
-            if set(e.variables) != {x} or set(e.point) != {place} or place.has(x, t) or e.expr.has(Integral):
+            (variable, *others), place, inner = e.variables, e.point[0], e.expr
+            if variable not in (x, t) and x not in inner.free_symbols:  # its name is SymPy's choice, and its cache's
+                variable, inner = x, inner.xreplace({variable: x})
+            if {variable, *others} != {x} or set(e.point) != {place} or place.has(x, t) or inner.has(Integral):
                 raise StatementError(f"{name}: {e} is not taken at a fixed place; such a value is not supported")
-            return at_place(convert(e.expr), place, name)
+            return at_place(convert(inner), place, name)
         if isinstance(e, Derivative):
             orders = {v: int(n) for v, n in e.variable_count}
             if isinstance(e.expr, AppliedUndef) and kind_of(e.expr.func) and set(orders) <= {x, t}:

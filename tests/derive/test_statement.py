@@ -6,9 +6,11 @@ import inspect
 from pathlib import Path
 
 import pytest
-from sympy import Expr, Lambda, Symbol, expand, sin
+from sympy import Derivative, Expr, Lambda, Subs, Symbol, expand, sin
+from sympy.core.cache import clear_cache
 
 from freebeam_derive import pipeline, ritz, statement, variation
+from freebeam_derive.jets import fields_of
 from freebeam_derive.notation import P, t, variation_of_y, x, x_F, y
 from freebeam_derive.statement import Column, StatementError
 
@@ -436,6 +438,18 @@ def test_a_follower_force_is_the_same_however_it_is_spelled(product: str, tmp_pa
     reference = considered(written(tmp_path)).energies.functional("dW_nc")
     column = statement.load_column(written(tmp_path, dW_nc=f"damping - P * {product} + F_0 * at(delta(y), x_F)"))
     assert column.energies.functional("dW_nc") == reference
+
+
+def test_the_name_of_the_place_in_a_value_does_not_matter() -> None:
+    """SymPy takes values that differ in it for equal, and its cache hands out either."""
+    clear_cache()
+    c = Symbol("c", real=True)
+    value = Subs(Derivative(y.func(c, t), c), c, 1)
+    assert value.variables == (c,)
+    assert fields_of(value, "V") == fields_of(statement.at(y.diff(x), 1), "V")
+    for moving in (Subs(x * Derivative(y.func(c, t), c), c, 1), Subs(y.func(x, c), c, 1)):
+        with pytest.raises(StatementError, match=r"not taken at a fixed place|does not vary|time t"):
+            fields_of(moving, "V")
 
 
 def test_a_tip_force_as_an_integral_is_the_same_column(tmp_path: Path) -> None:
