@@ -5,7 +5,8 @@ Mutants are drawn at random by the seed from the places where an operator of cos
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
 the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
 run, the quickest first, until one fails; all tests of its part where it runs on import. Those that survive are listed
-in build/mutants.json, with what was changed.
+in build/mutants.json, with what was changed. A change that docs/mutants.md lists as equivalent, with the reason, is
+passed over and the next one drawn: it tells nothing of the tests.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ import importlib
 import json
 import os
 import random
+import re
 import shutil
 import subprocess
 import sys
@@ -82,6 +84,18 @@ class Mutant:
     occurrence: int
     part: str
     """The key of PARTS."""
+
+
+def equivalents() -> list[tuple[str, str, str]]:
+    """The end of a file's name, what is changed and into what: the tables of docs/mutants.md."""
+    page = (ROOT / "docs" / "mutants.md").read_text(encoding="utf-8")
+    return re.findall(r"^\| `([^`]+)` \| `(.*?)` → `(.*?)` \|", page, re.MULTILINE)
+
+
+def is_equivalent(file: str, before: str, after: str, listed: list[tuple[str, str, str]]) -> bool:
+    """Whether a change of one line is among those listed."""
+    line, other = next(pair for pair in zip(before.split("\n"), after.split("\n"), strict=False) if pair[0] != pair[1])
+    return any(file.endswith(name) and old in line and line.replace(old, new, 1) == other for name, old, new in listed)
 
 
 class _Places(Visitor):
@@ -164,6 +178,23 @@ def mutants() -> list[Mutant]:
     return found
 
 
+def mutated(mutant: Mutant) -> tuple[str, str]:
+    """A file before and after the change."""
+    before = (ROOT / mutant.file).read_text(encoding="utf-8")
+    return before, mutate_code(before, get_operator(mutant.operator)(), mutant.occurrence)
+
+
+def drawn(count: int, seed: int, names: tuple[str, ...]) -> list[Mutant]:
+    """Mutants in an order that the seed decides, without those that are listed as equivalent."""
+    every = [mutant for mutant in mutants() if not names or any(name in Path(mutant.file).stem for name in names)]
+    random.Random(seed).shuffle(every)
+    listed, chosen = equivalents(), []
+    for mutant in every:
+        if len(chosen) < count and not is_equivalent(mutant.file, *mutated(mutant), listed):
+            chosen.append(mutant)
+    return chosen
+
+
 def statement(source: str, line: int) -> range:
     """Lines of the innermost statement at a line; of one that holds others, those before the first of them."""
     lines = range(line, line + 1)
@@ -200,8 +231,7 @@ def survives(
     copy = copies.get()
     try:
         file = copy / mutant.file
-        before = file.read_text(encoding="utf-8")
-        after = mutate_code(before, get_operator(mutant.operator)(), mutant.occurrence)
+        before, after = mutated(mutant)
         change = "\n".join(unified_diff(before.split("\n"), after.split("\n"), lineterm="", n=1))
         tests = tests_of(mutant, before, after, reach)
         if not tests:
@@ -252,8 +282,7 @@ def reach_of(part: str, copies: Queue[Path]) -> dict[str, dict[str, object]]:
 
 
 def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
-    drawn = [mutant for mutant in mutants() if not names or any(name in Path(mutant.file).stem for name in names)]
-    chosen = random.Random(seed).sample(drawn, count)
+    chosen = drawn(count, seed, names)
     alive: list[dict[str, object]] = []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
         copies: Queue[Path] = Queue()
