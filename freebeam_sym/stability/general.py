@@ -414,7 +414,8 @@ class _Vanishing(_Operator):
         W = np.linalg.inv(M[0] @ V)
         self.V, self.M, self.D, self.K = V, W @ M @ V, W @ D @ V, W @ K @ V
         root = np.sqrt(np.sqrt(e))
-        self.ratio = float(np.abs(self.D[0] / np.outer(root, root)).max()) * problem._damping / 2
+        # of all powers of the load: the damping of a pipe by its flow is nothing at load 0 alone
+        self.ratio = float(np.abs(self.D / np.outer(root, root)).max()) * problem._damping / 2
         if self.ratio > light or np.linalg.cond(M[0]) > 1e13:
             raise np.linalg.LinAlgError("not light")
         own = np.diagonal(self.D[0])

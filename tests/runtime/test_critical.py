@@ -400,6 +400,17 @@ def test_the_error_bounds_the_true_one_and_is_near_it(
     assert true <= found.error < max(100 * true, 1e-12)
 
 
+@pytest.mark.parametrize("apart", [-1e-5, -1e-8, 1e-8, 1e-5])
+def test_two_motions_that_lose_stability_at_nearly_one_load_have_each_its_own(apart: float) -> None:
+    """About an η at which two branches have one load, far apart in frequency: the lower load to all digits, and its."""
+    column = fb.column("beck", "modes")
+    eta = 0.9792844460 + apart
+    found, proven = fb.critical_load(column, 6, alpha=1.0, eta=eta), fb.certified_load(column, 6, alpha=1.0, eta=eta)
+    assert proven.load is not None and proven.frequency is not None
+    assert found.load == pytest.approx(float(proven.load[0]), rel=1e-11)
+    assert found.frequency == pytest.approx(float(proven.frequency[0]), rel=1e-9)
+
+
 # --- touches --------------------------------------------------------------------------------------------------
 
 

@@ -135,6 +135,15 @@ def test_a_pipe_is_damped_by_its_flow() -> None:
     assert found.load == pytest.approx(4.74989677312, rel=1e-9)
 
 
+@pytest.mark.parametrize("beta", [1e-13, 1e-10, 1e-7, 1e-5])
+def test_light_damping_beside_that_of_the_load_moves_the_load_by_little(beta: float) -> None:
+    """A pipe in air: without flow it is hardly damped, and at its first loss of stability by the flow."""
+    M, C, K = pipe(12, 0.1)
+    found = first_loss(General(M, [beta * M[0], C[1]], K), 20.0).crossing
+    assert found is not None and found.frequency > 1
+    assert found.load == pytest.approx(4.74989677312, rel=1e-9 + beta)
+
+
 def test_a_rotation_restored_by_the_load_alone() -> None:
     """E is singular: ω² of the rotation is P k near 0; then two frequencies meet, by the discriminant of s."""
     M, E = np.eye(2), np.diag([0.0, 4.0])
