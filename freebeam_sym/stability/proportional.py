@@ -108,15 +108,15 @@ class Proportional:
         return replace(found, vector=p.vector(found.vector))
 
     def _inverse_state(self, load: float) -> Real:
-        """Inverse of the state matrix of Eq. (25), times ω₁, in the basis of the pencil, (2N, 2N). Its eigenvalues
-        are ω₁/λ: those of the low modes, which decide, are not lost in the rounding of the fast ones, however strong
-        the damping."""
+        """Inverse of the state matrix of Eq. (25), (2N, 2N), of states (q, w) with E = I and w = λ E^(−1/2) q: of light
+        damping it is nearly skew, so that growth is told from rounding. Its eigenvalues are 1/λ: those of the low
+        modes, which decide, are not lost in the rounding of the fast ones, however strong the damping."""
         n, e = self.pencil.size, self.pencil.e
-        inverse = np.linalg.inv(np.diag(e / e[0]) + (load / e[0]) * self.pencil.H)
+        inverse = np.linalg.inv(np.eye(n) + load * self.pencil.relative)
         A = np.zeros((2 * n, 2 * n))
-        A[:n, :n] = -inverse * (self.size / math.sqrt(e[0]) * self.shape)
-        A[:n, n:] = -inverse
-        A[n:, :n] = np.eye(n)
+        A[:n, :n] = -inverse * (self.size * self.shape / e)
+        A[:n, n:] = -inverse / np.sqrt(e)
+        A[n:, :n] = np.diag(1 / np.sqrt(e))
         return A
 
     def newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:

@@ -400,6 +400,14 @@ def test_the_error_bounds_the_true_one_and_is_near_it(
     assert true <= found.error < max(100 * true, 1e-12)
 
 
+@pytest.mark.parametrize("alpha", [1e-12, 5e-9, 2e-8, 3e-8, 1e-7])
+def test_internal_damping_that_is_heavy_for_high_modes_alone_has_the_load_of_its_limit(alpha: float) -> None:
+    """A stepped column with a mass inside: damping of the lowest mode from 1e-11 to 1e-6, of the highest far above."""
+    column, own = fb.column("step"), {"s": 0.746, "r": 0.89, "mu": 1.612, "a": 0.667}
+    limit, found = fb.critical_load(column, 10, kappa=0.0, **own), fb.critical_load(column, 10, alpha=alpha, **own)
+    assert found.load == pytest.approx(limit.load, rel=1e-10) and found.frequency == pytest.approx(limit.frequency)
+
+
 @pytest.mark.parametrize("apart", [-1e-5, -1e-8, 1e-8, 1e-5])
 def test_two_motions_that_lose_stability_at_nearly_one_load_have_each_its_own(apart: float) -> None:
     """About an η at which two branches have one load, far apart in frequency: the lower load to all digits, and its."""
