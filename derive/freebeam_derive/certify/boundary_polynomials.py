@@ -71,9 +71,9 @@ class Boundary:
     odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
     g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
     none is not 0, what is said of the roots is said of P > 0. fast: polynomials in P by powers of μ, of whose roots
-    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. names,
-    turn: of a part, see `parts`, where x = (ω ± turn)². As a system of equations: h = g = 0 in the unknowns (P, x), or
-    det K = h(P, 0) = 0 in the one unknown (P,).
+    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. part: what
+    of the column it is of, see `parts`; from a frame that turns x is (ω + turn)², or ω + turn of what whirls. As a
+    system of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -85,8 +85,7 @@ class Boundary:
     none: int = 0
     tangent: bool = False
     fast: tuple[arb_poly, ...] = ()
-    names: tuple[str, ...] = ()
-    turn: Fraction = Fraction(0)
+    part: Part | None = None
 
     @cached_property
     def g_without_tangents(self) -> Bivariate:
@@ -320,27 +319,27 @@ def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
         return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
 
 
-def boundaries(kernel: ModuleType, question: Question, bits: int, from_rest: bool) -> list[Boundary]:
-    """The same of each part that leaves the others alone, seen from rest where that is asked for. Raises Unproven."""
+def boundaries(kernel: ModuleType, question: Question, bits: int, frames: bool) -> list[Boundary]:
+    """The same of each part that leaves the others alone, as `parts.split` gives them. Raises Unproven."""
     if not kernel.COLUMN.get("general"):
         return [boundary(kernel, question, bits)]
     with precision(bits):
-        parts, limit = _parts(kernel, question, from_rest), question.kappa is not None
-        found = [replace(_of_any(p.M, p.C, p.K, limit), names=p.names, turn=p.turn) for p in parts]
-    if any(part.rests for part in found if part.turn):
+        parts = _parts(kernel, question, frames)
+        found = [replace(_of_any(p.M, p.C, p.K, question.kappa is not None), part=p) for p in parts]
+    if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
     return found
 
 
-def turns(kernel: ModuleType, question: Question) -> bool:
-    """Whether some motions are coupled by a turning frame alone. Raises Unproven."""
+def framed(kernel: ModuleType, question: Question) -> bool:
+    """Whether some part is seen from a frame that turns. Raises Unproven."""
     return bool(kernel.COLUMN.get("general")) and any(part.turn for part in _parts(kernel, question, True))
 
 
-def _parts(kernel: ModuleType, question: Question, from_rest: bool) -> list[Part]:
+def _parts(kernel: ModuleType, question: Question, frames: bool) -> list[Part]:
     limit = question.kappa is not None
     own = parameters(kernel, question.own)
-    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, from_rest)
+    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, frames)
 
 
 def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:

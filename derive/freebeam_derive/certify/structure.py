@@ -51,7 +51,7 @@ def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational
     sides = [_is_nothing(X) for X in (C[0] @ right, left.T @ C[0])] if C else [True]
     tangent = bool(C) and right.shape[1] > 0 and not _is_nothing(C[0]) and all(sides)
     tangent = tangent and all(_is_nothing(left.T @ X @ right) for X in C[1:2])
-    even, most = not C or is_even(M, C, K), degree(M, C, K)
+    even, most = is_even(M, C, K), degree(M, C, K)
     return Structure(most - most % 2 if even else most, even, right.shape[1], any(sides), tangent)
 
 
@@ -92,7 +92,7 @@ def degree(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) 
 
 def is_even(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> bool:
     """Whether the determinant is known to have no odd powers of λ."""
-    if all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C):
+    if all(map(_is_nothing, C)) or (all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C)):
         return True
     like, unlike = (sum((X != 0) | (X != 0).T for X in terms).astype(bool) for terms in ((*M, *K), C))
     signs = np.zeros(len(M[0]), dtype=int)
