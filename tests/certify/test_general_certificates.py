@@ -302,9 +302,13 @@ def test_the_verifier_s_matrices_have_the_kernel_s_eigenvalues(name: str) -> Non
         )
     theirs = np.sort_complex(np.round(eigenvalues(name, load), 9))
     ours = of_matrices(M, C, K)
+    for part in data.get("parts", [])[:1]:
+        if part["frame"]:  # ω + turn stands for ω²
+            omega = -(ours**2).real - float(F(part["frame"]["turn"]))
+            ours = np.concatenate([1j * omega, -1j * omega])
     for value in theirs:
         assert np.abs(ours - value).min() < 1e-6 * max(1, abs(value)), asked
-    assert len(ours) == len(theirs)
+    assert len(np.unique(ours.round(9))) == len(np.unique(theirs.round(9)))
 
 
 def test_a_column_without_a_crossing() -> None:
@@ -351,7 +355,7 @@ def test_a_thrust_that_turns_at_once_is_becks_and_a_top_falls_at_three() -> None
     assert found == pytest.approx(float(a), rel=1e-9)
     top = proven("top")
     assert top.load is not None and top.load[0] < 3 < top.load[1]
-    assert top.square is not None and top.square[0] < 4 < top.square[1]
+    assert top.frequency is not None and top.frequency[0] < 2 < top.frequency[1]
 
 
 def test_a_proof_of_too_many_functions_is_refused_with_what_is_feasible() -> None:

@@ -31,7 +31,7 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, framed, functions_of
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
 from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
 from freebeam_derive.certify.parts import Part
@@ -98,18 +98,18 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     """Whether the signs at the separators prove stability for all P of a stretch, P > 0 where motions rest at 0."""
     start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
     separators, roots = stretch.separators, found.N + (found.between if found.damped else 0)
-    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
-    tangent = from_rest and found.tangent
+    leave_zero = bool(found.rests) and stretch.start == 0 == stretch.origin
+    tangent = leave_zero and found.tangent
     if len(separators) != roots + tangent:
         return False
     lines = [(Fraction(0), Fraction(0)), *separators]
     # positive and ascending all along the stretch
-    if not all(_ascend(lines, t, from_rest and t == 0) for t in (start, end)):
+    if not all(_ascend(lines, t, leave_zero and t == 0) for t in (start, end)):
         return False
 
     def signs(which: Bivariate, lines: Sequence[Separator]) -> list[int]:
         along = [which.along(exact(stretch.origin), exact(point), exact(slope)) for point, slope in lines]
-        if from_rest:
+        if leave_zero:
             along = [p if point else _without_powers(p) for p, (point, _) in zip(along, lines, strict=True)]
         return signs_on(along, start, end)
 
@@ -306,9 +306,9 @@ def certify(
     try:
         return _with_bits(kernel, question, near, digits, load_max, say, True)
     except Unproven:
-        if not framed(kernel, question):
+        if not from_rest(kernel, question):
             raise
-    # a top falls where all frequencies seen from rest are zero, which is no divergence
+    # a top falls where its frequencies are zero as seen from rest, which is no divergence
     return _with_bits(kernel, question, near, digits, load_max, say, False)
 
 
@@ -319,16 +319,16 @@ def _with_bits(
     digits: int,
     load_max: Fraction,
     say: Callable[[str], None],
-    frames: bool,
+    rest: bool,
 ) -> Enclosure:
-    """As `certify`; frames: two planes that rates couple are seen from one that turns."""
+    """As `certify`; rest: two planes that a turning frame couples are seen from rest."""
     bits = bits_for(functions_of(kernel, question.modes), digits)
     reason = ""
     while bits <= MOST_BITS:
         with precision(bits):
             say(f"{bits} bits")
             try:
-                return _certify(boundaries(kernel, question, bits, frames), question, near, digits, bits, load_max)
+                return _certify(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
             except Unproven as error:
                 if reason == str(error):
                     raise

@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 from flint import arb, fmpq, fmpq_mat, fmpq_poly
 
-from freebeam_derive.certify.structure import is_even, null_space
+from freebeam_derive.certify.structure import held, is_even, null_space
 
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
@@ -55,19 +55,19 @@ class Part:
         return bool(two[k] != 0 and (one * two[k] == two * one[k]).all())
 
 
-def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, frames: bool) -> list[Part]:
+def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool) -> list[Part]:
     """The parts, in the order of their names; one where damping is finite, with which frequencies may cross as they
-    are, where a part had no mass, and where not all is exact.
+    are, and where a part had no mass. Where not all is exact parts are those of names alone.
 
-    names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. frames:
-    two planes that rates alone couple are given as seen from a frame that turns.
+    names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. rest: two
+    planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl.
     """
     every = [*M, *C, *K]
     whole = Part(tuple(dict.fromkeys(names)), M, C, K)
     exact = not any(isinstance(v, arb) for X in every for v in X.flat)
-    if not exact or not (limit or is_even(M, C, K)):
+    if not (limit or is_even(M, C, K)):
         return [whole]
-    linked = np.any([(X != 0) | (X != 0).T for X in every], axis=0)
+    linked = np.any([held(X) | held(X).T for X in every], axis=0)
     groups: list[set[str]] = []
     for name in whole.names:
         own = np.array([other == name for other in names])
@@ -77,13 +77,13 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, fr
     for group in sorted(groups, key=lambda g: min(map(whole.names.index, g))):
         rows = np.flatnonzero([name in group for name in names])
         of_M, of_C, of_K = ([X[np.ix_(rows, rows)] for X in terms] for terms in (M, C, K))
-        part, own_names = (
-            Part(tuple(n for n in whole.names if n in group), of_M, of_C, of_K),
-            [names[int(i)] for i in rows],
-        )
-        for motion, each in _motions(part, own_names, limit):
-            parts.append(_seen_from_frame(motion, each) if frames and not limit else motion)
-    massless = any(all(v == 0 for X in part.M for v in X.flat) for part in parts)
+        part = Part(tuple(name for name in whole.names if name in group), of_M, of_C, of_K)
+        if not exact:
+            parts.append(part)
+            continue
+        for motion, each in _motions(part, [names[int(i)] for i in rows], limit):
+            parts.append(motion if limit else _seen_from_frame(motion, each, rest))
+    massless = any(not any(held(X).any() for X in part.M) for part in parts)
     return [whole] if massless else parts
 
 
@@ -154,10 +154,10 @@ def _place(part: Part) -> tuple[Any, ...]:
 # --- two planes that rates couple -------------------------------------------------------------------------------------
 
 
-def _seen_from_frame(part: Part, names: Sequence[str]) -> Part:
+def _seen_from_frame(part: Part, names: Sequence[str], rest: bool) -> Part:
     """Of two planes that are alike and that rates alone couple, one as seen from a frame that turns; else the part.
     names: of the rows."""
-    if not any((X != 0).any() for X in part.C):
+    if not (part.M[0] != 0).any() or not any((X != 0).any() for X in part.C):
         return part
     for planes in _pairs(list(dict.fromkeys(names))):
         one, two = ([i for of in plane for i, name in enumerate(names) if name == of] for plane in planes)
@@ -170,7 +170,7 @@ def _seen_from_frame(part: Part, names: Sequence[str]) -> Part:
         alike = all((a == d).all() and not (b != 0).any() and not (c != 0).any() for a, b, c, d in M + K)
         if alike and all((b == -c).all() and not (a != 0).any() and not (d != 0).any() for a, b, c, d in B):
             masses, stiff, rates = ([X[k] for X in terms] for terms, k in ((M, 0), (K, 0), (B, 1)))
-            return _turned(replace(part, planes=planes), masses, rates, stiff)
+            return _turned(replace(part, planes=planes), masses, rates, stiff, rest)
     return part
 
 
@@ -184,14 +184,14 @@ def _pairs(names: list[str]) -> Iterator[Planes]:
         yield from ((one, two) for two in permutations(name for name in names if name not in one))
 
 
-def _turned(part: Part, M: Powers, B: Powers, K: Powers) -> Part:
+def _turned(part: Part, M: Powers, B: Powers, K: Powers, rest: bool) -> Part:
     mass, rates = M[0], [X for X in B if (X != 0).any()]
     i, j = next(zip(*np.nonzero(mass != 0), strict=True))
     rate = B[0][i, j] / mass[i, j] / 2
     if rate < 0:  # of the other one
         one, two = part.planes or ((), ())
-        return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K)
-    whirls = len(rates) > 1 or any((X != 0).any() for X in M[1:]) or bool((B[0] != 2 * rate * mass).any())
+        return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K, rest)
+    whirls = not rest or len(rates) > 1 or any((X != 0).any() for X in M[1:]) or bool((B[0] != 2 * rate * mass).any())
     if whirls:
         rate = fmpq(_fast(mass, B[0], K[0]))
     turned = [
@@ -203,7 +203,7 @@ def _turned(part: Part, M: Powers, B: Powers, K: Powers) -> Part:
     # (w, s w) has K − s M, with K = [[0, 1], [A_0, A_1]] and M = [[1, 0], [0, M]]
     none = fmpq(0) * mass
     one = none + np.array([[fmpq(int(i == j)) for j in range(len(mass))] for i in range(len(mass))])
-    stiff = [np.block([[none, none if k else one], [A, rest]]) for k, (A, rest) in enumerate(turned)]
+    stiff = [np.block([[none, none if k else one], [A, R]]) for k, (A, R) in enumerate(turned)]
     masses = [np.block([[none if k else one, none], [none, m]]) for k, m in enumerate(M)]
     return replace(part, M=masses, K=stiff)
 
