@@ -42,9 +42,11 @@ They are interpolated here from determinants of balls, and checked:
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
-(v) Motions that leave each other alone in M, C and K (`apart`) have stretches each, to low where stability is lost, to
-    high of the others; (ii) to (iv) are of the first. Of two alike that a frame alone couples which turns at a rate c,
-    the ω of this theorem are as seen from rest, and ω ± c in the frame (`from_rest`): two pairs meet at P* there.
+(v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
+    is lost, to high of the others, but for those that are the first again (`alike`), which lose it with that; (ii) to
+    (iv) are of the first. Of two planes that are alike and that rates alone couple, x is (ω + turn)² or ω + turn
+    (`seen`): as seen from rest where a frame couples them which turns at that rate, so that two pairs meet at P*; else
+    of one sense of whirl, and of the other at −ω. Frequencies of different parts, or senses, may be one.
 (vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
     of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
@@ -473,7 +475,7 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         each = [([taken(powers, own, own) for powers in terms], list(range(len(own))))]
         if len(mine) > 1:
             each = motions(each[0][0])
-        order = sorted(_whole(parts[k]["motion"], 0, len(each) - 1) for k in mine)
+        order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
             inner, stands = each[parts[k]["motion"]]

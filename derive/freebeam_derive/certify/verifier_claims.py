@@ -93,6 +93,11 @@ class Statement:
         return None if self.square is None else roots(*self.square)
 
     @property
+    def of_one(self) -> str:
+        """Of which motions frequencies do not meet, in words."""
+        return ""
+
+    @property
     def named(self) -> str:
         """The column and its parameters."""
         return self.column + "".join(f", {name} = {said(value)}" for name, value in self.parameters.items())
@@ -112,8 +117,8 @@ class Statement:
         where = "where det K = 0"
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
-        other = "no other eigenvalue has Re = 0" if damped else "no other frequencies meet"
-        return f"{stable} {low}; {lost}, {where}; {other} up to {high}"
+        other = "eigenvalue has Re = 0" if damped else f"frequencies{self.of_one} meet"
+        return f"{stable} {low}; {lost}, {where}; no other {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
         """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
@@ -191,6 +196,10 @@ class OfForms(Statement):
     times: int = 1
     turn: fmpq | None = None
     whirls: bool = False
+
+    @property
+    def of_one(self) -> str:
+        return " of one sense of whirl" if self.whirls else " of one of these" if len(self.parts) > 1 else ""
 
     @property
     def frequency(self) -> tuple[Fraction, Fraction] | None:
