@@ -19,7 +19,7 @@ from flint import acb, acb_mat, ctx, fmpq, fmpq_mat
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import first_crossing, verifier, verifier_parts
+from freebeam_derive.certify import certificate, first_crossing, verifier, verifier_parts
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.boundary_polynomials import Question, _of_any
 from freebeam_derive.certify.parts import Part, split
@@ -295,6 +295,51 @@ def test_what_is_proven_of_random_systems_is_so_at_200_bits(seed: int, kind: str
     if found.load:
         assert growth(terms, found.load[1] * F(1000001, 1000000)) > 1e-9
     assert len(found.parts) >= (2 if "tied" in kind else 1) or not terms[1][0].any()
+
+
+def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:
+    """That of a column of coordinates alone, one a row."""
+    names = [f"q{i}" for i in range(len(terms[0][0]))]
+
+    def forms(powers: list[Any]) -> list[Data]:
+        return [
+            {"along": [], "points": [
+                [[names[i], 0, None, 0], [names[j], 0, None, 0], str(v)] for (i, j), v in np.ndenumerate(X) if v != 0
+            ]} for X in powers
+        ]  # fmt: skip
+
+    M, C, K = map(forms, terms)
+    return {
+        "format": certificate.GENERAL, "column": "drawn", "parameters": {}, "modes": 1, "alpha": "0", "beta": "0",
+        "breaks": ["0", "1"], "fields": {}, "coordinates": names, "rigid": [], "kappa": None,
+        "forms": {"M": M, "C_1": C, "C_alpha": [], "C_beta": [], "K": K}, **certificate.claimed(found),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["tied", "whirls", "tied whirls"])
+def test_certificates_of_random_systems_are_accepted_and_with_another_entry_refused_or_true(kind: str) -> None:
+    dice = np.random.default_rng(7)
+    for seed in range(3):
+        terms, _ = drawn(seed, kind)
+        found = first(terms, [f"q{i}" for i in range(len(terms[0][0]))], first_float(terms, 12), 12)
+        data = certificate_of(terms, found)
+        said = verifier.verify(data)
+        assert said.load == found.load and said.end == (found.load or (F(12),))[0]
+        for letter, k, of in (("M", 0, 0), ("K", 0, 2), ("K", 1, 2), ("C_1", 0, 1)):
+            points = data["forms"][letter][k]["points"]
+            if not points:
+                continue
+            n = int(dice.integers(len(points)))
+            unlike, other = copy.deepcopy(data), copy.deepcopy(terms)
+            (row, *_), (column_, *_), value = points[n]
+            changed = F(value) * F(int(dice.integers(800, 1200)), 1000)
+            unlike["forms"][letter][k]["points"][n][2] = str(changed)
+            other[of][k][int(row[1:]), int(column_[1:])] = fmpq(changed.numerator, changed.denominator)
+            try:
+                end = verifier.verify(unlike).end
+            except verifier.Refused:
+                continue
+            assert all(growth(other, end * F(share, 10)) < 1e-40 for share in range(10))
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -47,6 +47,13 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "alpha": _rational(question.alpha),
         "beta": _rational(question.beta),
         **(_of_any(kernel, found.question, own) if general else _of_beam(kernel, question, own)),
+        **claimed(found),
+    }
+
+
+def claimed(found: Enclosure) -> dict[str, Any]:
+    """What a certificate of a series claims, and the stretches that prove it."""
+    return {
         "kind": found.kind,
         "load": None if found.load is None else [written(v) for v in found.load],
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],

@@ -68,19 +68,20 @@ def motions(terms: Terms) -> list[tuple[Terms, list[int]]]:
         u, v = _null(f, left), _null(f, right)
         require(u.nrows() == v.nrows() == f.degree(), "the motions are not all motions")
         own = [[u * X * v.transpose() for X in powers] for powers in terms]
-        found.append((own, [next(j for j in range(v.ncols()) if v[i, j] != 0) for i in range(v.nrows())]))
+        found.append((own, [max(j for j in range(v.ncols()) if v[i, j] != 0) for i in range(v.nrows())]))
     return sorted(found, key=lambda item: _order(item[0]))
 
 
 def _null(f: fmpq_poly, A: fmpq_mat) -> fmpq_mat:
-    """The null space of f(A), as rows in echelon form."""
+    """The null space of f(A), as rows each with a last entry 1 that no other has."""
     n = A.nrows()
     one = fmpq_mat([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
     whole = 0 * A
     for factor in reversed(f.coeffs()):
         whole = A * whole + factor * one
     found, count = whole.numer_denom()[0].nullspace()
-    return fmpq_mat([[fmpq(found[i, k]) for i in range(n)] for k in range(count)]).rref()[0]
+    back = fmpq_mat([[fmpq(found[i, k]) for i in reversed(range(n))] for k in range(count)]).rref()[0]
+    return fmpq_mat([[back[k, i] for i in reversed(range(n))] for k in range(count)])
 
 
 def _order(terms: Terms) -> tuple[Any, ...]:
