@@ -22,7 +22,7 @@ import freebeam as fb
 from freebeam_derive.certify import certificate, first_crossing, verifier, verifier_parts
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.boundary_polynomials import Question, _of_any
-from freebeam_derive.certify.parts import Part, split
+from freebeam_derive.certify.parts import Part, _irreducible, split
 from tests.stated import file_of
 
 F = Fraction
@@ -376,6 +376,19 @@ def test_of_two_planes_that_whirl_the_determinant_is_one_s_at_both_senses(turn: 
         M, C, K = (sum((X * P**k for k, X in enumerate(of)), 0 * of[0]) for of in given)
         whole = (acb_mat(K - omega * omega * M) + acb(0, omega) * acb_mat(C)).det()
         assert abs(whole - p[0] * p[1]) < 1e-8 * abs(whole)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_known_to_have_no_factors_has_none(seed: int) -> None:
+    """Modulo primes, against the factors over the fractions; of a full matrix it is known."""
+    for kind in ("tied", "whirls"):
+        (M, _, K), _ = drawn(seed, kind)
+        whole = fmpq_mat(M[0].tolist()).solve(fmpq_mat(K[1].tolist())).charpoly()
+        assert not _irreducible(M[0], K[1]) or len(whole.factor()[1]) == 1
+    dice = np.random.default_rng(seed)
+    G, Y = (np.array([[fmpq(int(v), 7) for v in row] for row in dice.integers(-9, 10, (5, 5))]) for _ in range(2))
+    factors = fmpq_mat(G.tolist()).solve(fmpq_mat(Y.tolist())).charpoly().factor()[1]
+    assert _irreducible(G, Y) == (len(factors) == 1)
 
 
 def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
