@@ -338,7 +338,7 @@ def certified_load(
     load = frequency = None
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
-        frequency = _frequency(asked, enclosure.square, digits, enclosure.turn)
+        frequency = _frequency(asked, enclosure.frequency, digits)
     data, missing = None, ""
     try:
         data = certificate.write(column.kernel, enclosure) if beam is None else None
@@ -382,18 +382,11 @@ def _first(asked: _Asked, digits: int, progress: Callable[[str], None] | None) -
         raise InputError(f"not proven for {asked.column.name}, N = {asked.question.modes}: {error}") from error
 
 
-def _frequency(
-    asked: _Asked, square: tuple[Fraction, Fraction] | None, digits: int, turn: Fraction = Fraction(0)
-) -> tuple[str, str]:
-    """ω from an interval of ω², as text; zero where there is none. turn: of (ω + turn)², where it is the slower of two
-    that the turning frame makes of one."""
-    from freebeam_derive.certify.decimals import outward, roots
+def _frequency(asked: _Asked, omega: tuple[Fraction, Fraction] | None, digits: int) -> tuple[str, str]:
+    """An interval of ω as text; zero where there is none."""
+    from freebeam_derive.certify.decimals import outward
 
-    if square is None:
-        return "0", "0"
-    low, high = roots(*square)
-    low, high = sorted((abs(low - turn), abs(high - turn))) if not low < turn < high else (Fraction(0), high - low)
-    return outward(*asked.frequency((low, high)), digits + 1)
+    return ("0", "0") if omega is None else outward(*asked.frequency(omega), digits + 1)
 
 
 def certified_crossings(
@@ -435,12 +428,12 @@ def certified_crossings(
 
 def _told(asked: _Asked, c: Crossing, digits: int) -> CertifiedCrossing:
     """A crossing in the units asked in."""
-    from freebeam_derive.certify.decimals import outward
+    from freebeam_derive.certify.decimals import outward, roots
 
     return CertifiedCrossing(
         c.kind,
         outward(*asked.load(c.load), digits + 3),
-        _frequency(asked, c.square, digits),
+        _frequency(asked, None if c.square is None else roots(*c.square), digits),
         c.unstable,
         c.unstable + c.change,
         c.stability,

@@ -22,7 +22,7 @@ from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
 from freebeam_derive.certify.moments import enclosing
-from freebeam_derive.certify.numbers import Number, plain
+from freebeam_derive.certify.numbers import Number, plain, reason
 
 
 class Unproven(ArithmeticError):
@@ -359,7 +359,7 @@ def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tupl
         M, K, *parts = ([array_of(plain, X) for X in terms] for terms in (M, K, *parts))
         return M, K, parts, array_of(plain, R)
     except (AttributeError, DomainError, TypeError, ValueError) as error:
-        raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {error}") from None
+        raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {reason(error)}") from None
 
 
 def array_of(change: Callable[[Any], Any], X: Any) -> Any:

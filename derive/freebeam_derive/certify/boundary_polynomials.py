@@ -35,7 +35,7 @@ from freebeam_derive.certify.balls import (
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
 from freebeam_derive.certify.parts import Part, split
-from freebeam_derive.certify.structure import Structure, null_space, structure
+from freebeam_derive.certify.structure import Structure, null_space, of_balls, structure
 
 LARGE = 24
 """Rows from which on elimination takes less time than FLINT's characteristic polynomial."""
@@ -71,9 +71,9 @@ class Boundary:
     odd: g is of degree N too, for the determinant's degree in λ is odd. rests: how many motions rest at P = 0; tangent:
     g has the same tangents as h where these leave x = 0. none: the power of P that g was divided by. Where rests or
     none is not 0, what is said of the roots is said of P > 0. fast: polynomials in P by powers of μ, of whose roots
-    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. names,
-    turn: of a part, see `parts`, where x = (ω ± turn)². As a system of equations: h = g = 0 in the unknowns (P, x), or
-    det K = h(P, 0) = 0 in the one unknown (P,).
+    eigenvalues λ = μ/ε come where damping ε C vanishes that acts on coordinates without mass; odd then too. part: what
+    of the column it is of, see `parts`; from a frame that turns x is (ω + turn)², or ω + turn of what whirls. As a
+    system of equations: h = g = 0 in the unknowns (P, x), or det K = h(P, 0) = 0 in the one unknown (P,).
     """
 
     N: int
@@ -85,8 +85,7 @@ class Boundary:
     none: int = 0
     tangent: bool = False
     fast: tuple[arb_poly, ...] = ()
-    names: tuple[str, ...] = ()
-    turn: Fraction = Fraction(0)
+    part: Part | None = None
 
     @cached_property
     def g_without_tangents(self) -> Bivariate:
@@ -320,27 +319,28 @@ def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
         return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
 
 
-def boundaries(kernel: ModuleType, question: Question, bits: int, from_rest: bool) -> list[Boundary]:
-    """The same of each part that leaves the others alone, seen from rest where that is asked for. Raises Unproven."""
+def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool) -> list[Boundary]:
+    """The same of each part that leaves the others alone, as `parts.split` gives them. Raises Unproven."""
     if not kernel.COLUMN.get("general"):
         return [boundary(kernel, question, bits)]
     with precision(bits):
-        parts, limit = _parts(kernel, question, from_rest), question.kappa is not None
-        found = [replace(_of_any(p.M, p.C, p.K, limit), names=p.names, turn=p.turn) for p in parts]
-    if any(part.rests for part in found if part.turn):
+        parts = _parts(kernel, question, rest)
+        found = [replace(_of_any(p.M, p.C, p.K, question.kappa is not None), part=p) for p in parts]
+    if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
     return found
 
 
-def turns(kernel: ModuleType, question: Question) -> bool:
-    """Whether some motions are coupled by a turning frame alone. Raises Unproven."""
-    return bool(kernel.COLUMN.get("general")) and any(part.turn for part in _parts(kernel, question, True))
+def from_rest(kernel: ModuleType, question: Question) -> bool:
+    """Whether some part is seen from rest. Raises Unproven."""
+    parts = _parts(kernel, question, True) if kernel.COLUMN.get("general") else []
+    return any(part.turn and not part.whirls for part in parts)
 
 
-def _parts(kernel: ModuleType, question: Question, from_rest: bool) -> list[Part]:
+def _parts(kernel: ModuleType, question: Question, rest: bool) -> list[Part]:
     limit = question.kappa is not None
     own = parameters(kernel, question.own)
-    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, from_rest)
+    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, rest)
 
 
 def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
@@ -353,17 +353,19 @@ def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
     return replace(found, fast=_fast(M, C, K, fast)) if fast else found
 
 
-def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> tuple[Structure | None, int]:
-    """What holds exactly of matrices, None where not all of them are fractions; and how many eigenvalues go to infinity
-    in a limit of vanishing damping, which make g of as high a degree as h. Raises Unproven."""
-    if any(isinstance(v, arb) for powers in terms for X in powers for v in X.flat):
-        return None, 0
-    known = structure(*terms)
+def _structure(terms: tuple[list[Any], list[Any], list[Any]], limit: bool) -> tuple[Structure, int]:
+    """What holds exactly of matrices, and how many eigenvalues go to infinity in a limit of vanishing damping, which
+    make g of as high a degree as h. Raises Unproven."""
+    balls = any(isinstance(v, arb) for powers in terms for X in powers for v in X.flat)
+    of = of_balls if balls else structure
+    known = of(*terms)
     if not limit:
         return known, 0
     M, _, K = terms
-    still = structure(M, [], K).degree
+    still = of(M, [], K).degree
     fast = known.degree - still
+    if fast and balls:
+        raise Unproven("damping that vanishes acts on a coordinate without mass, beside a factor that is no fraction")
     if fast and still != 2 * (len(M[0]) - null_space(M[0]).shape[1]):
         raise Unproven("damping that vanishes acts on a coordinate that has neither mass nor stiffness")
     return replace(known, even=False, degree=still + min(fast, 1)), fast

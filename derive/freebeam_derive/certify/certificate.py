@@ -25,9 +25,10 @@ from freebeam_derive.certify.beam_stability import Evidence
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
+from freebeam_derive.certify.parts import Part
 
 FORMAT, GENERAL, ITSELF, LIST, RANGE = (f"freebeam certificate {n}" for n in (1, 2, 3, 4, 5))
-Part = tuple[Fraction, Fraction, str]
+Open = tuple[Fraction, Fraction, str]
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
@@ -46,6 +47,13 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "alpha": _rational(question.alpha),
         "beta": _rational(question.beta),
         **(_of_any(kernel, found.question, own) if general else _of_beam(kernel, question, own)),
+        **claimed(found),
+    }
+
+
+def claimed(found: Enclosure) -> dict[str, Any]:
+    """What a certificate of a series claims, and the stretches that prove it."""
+    return {
         "kind": found.kind,
         "load": None if found.load is None else [written(v) for v in found.load],
         "frequency_squared": None if found.square is None else [written(v) for v in found.square],
@@ -53,11 +61,19 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "proof": dict(found.proof),
         "stretches": _separated(found.stretches),
         **(
-            {"parts": list(map(list, found.parts)), "beside": list(map(_separated, found.beside))}
+            {
+                "parts": [_apart(part) for part in found.parts],
+                "beside": [None if of is None else _separated(of) for of in found.beside],
+            }
             if found.parts
             else {}
         ),
     }
+
+
+def _apart(part: Part) -> dict[str, Any]:
+    frame = {"planes": list(map(list, part.planes)), "turn": written(part.turn)} if part.planes else None
+    return {"names": list(part.names), "motion": part.motion, "frame": frame}
 
 
 def _separated(stretches: Sequence[Stretch]) -> list[dict[str, Any]]:
@@ -116,7 +132,7 @@ def write_list(kernel: ModuleType, question: Question, survey: Survey, found: li
 
 
 def write_range(
-    kernel: ModuleType, questions: tuple[Question, Question], name: str, pieces: list[Piece], left: list[Part]
+    kernel: ModuleType, questions: tuple[Question, Question], name: str, pieces: list[Piece], left: list[Open]
 ) -> dict[str, Any]:
     """The certificate over a range of a parameter, as a JSON object. Raises Unproven.
 

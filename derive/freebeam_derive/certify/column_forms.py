@@ -19,6 +19,7 @@ from flint import arb
 
 from freebeam_derive.certify.balls import Range, exact, parameters
 from freebeam_derive.certify.comparison_form import ORDERS
+from freebeam_derive.certify.numbers import reason
 from freebeam_derive.certify.strips import Line, NoStrips, rigid_motions
 
 PIECES = 64  # of a segment, on each of which coefficients are one ball
@@ -44,7 +45,7 @@ class ColumnForms:
             self.breaks = tuple(Fraction(v) for v in kernel.places(Fraction(1), **self._own))
             forms = kernel.forms(Fraction(1), **self._own)
         except (AttributeError, TypeError, ValueError) as error:
-            raise self.other(f"has a factor that is no fraction: {error}") from None
+            raise self.other(f"has a factor that is no fraction: {reason(error)}") from None
         if len(forms["M"]) != 1 or len(forms["K"]) != 2:
             raise self.other("has a mass that changes with the load, or a load that enters squared")
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))

@@ -19,6 +19,7 @@ from flint import acb, arb
 
 from freebeam_derive.certify.balls import Exact, array, exact, one, parameters, precision
 from freebeam_derive.certify.beam import NoSeries, Taylor
+from freebeam_derive.certify.numbers import reason
 from freebeam_derive.certify.taylor_steps import Jet, Jets, Segment, Term
 
 
@@ -72,7 +73,7 @@ class ExactSystem:
         try:
             found = tuple(places(Fraction(1), **self.own))
         except (TypeError, AttributeError, ValueError) as error:
-            raise NoSeries(f"{self.name}: its places are not to be had as fractions: {error}") from None
+            raise NoSeries(f"{self.name}: its places are not to be had as fractions: {reason(error)}") from None
         for place in found:
             if not isinstance(place, Fraction | int) or not 0 <= place <= 1:
                 raise NoSeries(f"{self.name}: the place {float(place):.6g} is no fraction from 0 to 1")
@@ -95,7 +96,9 @@ class ExactSystem:
         try:
             return self.kernel.equations(*given, **own), self.kernel.conditions(*given, **own)
         except (TypeError, AttributeError) as error:
-            raise NoSeries(f"{self.name}: a factor of its equations is not to be had as a ball: {error}") from None
+            raise NoSeries(
+                f"{self.name}: a factor of its equations is not to be had as a ball: {reason(error)}"
+            ) from None
 
     def _tables(self) -> _Tables:
         bits = flint.ctx.prec

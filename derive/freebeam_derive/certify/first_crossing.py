@@ -31,12 +31,15 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rational
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of, turns
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
+from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
+from freebeam_derive.certify.parts import Part
 
 LOWEST_BITS = 160
 MOST_BITS = 60_000
 DEEPEST = 120  # bisections of the load axis before a proof is given up
+MOST_STRETCHES = 2000  # some tens are usual; a file of so many has 2 MB at eight functions
 FAST_HALVINGS = 12  # of it where all that is asked is the sign of some determinants
 Separator = tuple[Fraction, Fraction]
 
@@ -58,8 +61,9 @@ class Stretch:
 class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
-    parts: names of motions that leave the others alone, first of those that lose stability; beside: stretches of the
-    others, up to the upper end of load. turn: the rate of a frame that couples the first; square is that of ω ± turn.
+    parts: motions that leave the others alone, first those that lose stability; beside: stretches of the others, up to
+    the upper end of load, None for one that is the first again. From a frame that turns square is an interval of
+    (ω + turn)², or of ω + turn of what whirls.
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
     no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
     motion rests, or nothing is damped.
@@ -73,9 +77,18 @@ class Enclosure:
     stretches: tuple[Stretch, ...]
     proof: Mapping[str, bool]
     above_zero: bool = False
-    parts: tuple[tuple[str, ...], ...] = ()
-    beside: tuple[tuple[Stretch, ...], ...] = ()
-    turn: Fraction = Fraction(0)
+    parts: tuple[Part, ...] = ()
+    beside: tuple[tuple[Stretch, ...] | None, ...] = ()
+
+    @property
+    def frequency(self) -> tuple[Fraction, Fraction] | None:
+        """A rational interval of ω, of the slower of two that a turning frame makes of one; None as square is."""
+        if self.square is None:
+            return None
+        turn, whirls = (self.parts[0].turn, self.parts[0].whirls) if self.parts else (Fraction(0), False)
+        low, high = self.square if whirls else roots(*self.square)
+        ends = sorted((abs(low - turn), abs(high - turn)))
+        return (Fraction(0), ends[1]) if low < turn < high else (ends[0], ends[1])
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
@@ -85,18 +98,18 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     """Whether the signs at the separators prove stability for all P of a stretch, P > 0 where motions rest at 0."""
     start, end = stretch.start - stretch.origin, stretch.end - stretch.origin
     separators, roots = stretch.separators, found.N + (found.between if found.damped else 0)
-    from_rest = bool(found.rests) and stretch.start == 0 == stretch.origin
-    tangent = from_rest and found.tangent
+    leave_zero = bool(found.rests) and stretch.start == 0 == stretch.origin
+    tangent = leave_zero and found.tangent
     if len(separators) != roots + tangent:
         return False
     lines = [(Fraction(0), Fraction(0)), *separators]
     # positive and ascending all along the stretch
-    if not all(_ascend(lines, t, from_rest and t == 0) for t in (start, end)):
+    if not all(_ascend(lines, t, leave_zero and t == 0) for t in (start, end)):
         return False
 
     def signs(which: Bivariate, lines: Sequence[Separator]) -> list[int]:
         along = [which.along(exact(stretch.origin), exact(point), exact(slope)) for point, slope in lines]
-        if from_rest:
+        if leave_zero:
             along = [p if point else _without_powers(p) for p, (point, _) in zip(along, lines, strict=True)]
         return signs_on(along, start, end)
 
@@ -192,6 +205,8 @@ def cover(
         if stretch is not None:
             done.append(stretch)
             continue
+        if len(done) == MOST_STRETCHES:
+            raise Unproven(f"stability is not shown on {MOST_STRETCHES} stretches, for frequencies stay too close")
         if depth == deepest:
             raise Unproven(f"stability could not be shown between the loads {float(a):.12g} and {float(b):.12g}")
         middle = _between(a, b)
@@ -289,11 +304,12 @@ def certify(
     """
     say = progress or (lambda _: None)
     try:
-        return _with_bits(kernel, question, near, digits, load_max, say, False)
+        return _with_bits(kernel, question, near, digits, load_max, say, True)
     except Unproven:
-        if not turns(kernel, question):
+        if not from_rest(kernel, question):
             raise
-    return _with_bits(kernel, question, near, digits, load_max, say, True)
+    # a top falls where its frequencies are zero as seen from rest, which is no divergence
+    return _with_bits(kernel, question, near, digits, load_max, say, False)
 
 
 def _with_bits(
@@ -303,16 +319,16 @@ def _with_bits(
     digits: int,
     load_max: Fraction,
     say: Callable[[str], None],
-    from_rest: bool,
+    rest: bool,
 ) -> Enclosure:
-    """As `certify`; from_rest: what a turning frame couples as it is seen from there."""
+    """As `certify`; rest: two planes that a turning frame couples are seen from rest."""
     bits = bits_for(functions_of(kernel, question.modes), digits)
     reason = ""
     while bits <= MOST_BITS:
         with precision(bits):
             say(f"{bits} bits")
             try:
-                return _certify(boundaries(kernel, question, bits, from_rest), question, near, digits, bits, load_max)
+                return _certify(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
             except Unproven as error:
                 if reason == str(error):
                     raise
@@ -334,21 +350,22 @@ def _certify(
         proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
         first, others, end = parts[0], parts[1:], load_max
         stretches = _stable(first, end)
-        found = Enclosure(question, "none", None, None, end, stretches, proof, first.above_zero, turn=first.turn)
+        found = Enclosure(question, "none", None, None, end, stretches, proof, first.above_zero)
     else:
         first, start = _place(parts, near)
         others = [part for part in parts if part is not first]
         found = _certify_near(first, question, near, start, digits, bits)
         assert found.load is not None
         end = found.load[1]
-    if not others and not first.turn:
+    if not first.part or not (others or first.part.turn):
         return found
+    every = [of.part for of in (first, *others) if of.part]
     try:
-        beside = tuple(_stable(part, end) for part in others)
+        # what is the first again loses stability with it
+        beside = tuple(None if every[0].same(of.part) else _stable(of, end) for of in others if of.part)
     except Unproven as error:
         raise Unproven(f"{error}; of motions that others leave alone") from error
-    above_zero = any(part.above_zero for part in parts)
-    return replace(found, above_zero=above_zero, parts=tuple(part.names for part in (first, *others)), beside=beside)
+    return replace(found, above_zero=any(of.above_zero for of in parts), parts=tuple(every), beside=beside)
 
 
 def _stable(part: Boundary, end: Fraction) -> tuple[Stretch, ...]:
@@ -359,12 +376,14 @@ def _stable(part: Boundary, end: Fraction) -> tuple[Stretch, ...]:
 def _place(parts: list[Boundary], near: tuple[float | Fraction, float]) -> tuple[Boundary, list[arb]]:
     """Which part has a crossing near a candidate, and where Newton's method for it starts."""
     load, omega = exact(Fraction(near[0])), arb(near[1])
-    each = [
-        (part, [load, (omega + side * exact(part.turn)) ** 2] if near[1] > 0 else [load])
-        for part in parts
-        for side in ((1, -1) if part.turn else (1,))
-        if near[1] > 0 or not part.turn  # where x = 0 is no divergence
-    ]
+    each: list[tuple[Boundary, list[arb]]] = []
+    for found in parts:
+        turn, whirls = (exact(found.part.turn), found.part.whirls) if found.part else (arb(0), False)
+        if turn == 0:
+            each.append((found, [load, omega**2] if near[1] > 0 else [load]))
+        elif near[1] > 0:  # x = 0 is no divergence there
+            seen = turn + omega, turn - omega
+            each += [(found, [load, x if whirls else x**2]) for x in seen]
     if not each:
         raise Unproven("a divergence is not one of a frame that turns")
 
@@ -438,7 +457,7 @@ def _certify_near(
             "is that the column is stable below; ask for more digits to tell them apart"
         )
     proof = {"crossing": True, "first": True, "stable_below": True, "kind": True}
-    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero, turn=found.turn)
+    return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

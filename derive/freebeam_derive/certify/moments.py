@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from flint import acb, arb, fmpq_poly
 
-from freebeam_derive.certify.numbers import Operators, exact_value
+from freebeam_derive.certify.numbers import Inexact, Operators, exact_value
 
 MOST_VALUES = 20_000
 """Of a factor in one integral; exp(−x) takes some 100 at 400 bits, √x from 0 on 1,500."""
@@ -62,7 +62,7 @@ for _name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh"):  # not finite
 
 
 def enclosing(kernel: ModuleType) -> Any:
-    """A kernel's functions of M, C and K, which enclose integrals that they sample else. TypeError is raised for places
+    """A kernel's functions of M, C and K, which enclose integrals that they sample else. Inexact is raised for places
     that are no fractions, ValueError for factors that cannot be integrated."""
 
     def along(
@@ -78,7 +78,7 @@ def enclosing(kernel: ModuleType) -> Any:
 
     def checked(places: Any) -> Any:
         if any(isinstance(place, arb) for place in places):
-            raise TypeError("a place is no fraction")
+            raise Inexact("a place is no fraction")
         return places
 
     def at(basis: Any, breaks: Any, name: str, order: int = 0, place: Any = None, side: int = 0) -> Any:

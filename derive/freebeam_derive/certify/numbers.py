@@ -8,7 +8,17 @@ from typing import Any
 
 from flint import arb, fmpq, fmpz
 
-__all__ = ["Number", "Operators", "exact_value", "plain"]
+__all__ = ["Inexact", "Number", "Operators", "exact_value", "plain", "reason"]
+
+
+class Inexact(TypeError):
+    """A number that is neither a fraction nor a ball; the message says which."""
+
+
+def reason(error: Exception) -> str:
+    """Why a kernel could not be computed in fractions or balls, in words: Python's own would name its methods."""
+    told = isinstance(error, Inexact) or not isinstance(error, AttributeError | TypeError)
+    return str(error) if told else "it is no polynomial in x, or a root or another function of a number"
 
 
 class Operators:
@@ -127,8 +137,8 @@ def exact_value(value: Any) -> fmpq | arb | None:
 
 
 def plain(value: Any) -> Any:
-    """A fraction or a ball of an entry. Raises TypeError for another number."""
+    """A fraction or a ball of an entry. Raises Inexact for another number."""
     known = exact_value(value)
     if known is None:
-        raise TypeError(f"{value!r} is a rounded number, not an exact one")
+        raise Inexact(f"{value!r} is a rounded number, not an exact one")
     return known

@@ -42,13 +42,17 @@ def _sign(beam: Beam) -> int:
     own = {name: sp.Rational(value.numerator, value.denominator) for name, value in beam.own.items()}
     if "one" in signature(beam.kernel.equation).parameters:
         own["one"] = sp.Integer(1)
-    still = {p: row for (p, r), row in beam.kernel.equation(k**2, 0, 0, **own).items() if r == 0}
+    try:
+        equation, conditions = beam.kernel.equation(k**2, 0, 0, **own), beam.kernel.end_conditions(k**2, 0, 0, **own)
+    except (AttributeError, TypeError):  # a root or another function of a number, which NumPy takes of no symbol
+        return 0
+    still = {p: row for (p, r), row in equation.items() if r == 0}
     if any(sp.simplify(v) != 0 for p, row in still.items() for v in (row if p not in (2, 4) else row[1:])):
         return 0
     if sp.simplify(still[4][0] - 1) != 0 or sp.simplify(still.get(2, (0,))[0] - k**2) != 0:
         return 0
     rows = []
-    for x, end in enumerate(beam.kernel.end_conditions(k**2, 0, 0, **own)):
+    for x, end in enumerate(conditions):
         turning = ((1, 0), (c, s))[x]  # cos kx, sin kx
         for condition in end:
             row = [sp.Integer(0)] * 4

@@ -29,6 +29,7 @@ from flint import arb, arb_mat
 
 from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, parameters, stated_exactly
 from freebeam_derive.certify.comparison_form import ORDERS, Along, Bounds, Modes, Points, bounds
+from freebeam_derive.certify.numbers import reason
 
 FLOATS = 40  # modes of the series that starts are taken from
 
@@ -216,7 +217,7 @@ class Strips:
             stated = stated or kernel.forms(Fraction(1), **held)
             mass, elastic, load = ([_kept(part) for part in stated[letter]] for letter in ("M", "E", "H"))
         except (AttributeError, TypeError, ValueError) as error:
-            raise NoStrips(f"{name}: a factor of its forms is no fraction: {error}") from None
+            raise NoStrips(f"{name}: a factor of its forms is no fraction: {reason(error)}") from None
         if mass != [{(0, 0, 0): 1}, {}] or not elastic[0].pop((0, 2, 2), 0) == 1:
             raise NoStrips(f"{name}: its mass or its bending stiffness is not that of the uniform comparison beam")
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))

@@ -1,4 +1,5 @@
-"""What holds exactly of det(λ² M + λ C + K) of fractions: balls cannot tell a zero from a small number.
+"""What holds exactly of det(λ² M + λ C + K) of fractions: balls cannot tell a zero from a small number. Of balls that
+follows from the entries that are exactly nothing (`of_balls`).
 
 A coordinate without mass lowers the degree in λ. With μ = 1/λ the determinant is λ^(2n) det(M + μ C + μ² K), and a
 matrix polynomial A(μ) whose determinant vanishes at μ = 0 has there a zero of an order that is at least the number of
@@ -51,12 +52,33 @@ def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational
     sides = [_is_nothing(X) for X in (C[0] @ right, left.T @ C[0])] if C else [True]
     tangent = bool(C) and right.shape[1] > 0 and not _is_nothing(C[0]) and all(sides)
     tangent = tangent and all(_is_nothing(left.T @ X @ right) for X in C[1:2])
-    even, most = not C or is_even(M, C, K), degree(M, C, K)
+    even, most = is_even(M, C, K), degree(M, C, K)
     return Structure(most - most % 2 if even else most, even, right.shape[1], any(sides), tangent)
 
 
-def _is_nothing(X: Rational) -> bool:
-    return not any(v != 0 for v in X.flat)
+def of_balls(M: Sequence[Any], C: Sequence[Any], K: Sequence[Any]) -> Structure:
+    """The same of matrices some of whose entries are balls, by the entries that are exactly nothing.
+
+    A row takes no higher power of λ than its matrices give it, and so does a column. A row of K that is nothing at
+    P = 0 is one of a motion that rests.
+    """
+    C = [] if all(map(_is_nothing, C)) else list(C)
+    of_M, of_C = (np.any([held(X) for X in (*terms, 0 * K[0])], axis=0) for terms in (M, C))
+    most = min(int(np.where(of_M.any(axis=k), 2, of_C.any(axis=k)).sum()) for k in (0, 1))
+    still = [~held(K[0]).any(axis=k) for k in (1, 0)]  # rows, and columns
+    rests = int(min(side.sum() for side in still))
+    sides = [not held(C[0])[still[0]].any(), not held(C[0])[:, still[1]].any()] if C else [True]
+    even = is_even(M, C, K)
+    return Structure(most - most % 2 if even else most, even, rests, any(sides))
+
+
+def held(X: Any) -> Any:
+    """Where a matrix of fractions or balls is not known to be nothing, booleans."""
+    return np.array([not v == 0 for v in X.flat], dtype=bool).reshape(X.shape)
+
+
+def _is_nothing(X: Any) -> bool:
+    return not held(X).any()
 
 
 def null_space(A: Rational) -> Rational:
@@ -92,9 +114,9 @@ def degree(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) 
 
 def is_even(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> bool:
     """Whether the determinant is known to have no odd powers of λ."""
-    if all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C):
+    if all(map(_is_nothing, C)) or (all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C)):
         return True
-    like, unlike = (sum((X != 0) | (X != 0).T for X in terms).astype(bool) for terms in ((*M, *K), C))
+    like, unlike = (np.any([held(X) | held(X).T for X in terms], axis=0) for terms in ((*M, *K), C))
     signs = np.zeros(len(M[0]), dtype=int)
     for first in range(len(signs)):
         waiting, signs[first] = ([], signs[first]) if signs[first] else ([first], 1)

@@ -42,9 +42,11 @@ They are interpolated here from determinants of balls, and checked:
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
-(v) Motions that leave each other alone in M, C and K (`apart`) have stretches each, to low where stability is lost, to
-    high of the others; (ii) to (iv) are of the first. Of two alike that a frame alone couples which turns at a rate c,
-    the ω of this theorem are as seen from rest, and ω ± c in the frame (`from_rest`): two pairs meet at P* there.
+(v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
+    is lost, to high of the others, but for those that are the first again (`alike`), which lose it with that; (ii) to
+    (iv) are of the first. Of two planes that are alike and that rates alone couple, x is (ω + turn)² or ω + turn
+    (`seen`): as seen from rest where a frame couples them which turns at that rate, so that two pairs meet at P*; else
+    of one sense of whirl, and of the other at −ω. Frequencies of different parts, or senses, may be one.
 (vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
     of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
@@ -57,7 +59,7 @@ at alpha, beta and kappa; of any other column all is proven of what is in the fi
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cache, cached_property
@@ -91,7 +93,7 @@ from freebeam_derive.certify.verifier_claims import (
     require,
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
-from freebeam_derive.certify.verifier_parts import from_rest, taken
+from freebeam_derive.certify.verifier_parts import alike, motions, seen, taken
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
@@ -449,26 +451,36 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 # --- motions that leave each other alone --------------------------------------------------------------------------
 
 
-def apart(space: Space, names: Any, W: fmpq_mat, terms: list[list[fmpq_mat]]) -> list[list[int]]:
-    """Which trial functions are of which names; each of one part, and no matrix couples two parts."""
-    parts = [_list(part, MOST_NAMES) for part in _list(names, MOST_NAMES)]
+def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], limit: bool) -> list[Part]:
+    """The parts of a file. Those of different names: each trial function is of one, and no matrix couples two. Those of
+    the same names are all that `motions` finds."""
+    parts = _list(parts, MOST_NAMES)
+    require(all(set(part) == {"names", "motion", "frame"} for part in parts), "a part is not names, motion and frame")
+    names = [_list(part["names"], MOST_NAMES) for part in parts]
+    groups = [group for k, group in enumerate(names) if group not in names[:k]]
     whole = [*space.fields, *space.coordinates]
-    listed = sorted(name for part in parts for name in part)
-    require(listed == sorted(whole) and all(parts), "the parts are not all fields and coordinates")
+    listed = sorted(name for group in groups for name in group)
+    require(listed == sorted(whole) and all(groups), "the parts are not all fields and coordinates")
     segments = len(space.breaks) - 1
-    of: list[int] = []
-    for name in whole:
-        of += [next(k for k, part in enumerate(parts) if name in part)] * (
-            space.D * segments if name in space.fields else 1
-        )
-    seen = [{of[i] for i in range(space.size) if W[i, n] != 0} for n in range(W.ncols())]
-    require(all(len(each) == 1 for each in seen), "a trial function is of two parts")
-    rows = [[n for n, each in enumerate(seen) if each == {k}] for k in range(len(parts))]
-    for k, own in enumerate(rows):
+    of = [name for name in whole for _ in range(space.D * segments if name in space.fields else 1)]
+    held = [[of[i] for i in range(space.size) if W[i, n] != 0] for n in range(W.ncols())]
+    rows = [[n for n, each in enumerate(held) if set(each) <= set(group)] for group in groups]
+    require(sum(map(len, rows)) == W.ncols(), "a trial function is of two parts")
+    found: list[Part | None] = [None] * len(parts)
+    for group, own in zip(groups, rows, strict=True):
         others = [n for n in range(W.ncols()) if n not in own]
         alone = not others or nothing(*(Y for powers in terms for Y in taken(powers, own, others)))
-        require(bool(own) and alone, f"{' and '.join(parts[k])} and the others do not leave each other alone")
-    return rows
+        require(bool(own) and alone, f"{' and '.join(group)} and the others do not leave each other alone")
+        mine = [k for k, each in enumerate(names) if each == group]
+        each = [([taken(powers, own, own) for powers in terms], list(range(len(own))))]
+        if len(mine) > 1:
+            each = motions(each[0][0])
+        order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
+        require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
+        for k in mine:
+            inner, stands = each[parts[k]["motion"]]
+            found[k] = Part.of(inner, limit, parts[k]["frame"], [held[own[n]][-1] for n in stands])
+    return [part for part in found if part]
 
 
 def _of_forms(data: dict[str, Any]) -> Read:
@@ -501,30 +513,33 @@ def _of_forms(data: dict[str, Any]) -> Read:
     split, limit, rates = "parts" in data, kappa is not None, whole[1]
     require(bool(rates) or not limit, "there is no damping that could vanish")
     require(not split or limit or degrees(*whole).even, "what is damped is not to be taken apart")
-    groups = apart(space, data["parts"], W, whole) if split else [list(range(W.ncols()))]
-    each = []
-    for rows in groups:
-        M, C, K = (taken(terms, rows, rows) for terms in whole)
-        each.append(Part.of(M, C, K, limit, split))
-    damped = any(part.damped for part in each)
+    each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(whole, limit)]
+    beside = _list(data.get("beside", []), MOST_NAMES)
+    require(len(beside) == len(each) - 1, "the stretches of each part are not there")
+    first, damped = each[0], any(part.damped for part in each)
+    again = [lines is None for lines in beside]
+    fits = all(alike(first.terms, part.terms) for part, same in zip(each[1:], again, strict=True) if same)
+    require(fits, "a part without stretches is not the first again")
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
         motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
-        above_zero=any(part.above_zero for part in each), parts=tuple(map(tuple, data.get("parts", []))),
-        turn=each[0].turn,
+        above_zero=any(part.above_zero for part in each),
+        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + sum(again),
+        turn=first.turn, whirls=first.whirls,
     )  # fmt: skip
-    require(each[0].turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
-    beside = _list(data.get("beside", []), MOST_NAMES)
-    require(len(beside) == len(each) - 1, "the stretches of each part are not there")
-    first = each[0].stretches(data["stretches"], stated.end)
-    others = [(part.system, part.stretches(lines, stated.top)) for part, lines in zip(each[1:], beside, strict=True)]
-    return stated, W.ncols(), each[0].system, first, others
+    require(first.turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
+    others = [
+        (part.system, part.stretches(lines, stated.top))
+        for part, lines in zip(each[1:], beside, strict=True)
+        if lines is not None
+    ]
+    return stated, W.ncols(), first.system, first.stretches(data["stretches"], stated.end), others
 
 
 @dataclass(frozen=True)
 class Part:
     """Motions that leave all others alone: M, C and K by powers of the load, exact. limit: of vanishing damping. turn:
-    the rate of a frame that couples two of them, of which M and K are one's as seen from rest."""
+    the rate of a frame from which one of two planes is seen that rates couple; whirls: with ω + turn in place of ω²."""
 
     M: list[fmpq_mat]
     C: list[fmpq_mat]
@@ -532,14 +547,22 @@ class Part:
     limit: bool
     known: Degrees
     fast: Fast | None
-    turn: fmpq | None
+    turn: fmpq | None = None
+    whirls: bool = False
 
     @staticmethod
-    def of(M: list[fmpq_mat], C: list[fmpq_mat], K: list[fmpq_mat], limit: bool, split: bool) -> Part:
-        """split: whether there may be others; then a frame that turns is looked for."""
-        C, turn, fast = [] if nothing(*C) else C, None, None
-        if split and C and not limit and (found := from_rest(M, C, K)):
-            (M, C, K), turn = found
+    def of(terms: list[list[fmpq_mat]], limit: bool, frame: Any = None, names: Sequence[str] = ()) -> Part:
+        """frame: of a file, or none; names: the field or coordinate that each row stands for."""
+        M, C, K = terms
+        turn, whirls, fast = None, False, None
+        C = [] if nothing(*C) else C
+        if frame is not None:
+            require(set(frame) == {"planes", "turn"} and not limit and bool(C), "a frame is none of rates")
+            planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
+            turn = exact(number(frame["turn"]))
+            require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
+            rows = [[n for name in plane for n, of in enumerate(names) if of == name] for plane in planes]
+            (M, C, K), whirls = seen([M, C, K], rows, turn)
         known = degrees(M, C, K)
         if limit:
             require(bool(C), "there is no damping that could vanish")
@@ -548,7 +571,11 @@ class Part:
                 fast = Fast.of(M, C, K, still, known.highest - still)
             known = replace(known, highest=still + (fast is not None))
         require(known.highest > 1, "no motion has a frequency")
-        return Part(M, C, K, limit, known, fast, turn)
+        return Part(M, C, K, limit, known, fast, turn, whirls)
+
+    @property
+    def terms(self) -> list[list[fmpq_mat]]:
+        return [self.M, self.C, self.K]
 
     @property
     def damped(self) -> bool:

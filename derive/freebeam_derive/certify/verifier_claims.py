@@ -93,6 +93,11 @@ class Statement:
         return None if self.square is None else roots(*self.square)
 
     @property
+    def of_one(self) -> str:
+        """Of which motions frequencies do not meet, in words."""
+        return ""
+
+    @property
     def named(self) -> str:
         """The column and its parameters."""
         return self.column + "".join(f", {name} = {said(value)}" for name, value in self.parameters.items())
@@ -112,8 +117,8 @@ class Statement:
         where = "where det K = 0"
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
-        other = "no other eigenvalue has Re = 0" if damped else "no other frequencies meet"
-        return f"{stable} {low}; {lost}, {where}; {other} up to {high}"
+        other = "eigenvalue has Re = 0" if damped else f"frequencies{self.of_one} meet"
+        return f"{stable} {low}; {lost}, {where}; no other {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
         """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
@@ -176,7 +181,7 @@ class OfForms(Statement):
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
     damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0.
+    said is said of P > 0. times: how many of the parts are the first, itself counted.
     """
 
     breaks: tuple[Fraction, ...]
@@ -188,7 +193,22 @@ class OfForms(Statement):
     above_zero: bool
     gyroscopic: bool = False
     parts: tuple[tuple[str, ...], ...] = ()
+    times: int = 1
     turn: fmpq | None = None
+    whirls: bool = False
+
+    @property
+    def of_one(self) -> str:
+        return " of one sense of whirl" if self.whirls else " of one of these" if len(self.parts) > 1 else ""
+
+    @property
+    def frequency(self) -> tuple[Fraction, Fraction] | None:
+        """As of any statement; where two planes whirl, `square` is an interval of ω + turn."""
+        if not self.whirls or self.square is None or self.turn is None:
+            return super().frequency
+        turn = Fraction(int(self.turn.p), int(self.turn.q))
+        low, high = (v - turn for v in self.square)
+        return (low, high) if low > 0 else (-high, -low) if high < 0 else (Fraction(0), max(-low, high))
 
     def __str__(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
@@ -200,8 +220,12 @@ class OfForms(Statement):
         if self.kappa is not None:
             of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
         if len(self.parts) > 1:
-            of += f", {' and '.join(map('-'.join, self.parts))} leaving each other alone"
-        if self.turn is not None:
+            named = {names: self.parts.count(names) for names in self.parts}
+            each = (f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
+            of += f", {' and '.join(each)} leaving each other alone"
+        if self.times > 1:
+            of += f", {self.times} of them the same, of which each is lost at that load where one is"
+        if self.turn is not None and not self.whirls:
             frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
             of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
         return self.proven(what + of, self.damped, self.above_zero)
@@ -213,7 +237,8 @@ class OfForms(Statement):
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
             "kappa": _said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
-            "parts": [*map(list, self.parts)], "turn": None if self.turn is None else str(self.turn),
+            "parts": [*map(list, self.parts)], "times": self.times,
+            "turn": None if self.turn is None or self.whirls else str(self.turn),
         }  # fmt: skip
 
 

@@ -1,0 +1,436 @@
+"""Frequencies that pass through one another below a proven first loss: what all matrices leave to itself, two planes
+that whirl, and parts that are the same. Held against dense eigenvalues, of columns in floats and of systems drawn at
+random with 200 bits; certificates of these are forged."""
+
+from __future__ import annotations
+
+import copy
+import json
+import tempfile
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import acb, acb_mat, ctx, fmpq, fmpq_mat
+from scipy.linalg import eigvals
+
+import freebeam as fb
+from freebeam_derive.certify import certificate, first_crossing, verifier, verifier_parts
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.boundary_polynomials import Question, _of_any
+from freebeam_derive.certify.parts import Part, _irreducible, split
+from tests.stated import file_of
+
+F = Fraction
+Data = dict[str, Any]
+PLANES = {
+    "T": "integral(y.diff(t) ** 2 + psi.diff(t) ** 2) / 2",
+    "V": "integral(y.diff(x, 2) ** 2 + psi.diff(x, 2) ** 2) / 2",
+    "W_c": "P * integral(y.diff(x) ** 2 + psi.diff(x) ** 2) / 2",
+    "dW_nc": "follower - P * at(psi.diff(x), 1) * at(delta(psi), 1)",
+}
+TILTED = "at(y.diff(x, t), half) ** 2 + at(psi.diff(x, t), half) ** 2"
+WHIRLS = (
+    " - c * at(psi.diff(x, t), half) * at(delta(y).diff(x), half)"
+    " + c * at(y.diff(x, t), half) * at(delta(psi).diff(x), half)"
+)
+COLUMNS: dict[str, tuple[dict[str, str], int, int]] = {  # changes, N, the number of parts
+    "two planes": (PLANES, 3, 2),
+    "two planes and a spring between": (
+        PLANES | {"V": PLANES["V"] + " + k * (at(y, 1) - at(psi, 1)) ** 2 / 2", "parameters": "(own(k, 5.0),)"}, 3, 2,
+    ),
+    "a disc that spins": (
+        PLANES
+        | {"T": f"{PLANES['T']} + ({TILTED}) / 40", "dW_nc": PLANES["dW_nc"] + WHIRLS, "parameters": "(own(c, 0.02),)"},
+        2, 1,
+    ),
+    "a spring at mid-span": (
+        {"dW_nc": "0", "V": "V + k * at(y, half) ** 2 / 2", "ends": '("pinned", "pinned")',
+         "parameters": "(own(k, 600.0),)"},
+        3, 3,
+    ),
+}  # fmt: skip
+
+
+@cache
+def column(name: str) -> fb.Column:
+    with tempfile.TemporaryDirectory() as folder:
+        return fb.column(file_of(Path(folder), name, COLUMNS[name][0]))
+
+
+@cache
+def proven(name: str) -> fb.Certified:
+    return fb.certified_load(column(name), COLUMNS[name][1], digits=12)
+
+
+def written(name: str) -> Data:
+    data: Data = json.loads(json.dumps(proven(name).certificate))
+    return data
+
+
+def rates(name: str, load: float) -> Any:
+    """All eigenvalues λ, in floats."""
+    M, C, K = column(name).coefficients(COLUMNS[name][1], False, 0.0, 0.0).at(load)
+    one, none = np.eye(len(K)), 0 * K
+    return eigvals(np.block([[none, one], [-K, -C]]), np.block([[one, none], [none, M]]))
+
+
+@pytest.mark.parametrize("name", COLUMNS)
+def test_frequencies_pass_and_the_first_loss_is_that_of_a_dense_scan(name: str) -> None:
+    found, said = proven(name), verifier.verify(written(name))
+    assert found.load is not None and found.frequency is not None and isinstance(said, verifier.OfForms)
+    load = float(found.load[0])
+    for share in np.linspace(0, 0.9999, 200):
+        values = rates(name, share * load)
+        assert values.real.max() < 1e-5 * abs(values).max()  # the root of rounding, where frequencies are one
+    above = rates(name, 1.001 * load)
+    assert above.real.max() > 1e-3
+    if found.kind == "flutter":
+        assert abs(above[above.real.argmax()].imag) == pytest.approx(float(found.frequency[0]), rel=1e-2)
+    assert len(said.parts) == (COLUMNS[name][2] if COLUMNS[name][2] > 1 else 1) and said.load is not None
+    assert said.times == (2 if name == "two planes" else 1) == said.record()["times"]
+    assert said.whirls == (name == "a disc that spins")
+    if said.frequency is not None:
+        assert float(said.frequency[0]) == pytest.approx(float(found.frequency[0]), rel=1e-9)
+
+
+def test_two_planes_are_lost_where_one_is_and_a_spring_between_them_leaves_their_sum_alone() -> None:
+    """All at the load of a plane alone, Beck's of as many polynomials."""
+    alone = fb.certified_load(fb.column("beck", "legendre"), 3, digits=12).load
+    assert alone is not None
+    for name in ("two planes", "two planes and a spring between"):
+        load = proven(name).load
+        assert load is not None and max(F(load[0]), F(alone[0])) < min(F(load[1]), F(alone[1]))
+
+
+def test_in_a_disc_that_spins_forward_and_backward_whirl_pass_each_other() -> None:
+    """What no proof of all in one determinant takes: at some load a forward and a backward frequency are one."""
+    name = "a disc that spins"
+    load = float((proven(name).load or ("0",))[0])
+    orders = set()
+    for share in np.linspace(0, 0.999, 300):
+        M, C, K = column(name).coefficients(2, False, 0.0, 0.0).at(share * load)
+        n = len(M) // 2
+        m, b, k = M[:n, :n], C[:n, n:], K[:n, :n]
+        omega = eigvals(np.block([[k, -b], [0 * k, np.eye(n)]]), np.block([[0 * k, m], [np.eye(n), 0 * k]])).real
+        orders.add(tuple(np.sign(omega[np.argsort(abs(omega))])))
+    assert len(orders) > 1
+
+
+# --- forgeries ----------------------------------------------------------------------------------------------------
+
+
+def refused(data: Data, match: str | None = None) -> None:
+    with pytest.raises(verifier.Refused, match=match):
+        verifier.verify(data)
+
+
+def test_forged_motions_are_refused() -> None:
+    data = written("two planes and a spring between")
+    one, other = data["parts"]
+    assert one["names"] == other["names"] == ["y", "psi"] and {one["motion"], other["motion"]} == {0, 1}
+    for parts in ([other, one], [one, one], [one], [one, other, other], [one, other | {"motion": 2}]):
+        refused(data | {"parts": parts})
+    refused(data | {"parts": [one], "beside": []})
+    refused(data | {"parts": [one, other | {"names": ["psi"]}]})
+    refused(data | {"beside": [None]}, "not the first again")
+    refused(data | {"beside": [data["stretches"]]})
+    short = data["beside"][0][-1] | {"end": data["load"][0]}
+    refused(data | {"beside": [[*data["beside"][0][:-1], short]]}, "not shown up to the load")
+    for letter, power in (("M", 0), ("K", 0), ("K", 1)):  # of one plane alone: the sum is not left to itself
+        for n, term in enumerate(data["forms"][letter][power]["along"]):
+            unlike = copy.deepcopy(data)
+            unlike["forms"][letter][power]["along"][n][5] = [str(F(term[5][0]) * F(1000001, 1000000))]
+            refused(unlike, "not all of the motions|do not leave each other alone")
+    stiffer = copy.deepcopy(data)  # of both alike, by more than the interval of loads
+    for term in stiffer["forms"]["K"][0]["along"]:
+        term[5] = [str(F(term[5][0]) * F(1001, 1000))]
+    refused(stiffer)
+    damped = copy.deepcopy(data)
+    damped["forms"]["C_1"] = [{"along": [[0, name, 0, name, 0, ["1"]] for name in ("y", "psi")], "points": []}]
+    refused(damped, "not to be taken apart")
+
+
+def test_a_part_that_is_not_the_first_again_needs_stretches_of_its_own() -> None:
+    data = written("two planes")
+    assert data["beside"] == [None]
+    for factor in ("1000001/1000000", "9/10", "2"):
+        unlike = copy.deepcopy(data)
+        for term in unlike["forms"]["K"][0]["along"]:
+            if term[1] == "psi":
+                term[5] = [str(F(term[5][0]) * F(factor))]
+        refused(unlike, "not the first again")
+    refused(data | {"beside": []})
+    refused(data | {"beside": [None, None]})
+
+
+def test_forged_whirls_are_refused() -> None:
+    data = written("a disc that spins")
+    frame = data["parts"][0]["frame"]
+    turn = F(frame["turn"])
+    for other in (None, *(frame | {"turn": str(v)} for v in (turn / 1024, turn + 1, -turn, 0))):
+        refused(data | {"parts": [data["parts"][0] | {"frame": other}]})
+    refused(data | {"parts": [data["parts"][0] | {"frame": frame | {"planes": [["y"], ["y"]]}}]})
+    refused(data | {"frequency_squared": [str(2 * turn - F(v)) for v in data["frequency_squared"][::-1]]})
+    refused(data | {"kind": "divergence", "frequency_squared": None})
+    for letter, power, kind in (("M", 0, "along"), ("K", 0, "along"), ("K", 1, "points"), ("C_1", 0, "points")):
+        terms = data["forms"][letter][power][kind]
+        unlike = copy.deepcopy(data)
+        last = terms[0][5] if kind == "along" else [terms[0][2]]
+        unlike["forms"][letter][power][kind][0][-1] = (
+            [str(F(last[0]) * F(999999, 1000000))] if kind == "along" else str(F(last[0]) * F(999999, 1000000))
+        )
+        refused(unlike, "two planes are not")
+
+
+# --- matrices drawn at random ---------------------------------------------------------------------------------------
+
+Terms = tuple[list[Any], list[Any], list[Any]]
+ONE, TURN, TIED = [[1, 0], [0, 1]], [[0, 1], [-1, 0]], [[1, -1], [-1, 1]]
+
+
+def drawn(seed: int, kind: str) -> tuple[Terms, list[str]]:
+    """M, C, K by powers of the load of systems with a symmetry, some in coordinates that hide it, with names."""
+    dice = np.random.default_rng(seed)
+    m = 1 + seed % 2
+
+    def matrix() -> Any:
+        return np.array([[fmpq(int(v)) for v in row] for row in dice.integers(-3, 4, (m, m))])
+
+    def positive() -> Any:
+        half = matrix()
+        return half @ half.T + 2 * np.array([[fmpq(int(i == j)) for j in range(m)] for i in range(m)])
+
+    def of(pattern: Any, X: Any) -> Any:
+        return np.kron(np.array([[fmpq(v) for v in row] for row in pattern]), X)
+
+    mass, stiff, load, tie, B = positive(), 3 * positive(), matrix(), positive(), matrix()
+    M, C, K = [of(ONE, mass)], [of(TURN, B + B.T)], [of(ONE, stiff), of(ONE, load)]
+    names = [name for name in ("a", "b") for _ in range(m)]
+    if kind == "tied":
+        C, K[0] = [0 * M[0]], K[0] + of(TIED, tie)
+        for _ in range(4 * (seed % 3)):
+            T = np.array([[fmpq(int(i == j)) for j in range(2 * m)] for i in range(2 * m)])
+            i, j = dice.permutation(2 * m)[:2]
+            T[i, j] = fmpq(int(dice.integers(-2, 3)))
+            M, C, K = ([T.T @ X @ T for X in terms] for terms in (M, C, K))
+    if kind == "tied whirls":
+        M, C, K = ([of(ONE, X) for X in terms] for terms in (M, C, K))
+        K[0] = K[0] + of(TIED, of(ONE, tie))
+        names = [name for name in ("a", "b", "c", "d") for _ in range(m)]
+    return (M, C, K), names
+
+
+def at(terms: Terms, P: fmpq, rate: fmpq) -> Any:
+    """K + λ C + λ² M, exactly."""
+    return sum(X * P**k * rate**p for of, p in zip(terms, (2, 1, 0), strict=True) for k, X in enumerate(of))
+
+
+def determinant(X: Any) -> fmpq:
+    found: fmpq = fmpq_mat(X.tolist()).det()
+    return found
+
+
+def growth(terms: Terms, P: Fraction) -> float:
+    """The largest Re λ, from the exact characteristic polynomial by its factors, with 200 bits."""
+    load, n = fmpq(P.numerator, P.denominator), len(terms[0][0])
+    M, C, K = (sum((X * load**k for k, X in enumerate(of)), 0 * of[0]) for of in terms)
+    inverse = fmpq_mat(M.tolist()).inv()
+    lower = [np.array((inverse * fmpq_mat((-X).tolist())).tolist()) for X in (K, C)]
+    one = np.array([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
+    whole = fmpq_mat(np.block([[0 * one, one], lower]).tolist()).charpoly()
+    with ctx.workprec(200):
+        return max(float(z.real.mid()) for f, _ in whole.factor()[1] for z, _ in f.numer().complex_roots())
+
+
+def first_float(terms: Terms, top: int) -> tuple[float, float] | None:
+    """The first load at which something grows, and its frequency, in floats."""
+    M, C, K = ([X.astype(float) for X in of] for of in terms)
+
+    def of_load(P: float) -> Any:
+        m, c, k = (sum(P**j * X for j, X in enumerate(X)) for X in (M, C, K))
+        inverse, one = np.linalg.inv(m), np.eye(len(m))
+        return np.linalg.eigvals(np.block([[0 * one, one], [-inverse @ k, -inverse @ c]]))
+
+    low = 0.0
+    for high in np.linspace(0, top, 801)[1:]:
+        if of_load(high).real.max() > 1e-4:
+            for _ in range(50):
+                middle = (low + high) / 2
+                low, high = (low, middle) if of_load(middle).real.max() > 1e-6 else (middle, high)
+            values = of_load(high)
+            omega = abs(values[values.real.argmax()].imag)
+            return float(high), float(omega) if omega > 1e-3 else 0.0
+        low = high
+    return None
+
+
+def first(terms: Terms, names: list[str], near: tuple[float, float] | None, top: int) -> first_crossing.Enclosure:
+    bits = first_crossing.bits_for(len(names), 12)
+    for rest in (True, False):
+        parts = split(*terms, names, False, rest)
+        try:
+            with precision(bits):
+                found = [replace(_of_any(p.M, p.C, p.K, False), part=p) for p in parts]
+                return first_crossing._certify(found, Question(1), near, 12, bits, F(top))
+        except Unproven as error:
+            reason = error
+    raise reason
+
+
+@pytest.mark.parametrize("kind", ["tied", "whirls", "tied whirls"])
+@pytest.mark.parametrize("seed", range(4))
+def test_what_is_proven_of_random_systems_is_so_at_200_bits(seed: int, kind: str) -> None:
+    terms, names = drawn(seed, kind)
+    top = 12
+    found = first(terms, names, first_float(terms, top), top)
+    low = found.load[0] if found.load else F(top)
+    for k in range(12):
+        assert growth(terms, round(low * 1000 * k / 12) / F(1000)) < 1e-40
+    assert growth(terms, low * F(999999, 1000000)) < 1e-40
+    if found.load:
+        assert growth(terms, found.load[1] * F(1000001, 1000000)) > 1e-9
+    assert len(found.parts) >= (2 if "tied" in kind else 1) or not terms[1][0].any()
+
+
+def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:
+    """That of a column of coordinates alone, one a row."""
+    names = [f"q{i}" for i in range(len(terms[0][0]))]
+
+    def forms(powers: list[Any]) -> list[Data]:
+        return [
+            {"along": [], "points": [
+                [[names[i], 0, None, 0], [names[j], 0, None, 0], str(v)] for (i, j), v in np.ndenumerate(X) if v != 0
+            ]} for X in powers
+        ]  # fmt: skip
+
+    M, C, K = map(forms, terms)
+    return {
+        "format": certificate.GENERAL, "column": "drawn", "parameters": {}, "modes": 1, "alpha": "0", "beta": "0",
+        "breaks": ["0", "1"], "fields": {}, "coordinates": names, "rigid": [], "kappa": None,
+        "forms": {"M": M, "C_1": C, "C_alpha": [], "C_beta": [], "K": K}, **certificate.claimed(found),
+    }  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", ["tied", "whirls", "tied whirls"])
+def test_certificates_of_random_systems_are_accepted_and_with_another_entry_refused_or_true(kind: str) -> None:
+    dice = np.random.default_rng(7)
+    for seed in range(3):
+        terms, _ = drawn(seed, kind)
+        found = first(terms, [f"q{i}" for i in range(len(terms[0][0]))], first_float(terms, 12), 12)
+        data = certificate_of(terms, found)
+        said = verifier.verify(data)
+        assert said.load == found.load and said.end == (found.load or (F(12),))[0]
+        for letter, k, of in (("M", 0, 0), ("K", 0, 2), ("K", 1, 2), ("C_1", 0, 1)):
+            points = data["forms"][letter][k]["points"]
+            if not points:
+                continue
+            n = int(dice.integers(len(points)))
+            unlike, other = copy.deepcopy(data), copy.deepcopy(terms)
+            (row, *_), (column_, *_), value = points[n]
+            changed = F(value) * F(int(dice.integers(800, 1200)), 1000)
+            unlike["forms"][letter][k]["points"][n][2] = str(changed)
+            other[of][k][int(row[1:]), int(column_[1:])] = fmpq(changed.numerator, changed.denominator)
+            try:
+                end = verifier.verify(unlike).end
+            except verifier.Refused:
+                continue
+            assert all(growth(other, end * F(share, 10)) < 1e-40 for share in range(10))
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_parts_of_prover_and_verifier_have_the_determinant_of_all_in_one_order(seed: int) -> None:
+    terms, names = drawn(seed, "tied")
+    ours = [(p.M, p.C, p.K) for p in split(*terms, names, False, False)]
+    theirs = [of for of, _ in verifier_parts.motions([[fmpq_mat(X.tolist()) for X in of] for of in terms])]
+    assert len(ours) == len(theirs) > 1 or (len(ours) == 2 and len(theirs) >= 1)  # names may tell them apart
+    quotients: list[set[fmpq]] = [set() for _ in range(len(ours) + 1)]
+    for P, rate in ((fmpq(1, 3), fmpq(2, 7)), (fmpq(-2), fmpq(5)), (fmpq(4, 9), fmpq(-1, 2))):
+        each = [determinant(at(of, P, rate)) for of in ours]
+        whole = fmpq(1)
+        for k, (value, of) in enumerate(zip(each, theirs, strict=True)):
+            whole *= value
+            again = tuple([np.array(X.tolist()) for X in powers] for powers in of)
+            quotients[k].add(value / determinant(at(again, P, rate)))  # type: ignore[arg-type]
+        quotients[-1].add(whole / determinant(at(terms, P, rate)))
+    assert all(len(of) == 1 for of in quotients)
+
+
+@pytest.mark.parametrize("turn", [fmpq(3, 2), fmpq(7)])
+def test_of_two_planes_that_whirl_the_determinant_is_one_s_at_both_senses(turn: fmpq) -> None:
+    """det(K − ω² M + iωC) = p(ω) p(−ω), p(ω) = det(A − (turn + ω) B) of the matrices A and B as seen from the frame."""
+    terms, _ = drawn(3, "whirls")
+    given = [[fmpq_mat(X.tolist()) for X in of] for of in terms]
+    (B, _, A), whirls = verifier_parts.seen(given, [[0, 1], [2, 3]], turn)
+    assert whirls
+    P = fmpq(2, 5)
+    for omega in (fmpq(1), fmpq(-3, 4), fmpq(6)):
+        p = [
+            (A[0] + P * A[1] - (turn + side * omega) * (B[0] + P * (0 * B[0] if len(B) < 2 else B[1]))).det()
+            for side in (1, -1)
+        ]
+        M, C, K = (sum((X * P**k for k, X in enumerate(of)), 0 * of[0]) for of in given)
+        whole = (acb_mat(K - omega * omega * M) + acb(0, omega) * acb_mat(C)).det()
+        assert abs(whole - p[0] * p[1]) < 1e-8 * abs(whole)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_what_is_known_to_have_no_factors_has_none(seed: int) -> None:
+    """Modulo primes, against the factors over the fractions; of a full matrix it is known."""
+    for kind in ("tied", "whirls"):
+        (M, _, K), _ = drawn(seed, kind)
+        whole = fmpq_mat(M[0].tolist()).solve(fmpq_mat(K[1].tolist())).charpoly()
+        assert not _irreducible(M[0], K[1]) or len(whole.factor()[1]) == 1
+    dice = np.random.default_rng(seed)
+    G, Y = (np.array([[fmpq(int(v), 7) for v in row] for row in dice.integers(-9, 10, (5, 5))]) for _ in range(2))
+    factors = fmpq_mat(G.tolist()).solve(fmpq_mat(Y.tolist())).charpoly().factor()[1]
+    assert _irreducible(G, Y) == (len(factors) == 1)
+
+
+def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
+    """K = [[6 − P, 0], [1, 2]]: at P = 4 one frequency is double with one mode, and a motion grows with time there."""
+    M, K = [[1, 0], [0, 1]], [[[6, 0], [1, 2]], [[-1, 0], [0, 0]]]
+    of_M, of_C, of_K = (
+        [np.array([[fmpq(v) for v in row] for row in X]) for X in of] for of in ([M], [[[0, 0], [0, 0]]], K)
+    )
+    assert len(split(of_M, of_C, of_K, ["p", "q"], False, True)) == 1
+    with pytest.raises(Unproven, match=r"stability could not be shown|not known to be stable"):
+        first((of_M, of_C, of_K), ["p", "q"], None, 5)
+    assert first((of_M, of_C, of_K), ["p", "q"], None, 3).kind == "none"
+    assert len(split(of_M, of_C, [np.diag(np.diag(X)) for X in of_K], ["p", "q"], False, True)) == 2
+
+
+def test_parts_are_the_same_but_for_one_factor() -> None:
+    terms, _ = drawn(1, "whirls")
+    one = Part(("a",), *terms)
+    for factor, again in ((fmpq(3), True), (fmpq(-1, 2), True)):
+        assert one.same(Part(("b",), *([factor * X for X in of] for of in terms))) == again
+    for k in range(3):
+        other = [[2 * X for X in of] if j == k else of for j, of in enumerate(terms)]
+        assert one.same(Part(("b",), *other)) == (not any(X.any() for X in terms[k]))
+    assert not one.same(Part(("b",), terms[0], terms[1], terms[2][:1]))
+    assert not one.same(Part(("b",), *([X[:1, :1] for X in of] for of in terms)))
+
+
+# --- factors that are no fractions ------------------------------------------------------------------------------------
+
+
+def test_with_a_factor_in_balls_what_is_exactly_nothing_is_still_known(tmp_path: Path) -> None:
+    """A thrust that turns at once, a coordinate without mass, is the follower force."""
+    stiff = {"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}
+    at_once = {"dW_nc": "-P * q * at(delta(y), 1) - (c * q.diff(t) + q - at(y.diff(x), 1)) * delta(q)",
+               "parameters": "(own(c, 0),)"}  # fmt: skip
+    loads = [fb.certified_load(fb.column(file_of(tmp_path, "s", stiff | more)), 2, digits=10) for more in ({}, at_once)]
+    (a, b), (c, d) = (tuple(map(F, of.load or ("1", "0"))) for of in loads)
+    assert max(a, c) < min(b, d) and all(of.certificate is None for of in loads)
+
+
+def test_refusals_name_what_is_not_supported(tmp_path: Path) -> None:
+    for changes in ({"V": "integral(exp(-x) * y.diff(x, 2) ** 2) / 2"}, {"V": "V + sqrt(2) * at(y, 1) ** 2 / 2"}):
+        found = fb.exact_load(fb.column(file_of(tmp_path, "sample", changes)), digits=6)
+        assert not found.proof["first"] and "no fraction" in found.missing
+        assert not any(word in found.missing for word in ("module", "attribute", "ufunc", "callable"))
