@@ -101,9 +101,10 @@ def exact_range(
     Raises InputError for bad values, for a column or a parameter that is not served, and where nothing is proven.
     """
     from freebeam_derive.certify.balls import Range
+    from freebeam_derive.certify.beam_ranges import OverSystem
     from freebeam_derive.certify.certificate import write_range
     from freebeam_derive.certify.decimals import shown
-    from freebeam_derive.certify.parameter_series import OverEquation
+    from freebeam_derive.certify.uniform import uniform
 
     digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
     (start, first), (end, last) = (proofs.rational(parameter, value) for value in (low, high))
@@ -127,9 +128,10 @@ def exact_range(
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
     certificate = None
-    if not column.general and not isinstance(_over(asked, parameter, Range(start, end)), OverEquation):
+    kernel: Any = uniform(column.kernel) if column.general else column.kernel
+    if kernel is not None and not isinstance(_over(asked, parameter, Range(start, end)), OverSystem):
         ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
-        certificate = write_range(column.kernel, ends, parameter, pieces, left)
+        certificate = write_range(kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,

@@ -299,7 +299,6 @@ def over_range(data: dict[str, Any]) -> tuple[OverRange, tuple[Forms, Forms]]:
         require(a == reached < b, "the pieces leave a gap, or lie on one another")
         reached = b
     require(reached == high, "the pieces leave a gap, or lie on one another")
-    require(one.damping == other.damping or forms == others, "the parameter changes both forms and damping")
     changed = [(d.of_E, d.of_M) for d in (one.damping, other.damping) if d is not None]
     require(len(changed) != 1, "there is damping at one end of the range alone")
     require(len({of_E > 0 for of_E, _ in changed}) <= 1, "internal damping is nothing at one end of the range alone")

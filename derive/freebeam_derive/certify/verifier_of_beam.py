@@ -26,7 +26,7 @@ from flint import arb
 
 from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify.verifier_beam_claims import Forms, OfAllCrossings, OfBeamItself, OverRange, Passing, Piece
-from freebeam_derive.certify.verifier_boxes import Between, Box
+from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Form, Statement, ball, require
 from freebeam_derive.certify.verifier_equations import Equations, Interval
@@ -118,6 +118,7 @@ def _damping(one: OfBeamItself, other: OfBeamItself, shares: Interval) -> tuple[
 
 
 ALONE = Fraction(0), Fraction(0)  # shares of one value
+HALF = Fraction(1, 2)
 
 
 # --- the first crossing --------------------------------------------------------------------------------------------
@@ -137,7 +138,7 @@ class First:
         if self.claim.square is None:
             change = self.equations.divergence(self.load)
         else:
-            found, change = self.equations.flutter(self.load, self.claim.square, self.ranged)
+            found, change = self.equations.flutter(self.load, self.claim.square)
         require(bool(change > 0), "stability is not lost there")
         return found
 
@@ -187,28 +188,30 @@ def verify_range(data: dict[str, Any]) -> OverRange:
     with flint.ctx.workprec(BITS):
         R, bounds = _rigid(stated, forms[0]), Bounds(stated.ends)
         require(R == 0 or not moves, "forms of a column with rigid motions change with the parameter")
-        ends = [_shooting(stated, each) for each in forms]
+    F = _shooting(stated, forms[0])
     for piece in stated.pieces:
         shares = (piece.low - low) / (high - low), (piece.high - low) / (high - low)
-        F = Between(ends[0], ends[1], shares) if moves else ends[0]
+        each = [{name: _sum(forms[0][name], forms[1][name], 1 - t, t) for name in "EH"} for t in shares]
+        if moves:
+            E, H, *moved = (_sum(each[0][name], each[1][name], f, HALF) for f in (HALF, -HALF) for name in "EH")
+            F = Shooting(list(stated.ends), E, H, tuple(moved))
         equations = Equations(F, R, *_damping(stated, stated.other, shares))
         with flint.ctx.workprec(BITS):
-            each = [{name: _between(forms[0][name], forms[1][name], share) for name in "EH"} for share in shares]
             above = High(bounds, piece.modes, each if moves else [forms[0]], piece.lowest)
         First(equations, above, piece, ranged=True).check(piece.stretches)
     return stated
 
 
-def _between(one: Form, other: Form, share: Fraction) -> Form:
-    """A form at a share of the way between two."""
+def _sum(one: Form, other: Form, *weights: Fraction) -> Form:
+    """One form times a weight and another times another."""
     found: list[dict[Any, Fraction]] = []
     for parts in zip(one, other, strict=True):
         total: dict[Any, Fraction] = {}
-        for part, weight in zip(parts, (1 - share, share), strict=True):
+        for part, weight in zip(parts, weights, strict=True):
             for *key, f in part:
                 total[tuple(key)] = total.get(tuple(key), Fraction(0)) + weight * f
         found.append(total)
-    along, points = ([(*key, f) for key, f in total.items()] for total in found)
+    along, points = ([(*key, f) for key, f in total.items() if f] for total in found)
     return tuple(along), tuple(points)
 
 
