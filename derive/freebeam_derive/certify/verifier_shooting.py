@@ -20,8 +20,8 @@ from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, require
 
 Table = dict[Any, list[Fraction]]  # place -> [part without load, the load's part]; then what these grow by with t
 Rows = list[arb_poly]  # for each power of s − s₀ a polynomial in p/P
-# of t, what is beyond is in the rest; at least as many as there are conditions. With 3 a piece of 10 % of a dead load, or
-# of 1 % of a weight, is refused
+# of t; what is beyond is in the rest. At least as many as there are conditions. With 3, a dead load over 10 % and a
+# weight over 1 % in one piece are refused
 POWERS = 4
 
 
@@ -52,9 +52,9 @@ class Part(NamedTuple):
         (a, b), (e, g) = (self.size, other.size), (self.rest, other.rest)
         return Part(levels, (a * b).upper(), (a * g + e * b + e * g).upper())
 
-    def short(self) -> Part:
-        """Without coefficients that are too small to matter, which go to the rest."""
-        least, rest, levels = self.size * arb(2) ** (-8 - flint.ctx.prec), self.rest, []
+    def short(self, share: arb) -> Part:
+        """Without coefficients that are below a share of the size, which go to the rest."""
+        least, rest, levels = self.size * share, self.rest, []
         for level in self.levels:
             rows: Rows = []
             for row in level:
@@ -169,10 +169,11 @@ class Whole:
             self._terms = [(d, k, [*map(ball, parts)]) for (d, k), parts in shooting.terms.items()]
             self._conditions, self._ends = shooting.conditions, dict[int, list[Part]]()
             self._theta, beyond = self._how_far(size)
+            self._share = (beyond / 1024).max(arb(2) ** (-8 - flint.ctx.prec))  # too small to matter
             norms = [(d, k, self._norm(parts)) for d, k, parts in self._terms] + [(0, 0, size)]
             self._sizes, self._tails = _majorants(norms, bits)
             self._by_p = arb_poly([0, P])
-            F = self._determinant().short()
+            F = self._determinant().short(self._share)
             self.rest = (F.rest + beyond * F.size).upper()
             J = max(row.length() for rows in F.levels for row in rows)
             K = max(map(len, F.levels))
@@ -226,7 +227,7 @@ class Whole:
             value = self._at_one(r)[d] if e else Part([[arb_poly([factorial(d)])]], arb(factorial(d)))
             f = [*map(ball, parts)]
             factor = Part([[arb_poly([a, b * self.P])] for a, b in zip(f[::2], f[1::2], strict=True)], self._norm(f))
-            total = total.plus(value.times(factor.short(), self._most))
+            total = total.plus(value.times(factor.short(self._share), self._most))
         return total
 
     def _at_one(self, r: int) -> list[Part]:
@@ -260,7 +261,7 @@ class Whole:
             for n in range(d, count):
                 levels = added(levels, a[n], arb(perm(n, d)))
             size = sum((perm(n, d) * self._sizes[r][n] for n in range(d, count)), arb(0))
-            found.append(Part(levels, size.upper(), self._tails[r][d]).short())
+            found.append(Part(levels, size.upper(), self._tails[r][d]).short(self._share))
         return found
 
 
