@@ -1,4 +1,4 @@
-"""Certificates over ranges of a parameter in the equation of motion or in a spring: true ones accepted, forgeries refused.
+"""Certificates over ranges of a parameter in the equation of motion or in a spring: accepted, and forgeries refused.
 
     PYTHONPATH=. python -m tests.certify.test_range_certificates
 
