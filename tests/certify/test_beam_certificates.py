@@ -40,6 +40,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "dead load, limit": ("beck", {"eta": "0", "kappa": 2}),
     "dead load, damped": ("beck", {"eta": "0", "beta": "0.5"}),
     "Beck, damped": ("beck", {"alpha": "0.01"}),
+    "foundation, damped": ("foundation", {"k": "100", "alpha": "0.01", "beta": "0.1"}),  # C = 0.01 E - 0.9 M
 }
 
 
@@ -338,6 +339,22 @@ def test_damping_must_be_what_the_certificate_says() -> None:
     with_alpha = certificate("Beck, damped")
     refused(with_alpha | {"load": shifted(with_alpha["load"], "1.0001")}, "no crossing in the interval")
     refused(with_alpha | {"lowest": 2}, "not known to be free|too few points")
+
+
+def test_a_motion_that_is_not_damped_without_load_is_found() -> None:
+    """C = E + c M at s₁ = 12.36; with c = −300 two motions are not damped, and F has its sign at 0 again."""
+    points = tuple(map(Fraction, (0, 400, 600)))
+    rest = verifier_signs.Stretch(Fraction(0), Fraction(0), points, None, Fraction(0))
+    for of_M, damps in ((12, True), (13, False), (300, False), (500, False)):
+        one, other = Fraction(1), Fraction(-of_M)
+        equations = Equations(Shooting(*of_kernel(beck)), 0, (one, one), (other, other), False)
+        with flint.ctx.workprec(128):
+            signs = verifier_signs.Signs(equations, arb(700))
+            if damps:
+                signs.above(equations.undamped_to, [rest])
+                continue
+            with pytest.raises(Refused, match="lowest frequency is not known to be damped"):
+                signs.above(equations.undamped_to, [rest])
 
 
 def test_the_derivative_on_a_line_is_that_of_the_values_there() -> None:

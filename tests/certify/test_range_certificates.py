@@ -36,7 +36,7 @@ CASES: dict[str, tuple[str, tuple[str, str, str], dict[str, Any]]] = {
 }
 MORE = {
     "foundation, limit": ("foundation", ("k", "100", "101"), {"kappa": "120"}),
-    "foundation, damped": ("foundation", ("k", "5", "5.1"), {"alpha": "0.01", "beta": "0.1"}),
+    "foundation, damped": ("foundation", ("k", "100", "101"), {"alpha": "0.01", "beta": "0.1"}),
     "foundation over 10 %": ("foundation", ("k", "100", "110"), {}),
     "dead load": ("beck-dead-load", ("w", "1", "1.1"), {}),
     "dead load over 10 %, damped": ("beck-dead-load", ("w", "1", "1.1"), {"beta": "0.1"}),

@@ -198,7 +198,7 @@ def column(data: dict[str, Any], of: type[OfBeamItself] = OfBeamItself, **claims
     given = {"load": None, "square": None, "load_max": None} | v.named(data) | claims
     kappa, damping = v.damping_of(data, given)
     if damping is not None:
-        require(damping.of_M >= 0 and damping.of_E >= 0, "the damping is negative")
+        require(damping.of_E > 0 or damping.of_E == 0 <= damping.of_M, "the damping is negative")
         require(damping.of_E > 0 or damping.of_M > 0, "there is no damping at all")
         require(damping.of_E > 0 or not damping.vanishing, "no internal damping is there to vanish")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")

@@ -58,6 +58,11 @@ class Equations:
     def beta(self) -> arb:
         return over(self.of_M)
 
+    @property
+    def undamped_to(self) -> Fraction:
+        """The s below which a motion at s is not damped by alpha s + beta, for any value of the range; 0 for none."""
+        return max(-self.of_M[0] / self.of_E[0], Fraction(0)) if self.of_E[0] > 0 else Fraction(0)
+
     # ---------------------------------------------------------------- their values
 
     def place(self, P: Any, x: Any) -> tuple[Any, Any]:

@@ -64,13 +64,16 @@ class High:
     def __init__(self, bounds: Bounds, modes: int, forms: list[Forms], m: int) -> None:
         self.lines, self.m = bounds.lines(modes), m
         self.norms = [(bounds.norms(modes, _unbent(each["E"])), bounds.norms(modes, each["H"])) for each in forms]
+        self._softening = [bounds.norms(modes, _softening(_unbent(each["E"]))) for each in forms]
         self.top = self.lines.line(m)
 
-    def check(self, load: Fraction, internal: bool) -> None:
+    def check(self, load: Fraction, equations: Equations) -> None:
         """Lemmas 3 to 5; with internal damping the inequality of Theorems 2 and 3."""
         rho = ball(load)
-        if internal:
-            ratio = self.lines.line(self.m + 1) / self.top - 1
+        if equations.of_E[1] > 0:
+            damped = 1 - ball(equations.undamped_to) / self.top
+            require(bool(damped > 0), "high frequencies are not known to be damped at P = 0")
+            ratio = (self.lines.line(self.m + 1) / self.top - 1) / damped
             rho = (rho * (1 + ratio * 2 / arb.pi()) * (1 + arb(2) ** -20)).upper()
         for still, loaded in self.norms:
             check_free(self.m, rho, still, loaded)
@@ -83,10 +86,11 @@ class High:
             bounds, rest = [], 1 - a * b - a * a * top
             if rest > 0:
                 bounds.append((top / rest).sqrt())
-            still, loaded = (max((pair[k].on(0) for pair in self.norms), key=float) for k in (0, 1))
+            still = max((norms.on(0) for norms in self._softening), key=float)
+            loaded = max((pair[1].on(0) for pair in self.norms), key=float)
             spare = 1 / arb(2).sqrt() - still
             if a > 0 and spare > 0:
-                bounds.append((ball(load) * loaded / spare).max(arb(1)) / a)
+                bounds.append((ball(load) * loaded / spare).max(1 - 2 * (a * b).min(arb(0))) / a)
             require(bool(bounds), "no bound of the frequency is known")
             top = min(bounds, key=float)
         upper = top.upper().fmpq()
@@ -95,6 +99,12 @@ class High:
 
 def _unbent(E: Form) -> Form:
     return tuple(t for t in E[0] if t[:3] != (0, 2, 2)), E[1]
+
+
+def _softening(T: Form) -> Form:
+    """What is not positive for itself: all but squares of a deflection or slope times a positive factor."""
+    along = tuple(t for t in T[0] if t[1] != t[2] or t[3] < 0)
+    return along, tuple(t for t in T[1] if t[:2] != t[2:4] or t[4] < 0)
 
 
 def _rigid(stated: OfBeamItself, forms: Forms) -> int:
@@ -146,7 +156,7 @@ class First:
         equations, flutter, top = self.equations, self.claim.kind == "flutter", self.load[1]
         digits = 0 if self.ranged else _bits(self.load)
         with flint.ctx.workprec(BITS):
-            self.high.check(top, equations.of_E[1] > 0)
+            self.high.check(top, equations)
             signs = Signs(equations, self.high.top)
         with flint.ctx.workprec(3 * digits + BITS):
             crossing = self.crossing()
@@ -158,6 +168,7 @@ class First:
                 signs.at_rest(list(stretches))
                 signs.static(top, [] if flutter else [self.load])
             if not equations.undamped:
+                signs.above(equations.undamped_to, list(stretches))
                 Cells(equations, top, [crossing] if flutter else []).check(self.high.highest(equations, top))
 
 
@@ -227,9 +238,10 @@ def verify_list(data: dict[str, Any]) -> OfAllCrossings:
         F = _shooting(stated, forms)
         equations = Equations(F, _rigid(stated, forms), *_damping(stated, stated, ALONE))
         high = High(Bounds(stated.ends), stated.modes, [forms], m)
-        high.check(load, equations.of_E[1] > 0)
+        high.check(load, equations)
         signs = Signs(equations, high.top)
         signs.at_rest([at_rest])
+        signs.above(equations.undamped_to, [at_rest])
     boxes = [box for passing in stated.passings if (box := _passing(equations, passing)) is not None]
     with flint.ctx.workprec(BITS):
         if any(p.kind == "touch" for p in stated.passings):
