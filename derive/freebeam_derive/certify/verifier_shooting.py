@@ -52,9 +52,9 @@ class Part(NamedTuple):
         (a, b), (e, g) = (self.size, other.size), (self.rest, other.rest)
         return Part(levels, (a * b).upper(), (a * g + e * b + e * g).upper())
 
-    def short(self, share: arb) -> Part:
-        """Without coefficients that are below a share of the size, which go to the rest."""
-        least, rest, levels = self.size * share, self.rest, []
+    def short(self, share: arb | int = 0) -> Part:
+        """Without coefficients below the precision, or below a share of the size, which go to the rest."""
+        least, rest, levels = self.size * arb(share).max(arb(2) ** (-8 - flint.ctx.prec)), self.rest, []
         for level in self.levels:
             rows: Rows = []
             for row in level:
@@ -101,6 +101,8 @@ class Shooting:
 
     moved: what E and H grow by with t, over a range of a parameter.
     """
+
+    ranged = False
 
     def __init__(self, ends: list[str], E: Form, H: Form, moved: tuple[Form, ...] = ()) -> None:
         self.ranged, none = bool(moved), [Fraction(0)] * (2 + len(moved))
@@ -169,7 +171,7 @@ class Whole:
             self._terms = [(d, k, [*map(ball, parts)]) for (d, k), parts in shooting.terms.items()]
             self._conditions, self._ends = shooting.conditions, dict[int, list[Part]]()
             self._theta, beyond = self._how_far(size)
-            self._share = (beyond / 1024).max(arb(2) ** (-8 - flint.ctx.prec))  # too small to matter
+            self._share = beyond / 1024  # too small to matter beside that
             norms = [(d, k, self._norm(parts)) for d, k, parts in self._terms] + [(0, 0, size)]
             self._sizes, self._tails = _majorants(norms, bits)
             self._by_p = arb_poly([0, P])
