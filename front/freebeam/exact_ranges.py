@@ -56,7 +56,7 @@ class ExactRange:
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
     each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider;
-    None of a column beyond the textbook's, and where the parameter stands elsewhere than in one condition at x = 1.
+    None of a column that is not uniform, or that springs alone keep from moving rigidly.
     """
 
     parameter: str
@@ -103,7 +103,6 @@ def exact_range(
     from freebeam_derive.certify.balls import Range
     from freebeam_derive.certify.certificate import write_range
     from freebeam_derive.certify.decimals import shown
-    from freebeam_derive.certify.parameter_series import OverEquation
 
     digits = count("digits", digits, 1, MOST_DIGITS, "digits of the load over a range")
     (start, first), (end, last) = (proofs.rational(parameter, value) for value in (low, high))
@@ -127,9 +126,9 @@ def exact_range(
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
     certificate = None
-    if not column.general and not isinstance(_over(asked, parameter, Range(start, end)), OverEquation):
+    if (kernel := _uniform(asked, parameter, Range(start, end))) is not None:
         ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
-        certificate = write_range(column.kernel, ends, parameter, pieces, left)
+        certificate = write_range(kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,
@@ -196,26 +195,38 @@ def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
     """The beam over a range of one of its own parameters, or the beam that a damping ranges of. Raises NoSeries."""
     from freebeam_derive.certify.beam import Beam, NoSeries
     from freebeam_derive.certify.beam_ranges import OverSystem, linear_damping, over
-    from freebeam_derive.certify.uniform import uniform
 
-    own = {**asked.own, name: values}
-    kernel: Any = asked.column.kernel
-    if asked.column.general:
-        kernel = uniform(kernel)
-        if name in asked.own and not any(asked.exact.get(n) for n in ("alpha", "beta")) and "kappa" not in asked.exact:
-            try:
-                return OverSystem(asked.column.kernel, own)
-            except NoSeries:
-                if kernel is None:
-                    raise
-        elif kernel is None:
+    own, kernel = {**asked.own, name: values}, _uniform(asked, name, values)
+    if kernel is None:
+        if not _of_system(asked, name):
             raise NoSeries(
                 f"{asked.column.name} goes beyond the uniform beam: its own parameters alone, and without damping"
             )
+        return OverSystem(asked.column.kernel, own)
     if name in asked.own:
         return over(kernel, own)
     linear_damping(beam := Beam(kernel, asked.own), "beta" if name == "kappa" else name)
     return beam
+
+
+def _of_system(asked: proofs._Asked, name: str) -> bool:
+    """Whether a range could be one of uniform parts."""
+    return name in asked.own and not any(asked.certified.dampings)
+
+
+def _uniform(asked: proofs._Asked, name: str, values: Range) -> Any:
+    """The kernel of a column that is uniform at both ends of a range; None of another, and where springs alone keep it
+    from moving rigidly, which uniform parts serve."""
+    from freebeam_derive.certify.strips import rigid_motions
+    from freebeam_derive.certify.uniform import uniform
+
+    kernel: Any = asked.column.kernel
+    if not asked.column.general:
+        return kernel
+    found = [uniform(kernel, **(asked.own | _at(asked, name, v).get("own", {}))) for v in (values.low, values.high)]
+    if None in found or (_of_system(asked, name) and rigid_motions(kernel.COLUMN["ends"])):
+        return None
+    return found[0]
 
 
 def _at(asked: proofs._Asked, name: str, value: Fraction) -> dict[str, Any]:

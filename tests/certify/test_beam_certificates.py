@@ -40,6 +40,7 @@ CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "dead load, limit": ("beck", {"eta": "0", "kappa": 2}),
     "dead load, damped": ("beck", {"eta": "0", "beta": "0.5"}),
     "Beck, damped": ("beck", {"alpha": "0.01"}),
+    "foundation, damped": ("foundation", {"k": "100", "alpha": "0.01", "beta": "0.1"}),  # C = 0.01 E - 0.9 M
 }
 
 
@@ -64,15 +65,15 @@ def bounds(ends: tuple[str, str]) -> Bounds:
 
 
 @cache
-def shooting(ends: tuple[str, ...], E: Form, H: Form) -> Shooting:
-    return Shooting(list(ends), E, H)
+def shooting(ends: tuple[str, ...], E: Form, H: Form, moved: tuple[Form, ...] = ()) -> Shooting:
+    return Shooting(list(ends), E, H, moved)
 
 
 @pytest.fixture(autouse=True)
 def computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """What follows from ends and forms alone, for all the forgeries that leave these."""
     monkeypatch.setattr(verifier_of_beam, "Bounds", bounds)
-    monkeypatch.setattr(verifier_of_beam, "Shooting", lambda ends, E, H: shooting(tuple(ends), E, H))
+    monkeypatch.setattr(verifier_of_beam, "Shooting", lambda ends, *forms: shooting(tuple(ends), *forms))
 
 
 def verify(data: Data) -> Any:
@@ -270,8 +271,8 @@ def test_what_the_polynomial_leaves_out_is_in_the_rest() -> None:
             values = []
             for one in (coarse, whole):
                 p, s = u * 20 / one.P, w * 400 / one.S
-                values.append(sum((one.C[j, k].mid() * p**j * s**k for j in range(one.C.nrows())
-                                   for k in range(one.C.ncols())), arb(0)))  # fmt: skip
+                values.append(sum((one.levels[0][j, k].mid() * p**j * s**k for j in range(one.levels[0].nrows())
+                                   for k in range(one.levels[0].ncols())), arb(0)))  # fmt: skip
             ratios.append(abs(values[0] - values[1]) / coarse.rest)
         assert all(r < 1 for r in ratios) and 0 < whole.rest < coarse.rest * arb(2) ** -200
 
@@ -296,8 +297,8 @@ def test_a_box_holds_all_that_the_rest_could_be() -> None:
 def test_coefficients_that_are_left_out_go_to_the_rest() -> None:
     tiny = arb(2) ** -200
     with flint.ctx.workprec(64):
-        part = Part([arb_poly([1, tiny]), arb_poly([tiny])], arb(1), tiny).short()
-        assert [row.length() for row in part.rows] == [1] and part.rest >= 3 * tiny
+        part = Part([[arb_poly([1, tiny]), arb_poly([tiny])], [arb_poly([tiny])]], arb(1), tiny).short()
+        assert [[row.length() for row in rows] for rows in part.levels] == [[1]] and part.rest >= 4 * tiny
 
 
 def test_both_bound_the_same_norms() -> None:
@@ -338,6 +339,22 @@ def test_damping_must_be_what_the_certificate_says() -> None:
     with_alpha = certificate("Beck, damped")
     refused(with_alpha | {"load": shifted(with_alpha["load"], "1.0001")}, "no crossing in the interval")
     refused(with_alpha | {"lowest": 2}, "not known to be free|too few points")
+
+
+def test_a_motion_that_is_not_damped_without_load_is_found() -> None:
+    """C = E + c M at s₁ = 12.36; with c = −300 two motions are not damped, and F has its sign at 0 again."""
+    points = tuple(map(Fraction, (0, 400, 600)))
+    rest = verifier_signs.Stretch(Fraction(0), Fraction(0), points, None, Fraction(0))
+    for of_M, damps in ((12, True), (13, False), (300, False), (500, False)):
+        one, other = Fraction(1), Fraction(-of_M)
+        equations = Equations(Shooting(*of_kernel(beck)), 0, (one, one), (other, other), False)
+        with flint.ctx.workprec(128):
+            signs = verifier_signs.Signs(equations, arb(700))
+            if damps:
+                signs.above(equations.undamped_to, [rest])
+                continue
+            with pytest.raises(Refused, match="lowest frequency is not known to be damped"):
+                signs.above(equations.undamped_to, [rest])
 
 
 def test_the_derivative_on_a_line_is_that_of_the_values_there() -> None:

@@ -15,6 +15,7 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from math import pi
 from types import SimpleNamespace
 from typing import Any
@@ -27,13 +28,19 @@ from flint import arb
 import freebeam as fb
 import freebeam_kernels.beck as beck
 from freebeam.proofs import enclosed_load
-from freebeam_derive.certify import beam_stability, verifier_cells, verifier_of_beam, verifier_touches
+from freebeam_derive.certify import (
+    beam_stability,
+    verifier_cells,
+    verifier_of_beam,
+    verifier_shooting,
+    verifier_touches,
+)
 from freebeam_derive.certify.balls import precision
-from freebeam_derive.certify.verifier_boxes import Between, Box
+from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_claims import Form, Refused, ball
 from freebeam_derive.certify.verifier_equations import Equations
-from freebeam_derive.certify.verifier_shooting import Shooting
+from freebeam_derive.certify.verifier_shooting import POWERS, Shooting
 from freebeam_derive.certify.verifier_signs import Signs
 from freebeam_derive.certify.verifier_touches import touches
 from tests.certify.test_beam_certificates import Data, computed_once, of_kernel, refused, shifted, verify
@@ -41,6 +48,7 @@ from tests.front.test_proofs import run
 
 __all__ = ["computed_once"]  # a fixture that each test uses
 
+F = Fraction
 LISTS: dict[str, tuple[str, dict[str, Any]]] = {
     "three": ("beck", {"eta": "0.4", "load_max": 17}),
     "none": ("beck", {"load_max": 12}),
@@ -235,7 +243,7 @@ def test_a_range_beyond_what_was_looked_at_is_refused() -> None:
     refused(data | {"forms": bent}, "the form H is not those of the column")
     refused(data | {"forms": bent, "column": "another"}, "no crossing in the interval")
     bent[1]["H"]["along"][0][3] = "-1.1"
-    refused(data | {"forms": bent, "column": "another"}, "stands elsewhere than in one condition")
+    refused(data | {"forms": bent, "column": "another"}, "no crossing in the interval")
     stated = verify(data | {"column": "another"})
     assert not stated.ours and "linear in eta between what this file says of its two ends" in str(stated)
 
@@ -311,46 +319,87 @@ def test_a_zero_next_to_s_or_frequency_zero_is_left_out_with_damping_alone(real:
     assert (found is None) == (not real)
 
 
-def test_between_two_functions_lies_that_of_each_value() -> None:
-    def at(eta: Fraction) -> Shooting:
-        ends, E, H = of_kernel(beck, eta=eta)
-        return Shooting(ends, E, H)
+def _ranged(one: tuple[list[str], Form, Form], other: tuple[list[str], Form, Form]) -> Shooting:
+    """F between two columns, t from −1 to 1."""
+    E, H, *moved = (verifier_of_beam._sum(one[k], other[k], f, F(1, 2)) for f in (F(1, 2), F(-1, 2)) for k in (1, 2))
+    return Shooting(one[0], E, H, tuple(moved))
 
-    low, high, within = Fraction(3, 10), Fraction(7, 10), Fraction(45, 100)
+
+def _beck(springs: tuple[Any, ...] = (), along: tuple[Any, ...] = (), **own: Fraction) -> tuple[list[str], Form, Form]:
+    """Beck's column on more than it stands on."""
+    ends, E, H = of_kernel(beck, **own)
+    return ends, (E[0] + along, E[1] + springs), H
+
+
+# what changes: one condition; two of them, and F with the square; the equation in several orders; all of these
+MOVED: dict[str, Any] = {
+    "end": lambda v: _beck(eta=F(3, 10) + v / 10),
+    "springs": lambda v: _beck(((1, 0, 1, 0, 9 + v), (1, 1, 1, 1, 9 - v))),
+    "equation": lambda v: _beck(along=((0, 0, 0, 100 + 5 * v), (0, 1, 1, 1 + v / 10), (1, 1, 1, v / 10))),
+    "all": lambda v: _beck(((1, 0, 1, 0, 9 + v),), ((0, 0, 0, 100 + 5 * v),), eta=F(6, 10) + v / 50),
+}
+
+
+@pytest.mark.parametrize("what", MOVED)
+def test_the_function_of_each_value_is_in_that_of_the_range(what: str) -> None:
+    """With its derivatives, and hardly more than these."""
+    column = MOVED[what]
     with precision(128):
-        whole = Box(Between(at(low), at(high), (Fraction(1, 4), Fraction(1, 2))), arb(12, 1), arb(150, 10))
-        one = Box(at(within), arb(12, 1), arb(150, 10))
-        beyond = Box(at(Fraction(6, 10)), arb(12, 1), arb(150, 10))
-        for p, s in ((arb(12), arb(150)), (arb("12.7"), arb(143))):
-            for i, j in ((0, 0), (1, 0), (0, 1), (2, 1)):
-                assert whole.value(p, s, i, j).contains(one.value(p, s, i, j))
-            assert not whole.value(p, s).overlaps(beyond.value(p, s))
-    ends, E, H = of_kernel(beck)
-    springs = [(E[0], ((1, 0, 1, 0, Fraction(k)), (1, 1, 1, 1, Fraction(k)))) for k in (1, 2)]
-    with pytest.raises(Refused, match="stands elsewhere than in one condition"):
-        Between(Shooting(ends, springs[0], H), Shooting(ends, springs[1], H), (Fraction(0), Fraction(1)))
+        over, at = _ranged(column(F(-1)), column(F(1))), (arb(12, 1), arb(150, 10))
+        box = Box(over, *at)
+        beyond = [Box(Shooting(*column(v)), *at) for v in (F(-4), F(4))]
+        for value in (F(-1), F(-1, 3), F(1, 2), F(1)):
+            one = Box(Shooting(*column(value)), *at)
+            for p, s in ((arb(12), arb(150)), (arb("12.7"), arb(143))):
+                for i, j in ((0, 0), (1, 0), (0, 1), (2, 1)):
+                    held, exact = box.value(p, s, i, j), one.value(p, s, i, j)
+                    assert held.overlaps(exact) and exact.rad() < held.rad() / 100
+                    terms = [Box(over, *at, of=n).value(p, s, i, j) * ball(value) ** n for n in range(POWERS + 1)]
+                    assert sum(terms, arb(0)).overlaps(exact)
+                assert not all(box.value(p, s).overlaps(other.value(p, s)) for other in beyond)
     with pytest.raises(ArithmeticError, match="higher order"):
-        Box(at(low), arb(12, 1), arb(0), 1).value(arb(12), arb(0), 0, 2)
+        Box(over, arb(12, 1), arb(0), 1).value(arb(12), arb(0), 0, 2)
 
 
-def test_the_equations_of_a_range_hold_those_of_each_function() -> None:
-    """At a point, as the sum that Krawczyk's test takes, for values of the parameter in the range and at its ends."""
-    still = (Fraction(0), Fraction(0))
-    low, high = (Shooting(*of_kernel(beck, eta=Fraction(eta, 10))) for eta in (6, 7))
+def test_powers_of_the_parameter_that_are_left_out_are_in_the_rest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where fewer are kept, at the ends of the range; and none is where the equation is without it."""
+    column, point = MOVED["equation"], (arb(12), arb(150))
+    rests = []
+    for powers in (1, 2, 3, 4):
+        monkeypatch.setattr(verifier_shooting, "POWERS", powers)
+        with precision(128):
+            over = _ranged(column(F(-1)), column(F(1)))
+            box, whole = Box(over, *point), over.at(arb(13), arb(150), 0)
+            for value in (F(-1), F(1)):
+                parts = [Box(over, *point, of=n).value(*point) * ball(value) ** n for n in range(len(whole.levels))]
+                exact = Box(Shooting(*column(value)), *point).value(*point)
+                missing = abs(sum((part.mid() for part in parts), arb(0)) - exact)
+                assert 0 < missing < whole.rest and box.value(*point).overlaps(exact)
+            rests.append(whole.rest)
+    assert all(10 * less < more for more, less in pairwise(rests))
     with precision(128):
-        near = arb(16, 1), arb(70, 4)
-        parts = Equations(Between(low, high, (Fraction(0), Fraction(1))), 0, still, still, False).at(
-            arb(16), arb(70), near
-        )
+        assert _ranged(MOVED["springs"](F(-1)), MOVED["springs"](F(1))).at(arb(13), arb(150), 0).rest < 1e-30
+
+
+@pytest.mark.parametrize("what", MOVED)
+def test_the_equations_of_a_range_hold_those_of_each_function(what: str) -> None:
+    """At a point, as the sum that Krawczyk's test takes, for values of the parameter in the range and at its ends; of
+    one in the equation with a damping that it changes too."""
+    column, (of_E, of_M) = MOVED[what], ((F(0), F(0)), (F(0), F(0)))
+    damped = what == "equation"
+    if damped:
+        of_E, of_M = (F(1, 100), F(1, 100)), (F(2), F(21, 10))
+    with precision(128):
+        x = arb(16), arb(13 if damped else 170)
+        ranged = Equations(_ranged(column(F(-1)), column(F(1))), 0, of_E, of_M, False)
+        near = tuple(side + abs(side) * arb(0, 1) / 100 for side in ranged.place(*x))
+        parts = ranged.at(*x, near)
         held = [sum((value[i] * weight for value, weight in parts), arb(0)) for i in (0, 1)]
-        for eta in ("0.6", "0.63", "0.7"):
-            one = Equations(Shooting(*of_kernel(beck, eta=Fraction(eta))), 0, still, still, False)
-            values = one.system(Box(one.F, *near).value, arb(16), arb(70))[0]
-            assert all(h.overlaps(v) for h, v in zip(held, values, strict=True))
-        ends = [
-            Equations(F, 0, still, still, False).system(Box(F, *near).value, arb(16), arb(70))[0] for F in (low, high)
-        ]
-        assert all(h.rad() < 0.51 * abs(u - v) for h, u, v in zip(held, *ends, strict=True))
+        for share in (F(0), F(3, 10), F(1)):
+            c_M = of_M[0] + share * (of_M[1] - of_M[0])
+            one = Equations(Shooting(*column(2 * share - 1)), 0, of_E, (c_M, c_M), False)
+            values = one.system(Box(one.F, *one.place(*x)).value, *x)[0]
+            assert all(h.overlaps(v) and v.rad() < h.rad() / 100 for h, v in zip(held, values, strict=True))
 
 
 def test_lines_are_looked_at_with_the_forms_of_both_ends_of_a_piece(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -361,12 +410,13 @@ def test_lines_are_looked_at_with_the_forms_of_both_ends_of_a_piece(monkeypatch:
     verify(data)
     of_ends = [[form["H"][1][0][-1] for form in forms] for forms in asked]
     assert of_ends == [[Fraction(p["low"]), Fraction(p["high"])] for p in data["pieces"]]
+    still = Equations(Shooting(*of_kernel(beck)), 0, (F(0), F(0)), (F(0), F(0)), False)
     forms, loaded = asked[0], [form | {"H": (form["H"][0] * 30, form["H"][1])} for form in asked[0]]
     with precision(128):
         for pair in ([forms[0], loaded[1]], [loaded[0], forms[1]]):
             with pytest.raises(Refused, match="not known to be free"):
-                high(verifier_of_beam.Bounds(("clamped", "free")), 40, pair, 1).check(Fraction(5), False)
-        high(verifier_of_beam.Bounds(("clamped", "free")), 40, forms, 1).check(Fraction(5), False)
+                high(verifier_of_beam.Bounds(("clamped", "free")), 40, pair, 1).check(Fraction(5), still)
+        high(verifier_of_beam.Bounds(("clamped", "free")), 40, forms, 1).check(Fraction(5), still)
 
 
 @pytest.mark.parametrize("kind", ["damped", "limit"])

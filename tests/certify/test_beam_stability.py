@@ -186,24 +186,54 @@ def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> N
     with precision(beam_stability.BITS):
         beam = Beam(beck)
         load = arb(20)
-        few, many = (beam_stability.strips_for(beam, load, growing)[1] for growing in (False, True))
+        few, many = (beam_stability.strips_for(beam, load, grows)[1] for grows in (None, arb(0)))
         assert few < many
-        strips, m, reach = beam_stability.strips_for(beam, load, True)
-        # sup |s'| P < R_{m} by Cauchy's estimate over the disc that is left
-        assert 2 / arb.pi() * (strips.line(m + 1) - strips.line(m)) / (reach - load) * load < strips.line(m)
+        for grows in (arb(0), arb(5000)):  # up to there motions are not damped
+            strips, m, reach = beam_stability.strips_for(beam, load, grows)
+            # sup |s'| P < R_{m} less that, by Cauchy's estimate over the disc that is left
+            slope = 2 / arb.pi() * (strips.line(m + 1) - strips.line(m)) / (reach - load)
+            assert slope * load < strips.line(m) - grows
 
 
 def test_no_crossing_is_beyond_the_highest_frequency() -> None:
     """Eigenvalues of a long series on the boundary's side of it: Re s > R_m, or none at all."""
-    for alpha, beta in ((Fraction(1, 10), NONE), (Fraction(1, 1000), HALF), (Fraction(3), HALF)):
-        beam = Beam(beck)
+    on_foundation = Beam(
+        fb.column("foundation").kernel, {"k": Fraction(100)}
+    )  # here C = alpha E + (beta − 100 alpha) M
+    for beam, alpha, beta in (
+        (Beam(beck), Fraction(1, 10), NONE),
+        (Beam(beck), Fraction(1, 1000), HALF),
+        (Beam(beck), Fraction(3), HALF),
+        (on_foundation, Fraction(1, 100), NONE),
+        (on_foundation, Fraction(1, 10), NONE),
+    ):
         with precision(beam_stability.BITS):
-            strips, m, _ = beam_stability.strips_for(beam, arb(20), True)
+            strips, m, _ = beam_stability.strips_for(beam, arb(20), arb(0))
             proof = beam_stability.Below(beam, strips, m, arb(20))
             top = proof.highest_frequency(*beam.damping(alpha, beta))
             w = top * arb("1.001")
             p, s, *_ = beam.pencil(arb(20), acb(0, w), alpha, beta)
-            assert s.real > strips.line(m) or abs(p) * strips.B.norm(arb(0)) * arb(2).sqrt() < 1
+            none = abs(p) * strips.B.norm(arb(0)) * arb(2).sqrt() < 1 and s.real < abs(s.imag)
+            assert s.real > strips.line(m) or none
+
+
+def test_what_the_foundation_has_no_damping_for_is_damped_inside() -> None:
+    """Internal damping alpha of the beam, of which a foundation has none: c_M = beta − alpha k < 0; by two routes."""
+    found = fb.exact_load(fb.column("foundation"), "0.01", "0.1", k=100, digits=10)
+    assert all(found.proof.values())
+    assert Fraction(found.load[0]) < Fraction("13.0572701169") + Fraction(1, 10**10)
+    assert Fraction("13.0572701169") - Fraction(1, 10**10) < Fraction(found.load[1])
+
+
+def test_a_motion_that_is_not_damped_without_load_is_found() -> None:
+    """Beck's lowest frequency squared is 12.36 there."""
+    beam = Beam(beck)
+    with precision(beam_stability.BITS):
+        proof = beam_stability.Below(beam, Strips(beck, {}), 3, arb(20))
+        proof.above(arb("12.3"))
+        for undamped in ("12.4", "300", "600"):
+            with pytest.raises(Unproven, match="known to damp the lowest frequency"):
+                proof.above(arb(undamped))
 
 
 def test_columns_that_are_not_served_are_named() -> None:

@@ -33,7 +33,7 @@ from freebeam_derive.certify.beam_itself import (
     VanishingDamping,
     enclose,
 )
-from freebeam_derive.certify.beam_stability import BITS, Below, Evidence, damping_factors, strips_for
+from freebeam_derive.certify.beam_stability import BITS, Below, Evidence, damping_factors, growing, strips_for
 from freebeam_derive.certify.static_touches import touches
 
 FINEST = 40  # halvings of the loads
@@ -77,8 +77,11 @@ class Survey:
             load = exact(self.load_max)
             c_E, c_M = damping_factors(self.beam, self.alpha, self.beta, self.kappa)
             undamped = self.kappa is None and self.beam.undamped(self.alpha, self.beta)
-            strips, m, reach = strips_for(self.beam, load, growing=bool(c_E > 0) and not undamped)
+            grows = growing(c_E, c_M)
+            strips, m, reach = strips_for(self.beam, load, None if undamped else grows)
             low = Below(self.beam, strips, m, load)
+            if grows is not None:
+                low.above(grows)
             at_rest = low.real_and_simple_at(Fraction(0))
             self.say("divergence")
             self._divergences(low, None if undamped else (c_E, c_M))

@@ -97,8 +97,11 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
     load, frequency = +crossing.load, +crossing.frequency
     c_E, c_M = damping_factors(beam, alpha, beta, kappa)
     undamped, flutter = kappa is None and beam.undamped(alpha, beta), crossing.kind == "flutter"
-    strips, m, reach = strips_for(beam, load, growing=bool(c_E > 0) and not undamped)
+    grows = growing(c_E, c_M)
+    strips, m, reach = strips_for(beam, load, None if undamped else grows)
     proof = Below(beam, strips, m, load)
+    if grows is not None:
+        proof.above(grows)
     if undamped:
         at = None if crossing.kind == "divergence" else frequency * frequency
         return Evidence(m, rational(reach, 60), strips.modes.count, tuple(proof.real_and_simple(at)))
@@ -118,18 +121,24 @@ def _prove(beam: Beam, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa
 
 
 def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) -> tuple[arb, arb]:
-    """c_E and c_M of C = c_E E + c_M M, in the limit α → 0⁺ per α. Raises OpenStep where one may be negative.
+    """c_E and c_M of C = c_E E + c_M M, in the limit α → 0⁺ per α. Raises OpenStep where c_E may be negative, or c_M
+    without c_E.
 
     A range, in which they are linear, is looked at in its ends.
     """
     dampings = (alpha, beta) if kappa is None else (Fraction(1), kappa)
     at_ends = [(v.low, v.high) if isinstance(v, Range) else (v,) for v in dampings]
     found = [beam.damping(*ends) for ends in product(*at_ends)]
-    if not all(c_E >= 0 and c_M >= 0 for c_E, c_M in found):
+    if not all(c_E >= 0 and (c_M >= 0 or c_E > 0) for c_E, c_M in found):
         raise OpenStep("damping: a factor of C = c_E E + c_M M is not known to be positive")
     if not (all(c_E > 0 for c_E, _ in found) or all(c_E.is_zero() for c_E, _ in found)):
         raise OpenStep("damping: internal damping is nothing at an end of the range, where the load jumps")
     return beam.damping(*dampings)
+
+
+def growing(c_E: arb, c_M: arb) -> arb | None:
+    """With internal damping, the s below which a motion at s is not damped by c_E s + c_M; None without it."""
+    return (-c_M / c_E).upper().max(arb(0)) if c_E > 0 else None
 
 
 def _prove_of_any(system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact) -> Evidence:
@@ -158,7 +167,7 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
         if not (c_E.is_zero() and c_M >= 0):
             return counted_to(beam, load, alpha, beta, known)
         try:
-            strips, least, _ = strips_for(beam, abs(exact(load)), growing=False)
+            strips, least, _ = strips_for(beam, abs(exact(load)), None)
         except Unproven as error:
             return None, str(error)
         # each of the m eigenvalues s left of line m has two λ, λ² + c_M λ + s = 0
@@ -171,15 +180,16 @@ def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequen
     return None, f"fewer than the {2 * least} lowest are known"
 
 
-def strips_for(beam: Beam, load: arb, growing: bool) -> tuple[Strips, int, arb]:
-    """The strips, m, and the load up to which they hold. growing: there is internal damping; then Cauchy's estimate
-    needs P sup |s_j'| < R_{j−1} for all j > m: see `docs/theorem.md`."""
+def strips_for(beam: Beam, load: arb, grows: arb | None) -> tuple[Strips, int, arb]:
+    """The strips, m, and the load up to which they hold. grows: with internal damping, up to which s C damps nothing;
+    then Cauchy's estimate needs P sup |s_j'| < R_{j−1} less that for all j > m: see `docs/theorem.md`."""
     failure: Unproven | None = None
-    for count in COUNTS[1:] if growing else COUNTS:
+    for count in COUNTS if grows is None else COUNTS[1:]:
         try:
             strips = Strips(beam.kernel, beam.own, count)
             for m, reach in sorted(strips.reaches(load.upper()).items()):
-                if not growing or strips.line(m + 1) / strips.line(m) - 1 < arb.pi() / 2 * (reach - load) / load:
+                R, above = strips.line(m), strips.line(m + 1)
+                if grows is None or above / R - 1 < arb.pi() / 2 * (reach - load) / load * (1 - grows / R):
                     return strips, m, reach
             failure = NoStrips("high modes are not known to stay on their side of the boundary")
         except Unproven as error:
@@ -276,6 +286,15 @@ class Below:
         if separators is None or not self._alternate(exact(P), exact(P), separators):
             raise OpenStep(f"low frequencies: not known to be real, positive and simple at the load {float(P):.6g}")
         return Stretch(P, P, separators)
+
+    def above(self, s: arb) -> None:
+        """At rest no eigenvalue is from 0 to s: all change the sign of F once, and none has done so at s."""
+        if not s > 0:
+            return
+        first, none = self.real_and_simple_at(Fraction(0)).separators[1], arb(0)
+        signs = [self.sign(none, none, value) for value in (none, s)]
+        if self.trivial or not s < exact(first) or signs[0] * signs[1] <= 0:
+            raise OpenStep("damping: it is not known to damp the lowest frequency without load")
 
     def real_and_simple_throughout(self) -> Iterator[Stretch]:
         """The same for all loads up to and with the one of the crossing."""
@@ -399,14 +418,16 @@ class Below:
             return self.R.sqrt().upper()  # Re s = ω²
         found = []
         # Re s = ω² (1 − αβ) / (1 + α² ω²) ≥ R_m from there on
-        rest = 1 - c_E * c_M - c_E * c_E * self.R
+        product = c_E * c_M
+        rest = 1 - product - c_E * c_E * self.R
         if rest > 0:
             found.append((self.R / rest).sqrt().upper())
-        # for αω ≥ 1 is Re s ≤ |Im s|, so |μ_j − s| ≥ μ_j / √2; then √2 (‖T‖ + |p| ‖B‖) < 1 with |p| ≤ P/√(1 + α²ω²)
-        spare = 1 / arb(2).sqrt() - strips.T.norm(arb(0))
+        # for αω ≥ 1 − 2 min(0, αβ) is Re s ≤ |Im s|, so |ν − s| ≥ ν / √2 for all ν > 0, such as eigenvalues with T₊;
+        # then √2 (‖T₋‖ + |p| ‖B‖) < 1 with |p| ≤ P/√(1 + α²ω²)
+        spare = 1 / arb(2).sqrt() - strips.softening.norm(arb(0))
         if spare > 0:
             ratio = self.load * strips.B.norm(arb(0)) / spare
-            found.append((ratio.max(arb(1)) / c_E).upper())
+            found.append((ratio.max(1 - 2 * product.min(arb(0))) / c_E).upper())
         if not found:
             raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")
         return min(found, key=float)

@@ -228,6 +228,7 @@ class Strips:
         self.modes = modes_of(self.kinds, count, flint.ctx.prec)
         self.count = count
         self.T, self.B = (Form(self.modes, *(_balls(part) for part in form)) for form in (elastic, load))
+        self._elastic = elastic
 
     def _rigid_rest(self, name: str, elastic: list[Any], load: list[Any]) -> None:
         """That the rigid motions have s = 0 alone, each once, at every load: their own forms are nilpotent.
@@ -244,6 +245,16 @@ class Strips:
                 raise NoStrips(f"{name}: its rigid motions feel the load or springs")
             if form is elastic and any(v != 0 for row in X for v in row):
                 raise NoStrips(f"{name}: its rigid motions feel springs")
+
+    @cached_property
+    def softening(self) -> Form:
+        """Of T what is not known to be positive: all but squares of a deflection or slope times a factor that is so."""
+        along, points = map(_balls, self._elastic)
+        return Form(
+            self.modes,
+            {(k, p, q): f for (k, p, q), f in along.items() if p != q or not f >= 0},
+            {(a, p, b, q): f for (a, p, b, q), f in points.items() if (a, p) != (b, q) or not f >= 0},
+        )
 
     def estimates(self, P: complex, count: int) -> Any:
         """The lowest eigenvalues s at a load of a series, in floats: where to look."""

@@ -9,18 +9,18 @@ from __future__ import annotations
 from typing import Any
 
 
-def uniform(kernel: Any) -> Uniform | None:
+def uniform(kernel: Any, **own: Any) -> Uniform | None:
     """None where a column has more than one deflection on one segment, of mass and bending stiffness 1, without damping
-    but alpha and beta."""
+    but alpha and beta. own: its own parameters; their defaults where left out."""
     fields = getattr(kernel, "FIELDS", {})
     plain = list(fields) == ["y"] and fields["y"][0] == 2 and not fields["y"][2]
     if not plain or kernel.COORDINATES or kernel.COLUMN["breaks"] != ["0", "1"] or kernel.COLUMN["inexact"]:
         return None
     try:
         found = Uniform(kernel)
-        found.equation(0), found.end_conditions(0)
-        forms = found.forms(1)
-        dampers = [_form(*part) for part in kernel.forms(1, 0, 0)["C"]]
+        found.equation(0, **own), found.end_conditions(0, **own)
+        forms = found.forms(1, **own)
+        dampers = [_form(*part) for part in kernel.forms(1, 0, 0, **own)["C"]]
     except (NotUniform, AttributeError, TypeError, ValueError):
         return None
     plain = forms["M"] == ({(0, 0, 0): 1}, {}) and forms["E"][0].get((0, 2, 2)) == 1

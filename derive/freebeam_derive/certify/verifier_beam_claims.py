@@ -198,7 +198,7 @@ def column(data: dict[str, Any], of: type[OfBeamItself] = OfBeamItself, **claims
     given = {"load": None, "square": None, "load_max": None} | v.named(data) | claims
     kappa, damping = v.damping_of(data, given)
     if damping is not None:
-        require(damping.of_M >= 0 and damping.of_E >= 0, "the damping is negative")
+        require(damping.of_E > 0 or damping.of_E == 0 <= damping.of_M, "the damping is negative")
         require(damping.of_E > 0 or damping.of_M > 0, "there is no damping at all")
         require(damping.of_E > 0 or not damping.vanishing, "no internal damping is there to vanish")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
@@ -299,7 +299,6 @@ def over_range(data: dict[str, Any]) -> tuple[OverRange, tuple[Forms, Forms]]:
         require(a == reached < b, "the pieces leave a gap, or lie on one another")
         reached = b
     require(reached == high, "the pieces leave a gap, or lie on one another")
-    require(one.damping == other.damping or forms == others, "the parameter changes both forms and damping")
     changed = [(d.of_E, d.of_M) for d in (one.damping, other.damping) if d is not None]
     require(len(changed) != 1, "there is damping at one end of the range alone")
     require(len({of_E > 0 for of_E, _ in changed}) <= 1, "internal damping is nothing at one end of the range alone")

@@ -1,78 +1,47 @@
 """F(p, s) of the beam itself on a box, for the verifier: its polynomial about the centre, and what is beyond.
 
 Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shares no code with the prover. F is one
-function (`Shooting`), or one for each value of a parameter in which it is linear (`Between`).
+function, or one for each value of a parameter: Σ F_l t^l, |t| ≤ 1.
 """
 
 from __future__ import annotations
 
-from fractions import Fraction
 from math import comb
 from typing import Any
 
 import flint
 from flint import acb, acb_mat, acb_poly, arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.verifier_claims import ball, require
 from freebeam_derive.certify.verifier_shooting import Shooting, Whole
 
 DEGREE = 14
 
 
-class Between:
-    """F for each value of a parameter in which it is linear: from a share of the way between two functions to another.
-
-    Linear it is where all conditions but one are the same, for it is their determinant. Raises Refused.
-    """
-
-    def __init__(self, one: Shooting, other: Shooting, shares: tuple[Fraction, Fraction]) -> None:
-        differ = sum(a != b for a, b in zip(one.conditions, other.conditions, strict=True))
-        require(one.terms == other.terms and differ <= 1, "the parameter stands elsewhere than in one condition")
-        self.one, self.other, self.shares = one, other, shares
-
-    @property
-    def ends(self) -> list[Between]:
-        """F at either end."""
-        return [Between(self.one, self.other, (share, share)) for share in self.shares]
-
-    def hull(self, each: list[list[Any]]) -> list[Any]:
-        """What holds a number of every F, for it lies between those at the ends."""
-        at_ends = [[(1 - t) * x + t * y for x, y in zip(*each, strict=True)] for t in map(ball, self.shares)]
-        return [x.union(y) for x, y in zip(*at_ends, strict=True)]
-
-
-Function = Shooting | Between
-
-
 class Box:
     """F and its derivatives on a box of p and s: its polynomial about the centre up to a degree, and what is beyond.
 
-    order: of the derivatives by s, where s is one point.
+    order: of the derivatives by s, where s is one point. of: the power of t whose factor stands for F; the rest of F is
+    with that of t⁰.
     """
 
-    def __init__(self, F: Function, p: Any, s: Any, order: int = 2) -> None:
+    def __init__(self, F: Shooting, p: Any, s: Any, order: int = 2, of: int | None = None) -> None:
         kind: Any = acb if isinstance(p, acb) or isinstance(s, acb) else arb
         self._box = kind(p), kind(s)
         self._centre = kind(p.mid()), kind(s.mid())
         reach = [abs(side - middle).upper() for side, middle in zip(self._box, self._centre, strict=True)]
         sizes = [abs(side).upper() for side in self._centre]
         point = isinstance(s, arb) and s.rad().is_zero()
-        functions = [F] if isinstance(F, Shooting) else [F.one, F.other]
-        if point:
-            wholes = [f.at(sizes[0] + 2 * reach[0] + 1, s, order) for f in functions]
-        else:
-            sides = [size + 2 * r + 1 for size, r in zip(sizes, reach, strict=True)]
-            wholes = [f.on(*sides) for f in functions]
-        whole = wholes[0]
+        sides = [size + 2 * r + 1 for size, r in zip(sizes, reach, strict=True)]
+        whole = F.at(sides[0], s, order) if point else F.on(*sides)
         room = [whole.P - sizes[0] - 2 * reach[0], whole.S if point else whole.S - sizes[1] - 2 * reach[1]]
         if not all(left > 1 / 2 for left in room):
             raise ArithmeticError("the box is too large")
         # a side without width has any unit, small enough for the terms beyond the degree to be nothing
         self._units = tuple(r.max(arb(2) ** -(flint.ctx.prec // 8)) for r in reach)
-        J, K = (max(size(w.C) for w in wholes) for size in (arb_mat.nrows, arb_mat.ncols))
+        levels = whole.levels if of is None else whole.levels[of : of + 1] or [0 * whole.levels[0]]
+        J, K = levels[0].nrows(), levels[0].ncols()
         with flint.ctx.workprec(whole.precision):
-            each = [self._about_centre(w, J, K, kind) for w in wholes]
-            entries = each[0] if isinstance(F, Shooting) else F.hull(each)
+            entries = self._about_centre(whole, levels, kind)
         poly: Any = acb_poly if kind is acb else arb_poly
         rows = [[entries[i * K + j] for j in range(min(K, DEGREE + 1 - i))] for i in range(min(J, DEGREE + 1))]
         # derivatives by v over j!, a polynomial in v for each power of u
@@ -80,29 +49,30 @@ class Box:
         self._beyond = [
             (i, j, abs(entries[i * K + j]).upper()) for i in range(J) for j in range(max(0, DEGREE + 1 - i), K)
         ]
-        self._rest = max((w.rest for w in wholes), key=float)
+        self._rest = arb(0) if of else whole.rest
+        bounds = whole.P - sizes[0], whole.S if point else whole.S - sizes[1]  # the rest is bounded up to there
+        self._room = [(far / unit).lower() for far, unit in zip(bounds, self._units, strict=True)]
         self._left_out = dict[tuple[int, int], arb]()
         self._orders = order if point else 4
 
-    def _about_centre(self, whole: Whole, J: int, K: int, kind: Any) -> list[Any]:
-        """Coefficients in units of the box from its centre, row by row."""
-        middles = self._centre[0], self._centre[1] - whole.s
+    def _about_centre(self, whole: Whole, levels: list[arb_mat], kind: Any) -> list[Any]:
+        """Coefficients in units of the box from its centre, row by row, each for all t."""
+        middles, sizes = (self._centre[0], self._centre[1] - whole.s), (levels[0].nrows(), levels[0].ncols())
         left, right = (
             _about(middle / scale, unit / scale, n, kind)
-            for middle, unit, scale, n in zip(middles, self._units, (whole.P, whole.S), (J, K), strict=True)
+            for middle, unit, scale, n in zip(middles, self._units, (whole.P, whole.S), sizes, strict=True)
         )
-        C, rows, columns = whole.C, whole.C.nrows(), whole.C.ncols()
-        if (rows, columns) != (J, K):
-            known = [[C[i, j] if i < rows and j < columns else arb(0) for j in range(K)] for i in range(J)]
-            C = arb_mat(known)
-        found: list[Any] = (left.transpose() * (acb_mat(C) if kind is acb else C) * right).entries()
-        return found
+        left, matrix = left.transpose(), acb_mat if kind is acb else arb_mat
+        each = [(left * matrix(C) * right).entries() for C in levels]
+        return [sum((f * power(n) for n, f in enumerate(parts[1:], 1)), parts[0]) for parts in zip(*each, strict=True)]
 
     def _error(self, i: int, j: int) -> arb:
-        """What all terms beyond the degree are at most, of a derivative; and the rest, by Cauchy's estimate from twice
-        the units: at most Σ C(a, i) C(b, j) rest / 2^(a+b) = 4 rest."""
+        """What all terms beyond the degree are at most, of a derivative; and the rest, by Cauchy's estimate where it is
+        bounded up to r > 1 units: at most Σ C(a, i) rest / r^a = rest r / (r − 1)^(i+1) for p, and so for s."""
         if (i, j) not in self._left_out:
-            total = 4 * self._rest
+            total = self._rest
+            for r, order in zip(self._room, (i, j), strict=True):
+                total *= r / (r - 1) ** (order + 1)
             for a, b, size in self._beyond:
                 total += comb(a, i) * comb(b, j) * size
             self._left_out[i, j] = total.upper()
@@ -121,6 +91,11 @@ class Box:
         error = arb(0, self._error(i, j))
         total += acb(error, error) if isinstance(total, acb) else error
         return total / (self._units[0] ** i * self._units[1] ** j)
+
+
+def power(n: int) -> arb:
+    """t^n, |t| ≤ 1."""
+    return arb(1) if n == 0 else arb(0, 1) if n % 2 else arb(0.5, 0.5)
 
 
 def _about(middle: Any, unit: arb, count: int, kind: Any) -> Any:

@@ -16,8 +16,9 @@ from typing import Any
 from flint import acb, arb
 
 from freebeam_derive.certify.verifier import opposite
-from freebeam_derive.certify.verifier_boxes import Between, Box, Function
+from freebeam_derive.certify.verifier_boxes import Box, power
 from freebeam_derive.certify.verifier_claims import ball, require
+from freebeam_derive.certify.verifier_shooting import POWERS, Shooting
 
 ALONE = "there is no crossing in the interval, or more than one"
 Interval = tuple[Fraction, Fraction]
@@ -44,7 +45,7 @@ class Equations:
     of_E, of_M: the intervals of alpha and beta; limit: of these only the direction counts.
     """
 
-    def __init__(self, F: Function, R: int, of_E: Interval, of_M: Interval, limit: bool) -> None:
+    def __init__(self, F: Shooting, R: int, of_E: Interval, of_M: Interval, limit: bool) -> None:
         self.F, self.R, self.of_E, self.of_M, self.limit = F, R, of_E, of_M, limit
         self.undamped = of_E[1] == of_M[1] == 0
         self.real = self.undamped or limit
@@ -56,6 +57,11 @@ class Equations:
     @property
     def beta(self) -> arb:
         return over(self.of_M)
+
+    @property
+    def undamped_to(self) -> Fraction:
+        """The s below which a motion at s is not damped by alpha s + beta, for any value of the range; 0 for none."""
+        return max(-self.of_M[0] / self.of_E[0], Fraction(0)) if self.of_E[0] > 0 else Fraction(0)
 
     # ---------------------------------------------------------------- their values
 
@@ -97,19 +103,12 @@ class Equations:
 
     def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
         """The two equations at a point, for each value of the range: a sum of two numbers times balls. near: p, s."""
-        if isinstance(self.F, Between):
-            ends = [self.system(Box(F, *near).value, P, x)[0] for F in self.F.ends]
-            pairs = [*zip(*ends, strict=True)]
-            return [([(u + v) / 2 for u, v in pairs], arb(1)), ([(v - u) / 2 for u, v in pairs], arb(0, 1))]
-        box, middle = Box(self.F, *near), copy(self)
+        middle = copy(self)
         middle.of_E, middle.of_M = (((of[0] + of[1]) / 2,) * 2 for of in (self.of_E, self.of_M))
-        value = middle.system(box.value, P, x)[0], arb(1)
-        return [value, *(self._by_damping(box, P, x) if self.ranged else [])]
-
-    @property
-    def ranged(self) -> bool:
-        """Whether the damping has a range."""
-        return self.of_E[0] < self.of_E[1] or self.of_M[0] < self.of_M[1]
+        boxes = [Box(self.F, *near, of=n) for n in range(POWERS + 1 if self.F.ranged else 1)]
+        found = [(middle.system(box.value, P, x)[0], power(n)) for n, box in enumerate(boxes)]
+        ranged = self.of_E[0] < self.of_E[1] or self.of_M[0] < self.of_M[1]
+        return found + (self._by_damping(Box(self.F, *near), P, x) if ranged else [])
 
     def _by_damping(self, box: Box, P: arb, x: arb) -> list[tuple[Two, arb]]:
         """Slopes of the equations in alpha and beta over all of the range, and how far these go from the middle."""
@@ -124,30 +123,25 @@ class Equations:
 
     # ---------------------------------------------------------------- a crossing
 
-    def flutter(self, load: Interval, square: Interval, ranged: bool = False) -> tuple[list[arb], arb]:
-        """Where each value's one crossing is, in the intervals of P and ω²; and a number with the sign of the change.
-
-        ranged: uniqueness is shown in wider intervals, for Krawczyk's image of these to be in them.
-        """
+    def flutter(self, load: Interval, square: Interval) -> tuple[list[arb], arb]:
+        """Where each value's one crossing is, in the intervals of P and ω²; and a number of the sign of the change."""
         X = [over(load), over(square) if self.real else over(square).sqrt()]
-        found = self._image([side.mid() + (side - side.mid()) * 2 for side in X] if ranged else X)
-        if ranged:
-            found = self._image(found, inside=False)
+        found = self._image(X)
         # the balls of X are wider than the intervals, by rounding
         sides = ((found[0], load), (found[1] if self.real else found[1] * found[1], square))
         require(all(_within(*side) for side in sides), ALONE)
         return found, self._direction(found)
 
-    def _image(self, X: list[arb], inside: bool = True) -> list[arb]:
-        """Krawczyk's image, with what is common with X: inside X, of which it proves one zero, alone."""
+    def _image(self, X: list[arb]) -> list[arb]:
+        """Krawczyk's image, inside X, of which it proves one zero, alone."""
         p, s = (side + (side - side.mid()) / 8 for side in self.place(*X))
         J = self.system(Box(self.F, p, s).value, *X)[1]
         middle = [side.mid() for side in X]
         image = krawczyk(X, middle, self.at(middle[0], middle[1], (p, s)), J)
         require(image is not None, ALONE)
         assert image is not None
-        require(not inside or all(a.contains_interior(b) for a, b in zip(X, image, strict=True)), ALONE)
-        return [side.intersection(part) for side, part in zip(X, image, strict=True)]
+        require(all(a.contains_interior(b) for a, b in zip(X, image, strict=True)), ALONE)
+        return image
 
     def _direction(self, X: list[arb]) -> arb:
         """Positive on a box where two eigenvalues more are unstable above a flutter, negative where two less are."""

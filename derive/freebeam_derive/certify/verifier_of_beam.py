@@ -26,7 +26,7 @@ from flint import arb
 
 from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify.verifier_beam_claims import Forms, OfAllCrossings, OfBeamItself, OverRange, Passing, Piece
-from freebeam_derive.certify.verifier_boxes import Between, Box
+from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Form, Statement, ball, require
 from freebeam_derive.certify.verifier_equations import Equations, Interval
@@ -64,13 +64,16 @@ class High:
     def __init__(self, bounds: Bounds, modes: int, forms: list[Forms], m: int) -> None:
         self.lines, self.m = bounds.lines(modes), m
         self.norms = [(bounds.norms(modes, _unbent(each["E"])), bounds.norms(modes, each["H"])) for each in forms]
+        self._softening = [bounds.norms(modes, _softening(_unbent(each["E"]))) for each in forms]
         self.top = self.lines.line(m)
 
-    def check(self, load: Fraction, internal: bool) -> None:
+    def check(self, load: Fraction, equations: Equations) -> None:
         """Lemmas 3 to 5; with internal damping the inequality of Theorems 2 and 3."""
         rho = ball(load)
-        if internal:
-            ratio = self.lines.line(self.m + 1) / self.top - 1
+        if equations.of_E[1] > 0:
+            damped = 1 - ball(equations.undamped_to) / self.top
+            require(bool(damped > 0), "high frequencies are not known to be damped at P = 0")
+            ratio = (self.lines.line(self.m + 1) / self.top - 1) / damped
             rho = (rho * (1 + ratio * 2 / arb.pi()) * (1 + arb(2) ** -20)).upper()
         for still, loaded in self.norms:
             check_free(self.m, rho, still, loaded)
@@ -83,10 +86,11 @@ class High:
             bounds, rest = [], 1 - a * b - a * a * top
             if rest > 0:
                 bounds.append((top / rest).sqrt())
-            still, loaded = (max((pair[k].on(0) for pair in self.norms), key=float) for k in (0, 1))
+            still = max((norms.on(0) for norms in self._softening), key=float)
+            loaded = max((pair[1].on(0) for pair in self.norms), key=float)
             spare = 1 / arb(2).sqrt() - still
             if a > 0 and spare > 0:
-                bounds.append((ball(load) * loaded / spare).max(arb(1)) / a)
+                bounds.append((ball(load) * loaded / spare).max(1 - 2 * (a * b).min(arb(0))) / a)
             require(bool(bounds), "no bound of the frequency is known")
             top = min(bounds, key=float)
         upper = top.upper().fmpq()
@@ -95,6 +99,12 @@ class High:
 
 def _unbent(E: Form) -> Form:
     return tuple(t for t in E[0] if t[:3] != (0, 2, 2)), E[1]
+
+
+def _softening(T: Form) -> Form:
+    """What is not positive for itself: all but squares of a deflection or slope times a positive factor."""
+    along = tuple(t for t in T[0] if t[1] != t[2] or t[3] < 0)
+    return along, tuple(t for t in T[1] if t[:2] != t[2:4] or t[4] < 0)
 
 
 def _rigid(stated: OfBeamItself, forms: Forms) -> int:
@@ -118,6 +128,7 @@ def _damping(one: OfBeamItself, other: OfBeamItself, shares: Interval) -> tuple[
 
 
 ALONE = Fraction(0), Fraction(0)  # shares of one value
+HALF = Fraction(1, 2)
 
 
 # --- the first crossing --------------------------------------------------------------------------------------------
@@ -137,7 +148,7 @@ class First:
         if self.claim.square is None:
             change = self.equations.divergence(self.load)
         else:
-            found, change = self.equations.flutter(self.load, self.claim.square, self.ranged)
+            found, change = self.equations.flutter(self.load, self.claim.square)
         require(bool(change > 0), "stability is not lost there")
         return found
 
@@ -145,7 +156,7 @@ class First:
         equations, flutter, top = self.equations, self.claim.kind == "flutter", self.load[1]
         digits = 0 if self.ranged else _bits(self.load)
         with flint.ctx.workprec(BITS):
-            self.high.check(top, equations.of_E[1] > 0)
+            self.high.check(top, equations)
             signs = Signs(equations, self.high.top)
         with flint.ctx.workprec(3 * digits + BITS):
             crossing = self.crossing()
@@ -157,6 +168,7 @@ class First:
                 signs.at_rest(list(stretches))
                 signs.static(top, [] if flutter else [self.load])
             if not equations.undamped:
+                signs.above(equations.undamped_to, list(stretches))
                 Cells(equations, top, [crossing] if flutter else []).check(self.high.highest(equations, top))
 
 
@@ -187,28 +199,30 @@ def verify_range(data: dict[str, Any]) -> OverRange:
     with flint.ctx.workprec(BITS):
         R, bounds = _rigid(stated, forms[0]), Bounds(stated.ends)
         require(R == 0 or not moves, "forms of a column with rigid motions change with the parameter")
-        ends = [_shooting(stated, each) for each in forms]
+    F = _shooting(stated, forms[0])
     for piece in stated.pieces:
         shares = (piece.low - low) / (high - low), (piece.high - low) / (high - low)
-        F = Between(ends[0], ends[1], shares) if moves else ends[0]
+        each = [{name: _sum(forms[0][name], forms[1][name], 1 - t, t) for name in "EH"} for t in shares]
+        if moves:
+            E, H, *moved = (_sum(each[0][name], each[1][name], f, HALF) for f in (HALF, -HALF) for name in "EH")
+            F = Shooting(list(stated.ends), E, H, tuple(moved))
         equations = Equations(F, R, *_damping(stated, stated.other, shares))
         with flint.ctx.workprec(BITS):
-            each = [{name: _between(forms[0][name], forms[1][name], share) for name in "EH"} for share in shares]
             above = High(bounds, piece.modes, each if moves else [forms[0]], piece.lowest)
         First(equations, above, piece, ranged=True).check(piece.stretches)
     return stated
 
 
-def _between(one: Form, other: Form, share: Fraction) -> Form:
-    """A form at a share of the way between two."""
+def _sum(one: Form, other: Form, *weights: Fraction) -> Form:
+    """One form times a weight and another times another."""
     found: list[dict[Any, Fraction]] = []
     for parts in zip(one, other, strict=True):
         total: dict[Any, Fraction] = {}
-        for part, weight in zip(parts, (1 - share, share), strict=True):
+        for part, weight in zip(parts, weights, strict=True):
             for *key, f in part:
                 total[tuple(key)] = total.get(tuple(key), Fraction(0)) + weight * f
         found.append(total)
-    along, points = ([(*key, f) for key, f in total.items()] for total in found)
+    along, points = ([(*key, f) for key, f in total.items() if f] for total in found)
     return tuple(along), tuple(points)
 
 
@@ -224,9 +238,10 @@ def verify_list(data: dict[str, Any]) -> OfAllCrossings:
         F = _shooting(stated, forms)
         equations = Equations(F, _rigid(stated, forms), *_damping(stated, stated, ALONE))
         high = High(Bounds(stated.ends), stated.modes, [forms], m)
-        high.check(load, equations.of_E[1] > 0)
+        high.check(load, equations)
         signs = Signs(equations, high.top)
         signs.at_rest([at_rest])
+        signs.above(equations.undamped_to, [at_rest])
     boxes = [box for passing in stated.passings if (box := _passing(equations, passing)) is not None]
     with flint.ctx.workprec(BITS):
         if any(p.kind == "touch" for p in stated.passings):

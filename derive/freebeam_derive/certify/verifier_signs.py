@@ -63,6 +63,14 @@ class Signs:
         require(s.start == s.end == 0 and s.moving is None, stable)
         self.alternate(arb(0), arb(0), s.points, None)
 
+    def above(self, s: Fraction, stretches: list[Stretch]) -> None:
+        """At P = 0 no eigenvalue is from 0 to s: the first point is beyond, and up to there F changes sign once."""
+        if s == 0:
+            return
+        signs = [self.sign(arb(0), arb(0), x) for x in (arb(0), ball(s))]
+        damps = self.R == 0 and s < stretches[0].points[1] and signs[0] * signs[1] > 0
+        require(damps, "the lowest frequency is not known to be damped at P = 0")
+
     def stable(self, stretches: list[Stretch], load: Interval, crossing: list[arb] | None) -> None:
         """Theorem 1 on [0, P*), given the crossing's P and s (0 at a divergence); without one on all of [0, P*]."""
         reached = Fraction(0)

@@ -45,8 +45,8 @@ def prove(asked: Any) -> None:
     if asked.certificate:
         refuse(
             found.certificate is None,
-            f"{asked.certificate}: is not written, for the verifier checks ranges of uniform columns alone, and of a "
-            "parameter of their own where it stands in one condition at x = 1; leave out --certificate",
+            f"{asked.certificate}: is not written, for the verifier checks ranges of uniform columns alone; "
+            "leave out --certificate",
         )
         asked.keep(found.certificate)
     title = asked.title(**{name: str(interval)})
