@@ -582,7 +582,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
             crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, *dampings)
         stated = asked.column.kernel, asked.certified
-        if evidence is not None and not asked.squares and not asked.column.general:
+        if evidence is not None and not asked.squares:
             if survey is None:
                 certificate = write_of_beam(*stated, crossing, evidence)
             else:
@@ -803,11 +803,11 @@ def verify_certificate(path: str) -> Statement:
     theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
     prove what it claims.
     """
-    from freebeam_derive.certify import verifier_of_beam
+    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections
     from freebeam_derive.certify.verifier import verify_file
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, verifier_of_beam.FORMATS)
+        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS)
     except Refused as error:
         raise InputError(str(error)) from error
