@@ -42,8 +42,8 @@ COLUMNS: dict[str, tuple[str, dict[str, str]]] = {
     "spring": ("tip-spring", {"k": "30"}),
     "hanging": ("beck-self-weight", {"g": "-5"}),
     "step and mass": ("step", {"a": "0.6", "r": "0.5", "mu": "0.3"}),
-    "wedge": ("wedge", {"tau": "0.3"}),
-    "cone": ("cone", {"tau": "0.2"}),
+    "wedge": ("wedge", {"tau": "0.1"}),
+    "cone": ("cone", {"tau": "0.15"}),
 }
 
 
@@ -127,10 +127,10 @@ def test_a_claim_that_is_moved_is_refused() -> None:
     for name in ("load", "frequency_squared"):
         refused(data | {name: shifted(data[name], "1.0001")}, "no crossing in the interval")
     refused(data | {"load": shifted(data["load"], "2")}, "no crossing in the interval")
-    refused(data | {"load": shifted(data["load"], "6")}, "too narrow|not known to be free")
+    refused(data | {"load": shifted(data["load"], "6")}, "too narrow|not known to be free|no crossing")
     refused(data | {"kind": "divergence", "frequency_squared": None}, "no crossing in the interval")
     refused(data | {"proof": data["proof"] | {"first": False}}, "what is said to be proven")
-    refused(data | {"ends": ["clamped", "clamped"]}, "no crossing in the interval")
+    refused(data | {"ends": ["clamped", "pinned"]}, "no crossing in the interval|not known to be free")
     refused(data | {"ends": ["free", "free"]}, "held by springs alone|not known")
     spring = certificate("a spring, divergence")
     refused(spring | {"kind": "flutter", "frequency_squared": ["100", "101"]}, "no crossing in the interval")
@@ -154,9 +154,10 @@ def test_lines_that_are_not_free_are_refused() -> None:
     case = "a mass that turns"
     data = certificate(case)
     line, points = Fraction(data["line"]), data["stretches"][0]["points"]
-    refused(data | {"line": str(20 * line)}, "not known to be free")
-    refused(data | {"line": str(line / 20)}, "not known to be free")
-    refused(data | {"line": str(line * 2)}, "not known to be free")
+    second, third = frequencies(system(*CASES[case]), 3)[1:] ** 2
+    assert second < line < third
+    for moved in (second * 0.999, second * 1.001, third * 0.999, third * 1.001, 20 * float(line)):
+        refused(data | {"line": str(Fraction(moved))}, "not known to be free")
 
     def one_less(d: Data) -> None:
         d["lowest"], d["line"] = 1, str(Fraction(points[1]) * Fraction(11, 10))
@@ -226,7 +227,7 @@ def test_both_functions_have_the_same_zeros(case: str) -> None:
     quotients = []
     with flint.ctx.workprec(BITS):
         F = Pieces(of)
-        for p, s in ((3, 50), (1, 10), (2, 90)):
+        for p, s in ((1, 50), (2, 90)):
             ours = Box(F, arb(p), arb(s), 0).value(arb(p), arb(s))
             quotients.append(ours / it.taylor(arb(p), arb(s), ((0, 0),))[0, 0])
     assert all(q.overlaps(quotients[0]) and q.rad() < 1e-12 for q in quotients) and abs(quotients[0]) > 0
@@ -274,19 +275,22 @@ def test_waves_and_a_rest_are_the_characteristic_function(case: str) -> None:
         assert abs(total.imag) < 1e-20
         return total.real
 
-    with flint.ctx.workprec(BITS):
+    with flint.ctx.workprec(2 * BITS):
         apart = Apart(of)
         # where waves are large, to find the factor; its power is a whole number
-        far = [max((80.0, 80.3, 80.7), key=lambda g: abs(float(main(g))))]
-        far += [max((40.0, 40.4, 40.8), key=lambda g: abs(float(main(g))))]
+        far = [max((40.0, 40.3, 40.7), key=lambda g: abs(float(main(g))))]
+        far += [max((20.0, 20.4, 20.8), key=lambda g: abs(float(main(g))))]
         c, d = (float(exact(g) / main(g)) for g in far)
         power = round(np.log(c / d) / np.log(far[0] / far[1]))
         scale = c / far[0] ** power
+        rest = apart.rest(arb(far[0]), arb(0))
+        assert rest is not None
+        unsure = 1.1 * float(rest / abs(main(far[0])))
         for g in (4.0, 5.5, 7.0, 12.0):
             bound = apart.rest(arb(g), arb(0))
             wide = apart.rest(arb(g) - 1 / apart.whole, 1 / apart.whole)
             off = [float(exact(x) / (scale * x**power) - main(x)) for x in (g, g + 0.01)]
-            slack = 2 * abs(float(exact(g) / (scale * g**power))) * abs(float(apart.rest(arb(far[0]), arb(0)) or 1))
+            slack = unsure * abs(float(exact(g) / (scale * g**power)))
             if bound is not None:
                 assert abs(off[0]) <= float(bound) + slack
             if wide is not None:
