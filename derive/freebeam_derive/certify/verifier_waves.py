@@ -221,10 +221,10 @@ class Apart:
             for z in self.stages[n].values():
                 values = [v(epsilon) for v in z]
                 inside = [_dot(UNITS[sign], values) for sign in (1, -1)]
-                main += sum((abs(v) ** 2 for v in inside), arb(0)).sqrt() * more
+                main += sum((abs(v).upper() ** 2 for v in inside), arb(0)).sqrt() * more
                 left = [v - sum((c * u[i] for c, u in zip(inside, UNITS.values(), strict=True)), acb(0))
                         for i, v in enumerate(values)]  # fmt: skip
-                other += sum((abs(v) ** 2 for v in left), arb(0)).sqrt() * more
+                other += sum((abs(v).upper() ** 2 for v in left), arb(0)).sqrt() * more
             main, other = main + rest, other + rest
             E = [(segment.A[k] * size + segment.H[k] * size**3).upper() for k in (0, 1)]
             a = (COUPLED * segment.A[1] * size + segment.H[1] * size**3).upper()
