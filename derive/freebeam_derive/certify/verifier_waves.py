@@ -22,7 +22,7 @@ from freebeam_derive.certify.verifier_claims import ORDERS, Refused, ball
 from freebeam_derive.certify.verifier_sections import Sections
 
 MINORS = tuple(combinations(range(4), 2))
-TIMES = (Fraction(5, 2), 3, 4, 6, 8, 12, 24)  # zeros are to be so much less apart than on average
+TIMES = [Fraction(n, 2) for n in (5, 6, 8, 12, 16, 24, 48)]  # zeros are to be so much less apart than on average
 SHORTEST = [Fraction(n, 2) for n in (12, 18, 24, 36, 48)]  # γ L of the shortest segment, tried in turn: e^−6 = 0.002
 CUTS = 3  # halvings of 1/γ
 DEEPEST = 7  # halvings of each phase
@@ -190,7 +190,7 @@ class Apart:
         """G, and a gap wider than needed between any two neighbours ω ≥ G². Raises Refused."""
         tried = []
         for times, phase in product(TIMES, SHORTEST):
-            apart = arb.pi() / (ball(Fraction(times)) * self.whole)
+            apart = arb.pi() / (ball(times) * self.whole)
             least = ball(phase) / min(self.lengths, key=float)
             tried.append(((needed * arb("1.001") / (2 * apart)).max(least).upper(), apart))
         for G, apart in sorted(tried, key=lambda pair: (float(pair[0]), float(pair[1]))):
