@@ -507,8 +507,8 @@ def exact_load(
 
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
-    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping and without
-    a certificate for one of variable section or in uniform parts, with masses and springs. Where these two are not
+    modes, that it is the first and that the column is stable below: for a uniform beam, and without damping for one of
+    variable section or in uniform parts, with masses and springs. Where these two are not
     proven, `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
@@ -575,7 +575,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             dampings = exact["alpha"], exact["beta"], exact.get("kappa")
             crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, *dampings)
         stated = asked.column.kernel, asked.certified
-        if evidence is not None and not asked.squares and not asked.column.general:
+        if evidence is not None and not asked.squares:
             if survey is None:
                 certificate = write_of_beam(*stated, crossing, evidence)
             else:
@@ -796,11 +796,11 @@ def verify_certificate(path: str) -> Statement:
     theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
     prove what it claims.
     """
-    from freebeam_derive.certify import verifier_of_beam
+    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections
     from freebeam_derive.certify.verifier import verify_file
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, verifier_of_beam.FORMATS)
+        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS)
     except Refused as error:
         raise InputError(str(error)) from error

@@ -27,7 +27,7 @@ from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 from freebeam_derive.certify.parts import Part
 
-FORMAT, GENERAL, ITSELF, LIST, RANGE = (f"freebeam certificate {n}" for n in (1, 2, 3, 4, 5))
+FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS = (f"freebeam certificate {n}" for n in (1, 2, 3, 4, 5, 6))
 Open = tuple[Fraction, Fraction, str]
 
 
@@ -92,20 +92,54 @@ def write_of_beam(
     kernel: ModuleType, question: Question, crossing: ExactCrossing, evidence: Evidence
 ) -> dict[str, Any]:
     """The certificate that a crossing of the beam itself is the first, as a JSON object. Raises Unproven."""
+    if kernel.COLUMN.get("general"):
+        stated = {"format": SECTIONS, **_sections(kernel, question), **_lines(evidence)}
+    else:
+        stated = {"format": ITSELF, **_itself(kernel, question), **_basis(evidence)}
     flutter, load_high = crossing.kind == "flutter", ends(crossing.load)[1]
     with precision(crossing.bits):
         square = crossing.frequency * crossing.frequency
     load, of_square = (_around(ends(value), crossing.digits - 2) for value in (crossing.load, square))
     return {
-        "format": ITSELF,
-        **_itself(kernel, question),
-        **_basis(evidence),
+        **stated,
         "kind": crossing.kind,
         "load": load,
         "frequency_squared": of_square if flutter else None,
         "proof": vars(crossing.proof),
         "stretches": _stretches(evidence, load_high),
     }
+
+
+def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
+    """A column of variable or stepped section without damping: its forms by segments, with places by their numbers."""
+    own = parameters(kernel, question.own)
+    stated = _of_any(kernel, question, own)
+    numbers = {place: n for n, place in enumerate(stated["breaks"])}
+    M, K = stated["forms"]["M"], stated["forms"]["K"]
+    return {
+        "column": kernel.COLUMN["name"],
+        "parameters": {name: written(value) for name, value in own.items()},
+        "ends": list(kernel.COLUMN["ends"]),
+        "breaks": stated["breaks"],
+        "forms": {
+            letter: {
+                "along": [
+                    [n, k, p, q, f]
+                    for n, _, p, _, q, factors in form["along"]
+                    for k, f in enumerate(factors)
+                    if f != "0"
+                ],
+                "points": [[numbers[a], p, numbers[b], q, f] for (_, p, a, _), (_, q, b, _), f in form["points"]],
+            }
+            for letter, form in (("M", M[0]), ("E", K[0]), ("H", K[1]))
+        },
+    }
+
+
+def _lines(evidence: Evidence) -> dict[str, Any]:
+    """m, and the line just above all points."""
+    top = max(s.separators[-1] for s in evidence.stretches)
+    return {"lowest": evidence.lowest, "line": written(top * (1 + Fraction(1, 2**40)))}
 
 
 def write_list(kernel: ModuleType, question: Question, survey: Survey, found: list[Crossing]) -> dict[str, Any]:
@@ -318,4 +352,15 @@ def _text(value: Any) -> str:
     return written(Fraction(int(value)) if isinstance(value, int) else Fraction(int(value.p), int(value.q)))
 
 
-__all__ = ["FORMAT", "GENERAL", "ITSELF", "LIST", "RANGE", "write", "write_list", "write_of_beam", "write_range"]
+__all__ = [
+    "FORMAT",
+    "GENERAL",
+    "ITSELF",
+    "LIST",
+    "RANGE",
+    "SECTIONS",
+    "write",
+    "write_list",
+    "write_of_beam",
+    "write_range",
+]

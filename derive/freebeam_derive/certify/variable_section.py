@@ -117,7 +117,8 @@ class VariableSection:
         G = (low + high) / 2
         rest = min((_free(f, G, (near, far), self._remainder, ends) for f, near, far, ends in
                     zip(modes, left, right, kinds, strict=True)), key=float)  # fmt: skip
-        return self.scale**4 * G**4, (self.scale**2 * rest / G**2).lower()
+        # the line of Lemma 6 is the product of the two bounds of frequencies, √(R − η) and √(R + η)
+        return self.scale**4 * (G**8 - rest * rest).sqrt(), (self.scale**2 * rest / G**2).lower()
 
 
 @lru_cache(maxsize=8)

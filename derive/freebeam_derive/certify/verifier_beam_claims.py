@@ -226,7 +226,7 @@ def lowest(data: dict[str, Any]) -> int:
     return int(m)
 
 
-def _stretches(data: dict[str, Any], m: int) -> tuple[Stretch, ...]:
+def stretches_of(data: dict[str, Any], m: int) -> tuple[Stretch, ...]:
     return tuple(_stretch(s, m) for s in _listed(data["stretches"], MOST_STRETCHES, "stretches"))
 
 
@@ -254,7 +254,7 @@ def first(data: dict[str, Any]) -> tuple[OfBeamItself, Forms, int, tuple[Stretch
     require(claims["kind"] != "none" and claims["load"][1] < HIGHEST, NO_CROSSING)
     stated, forms = column(data, **claims)
     m = lowest(data)
-    return stated, forms, m, _stretches(data, m)
+    return stated, forms, m, stretches_of(data, m)
 
 
 def crossings(data: dict[str, Any]) -> tuple[OfAllCrossings, Forms, int, Stretch]:
@@ -336,4 +336,4 @@ def _piece(data: dict[str, Any]) -> Piece:
     read = v.crossing(data)
     require(read["kind"] != "none" and read["load"][1] < HIGHEST, NO_CROSSING)
     low, high = (v.number(data[k]) for k in ("low", "high"))
-    return Piece(low, high, modes, m, read["kind"], read["load"], read["square"], _stretches(data, m))
+    return Piece(low, high, modes, m, read["kind"], read["load"], read["square"], stretches_of(data, m))

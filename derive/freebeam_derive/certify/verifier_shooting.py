@@ -85,12 +85,19 @@ def added(a: list[Rows], b: list[Rows], factor: arb) -> list[Rows]:
     return [combined(x, y, factor) for x, y in zip_longest(a, b, fillvalue=none)]
 
 
+def _in_line(rows: Rows, width: int) -> arb_poly:
+    """One polynomial with row n at the powers from n · width on: one product of such is that of all rows."""
+    line: list[arb] = []
+    for n, row in enumerate(rows):
+        line += [arb(0)] * (n * width - len(line)) + row.coeffs()
+    return arb_poly(line)
+
+
 def _product(a: Rows, b: Rows, most: int) -> Rows:
-    rows = [arb_poly([])] * min(most, max(0, len(a) + len(b) - 1))
-    for i, x in enumerate(a):
-        for j, y in enumerate(b[: max(0, len(rows) - i)]):
-            rows[i + j] += x * y
-    return rows
+    count = min(most, max(0, len(a) + len(b) - 1))
+    width = 1 + sum(max((row.length() for row in rows), default=0) for rows in (a, b))
+    c = (_in_line(a, width) * _in_line(b, width)).coeffs()
+    return [arb_poly(c[n * width : (n + 1) * width]) for n in range(count)]
 
 
 # --- the equation, its conditions, and their determinant -------------------------------------------------------------
@@ -144,7 +151,7 @@ class Shooting:
         P, S = (base ** math.ceil(math.log(float(size), base)) for size, base in ((p, 4), (s, 16)))
         key = flint.ctx.prec, P, S
         if key not in self._known:
-            self._known[key] = Whole(self, arb(P), arb(0), arb(S), 2000)
+            self._known[key] = self.whole(arb(P), arb(0), arb(S), 2000)
         return self._known[key]
 
     def at(self, p: arb, s: arb, order: int) -> Whole:
@@ -152,8 +159,11 @@ class Shooting:
         P = 2 ** math.ceil(math.log2(float(p)))
         key = flint.ctx.prec, P, s.mid().man_exp(), order
         if key not in self._known:
-            self._known[key] = Whole(self, arb(P), s, arb(1), order + 1)
+            self._known[key] = self.whole(arb(P), s, arb(1), order + 1)
         return self._known[key]
+
+    def whole(self, P: arb, s: arb, S: arb, most: int) -> Whole:
+        return Whole(self, P, s, S, most)
 
 
 class Whole:
@@ -173,7 +183,7 @@ class Whole:
             self._theta, beyond = self._how_far(size)
             self._share = beyond / 1024  # too small to matter beside that
             norms = [(d, k, self._norm(parts)) for d, k, parts in self._terms] + [(0, 0, size)]
-            self._sizes, self._tails = _majorants(norms, bits)
+            self._sizes, self._tails = majorants(norms, bits)
             self._by_p = arb_poly([0, P])
             F = self._determinant().short(self._share)
             self.rest = (F.rest + beyond * F.size).upper()
@@ -267,9 +277,12 @@ class Whole:
         return found
 
 
-def _majorants(norms: list[tuple[int, int, arb]], bits: int) -> tuple[list[list[arb]], list[list[arb]]]:
+def majorants(
+    norms: list[tuple[int, int, arb]], bits: int, base: arb | int = 2
+) -> tuple[list[list[arb]], list[list[arb]]]:
     """Of each of the four solutions: bounds of ‖a_n‖ up to where they are nothing, and of what all later terms add to
-    derivatives 0 to 3 at x = 1. norms: (d, k, that of the factor of x^k y^(d))."""
+    derivatives 0 to 3 at x = 1. norms: (d, k, that of the factor of x^k y^(d)), where that of y^(4) is 1 at x = 0.
+    base: by which coefficients fall from there on."""
     reach = max(4 + k - d for d, k, _ in norms)
     sizes = [[arb(int(n == r)) for n in range(4)] for r in range(4)]
     last = 3
@@ -278,12 +291,12 @@ def _majorants(norms: list[tuple[int, int, arb]], bits: int) -> tuple[list[list[
         for of_one in sizes:
             total = sum((c * perm(n - k + d, d) * of_one[n - k + d] for d, k, c in norms if n >= k), arb(0))
             of_one.append((total / perm(last, 4)).upper())
-        # from here on each coefficient is at most half of the largest of those before, see docs/theorem.md
-        share = sum((c * 2 ** (4 + k - d) / perm(last + 1 - d, 4 - d) for d, k, c in norms), arb(0))
-        top = [max((s[last - i] * arb(2) ** -i for i in range(min(reach, last))), key=float) for s in sizes]
-        if last > 12 and share <= 1 and all(x < arb(2) ** (-bits - 8) for x in top):
+        # from here on each coefficient is at most 1/base of the largest of those before, see docs/theorem.md
+        share = sum((c * base ** (4 + k - d) / perm(last + 1 - d, 4 - d) for d, k, c in norms), arb(0))
+        top = [max((s[last - i] * arb(base) ** -i for i in range(min(reach, last))), key=float) for s in sizes]
+        if last > 20 and share <= 1 and all(x < arb(2) ** (-bits - 8) for x in top):
             break
         if last > 2000:
             raise ArithmeticError("the power series does not end")
-    rests = [perm(last + 1, d) / 2 / (1 - arb(last + 2) / (2 * (last + 2 - d))) for d in range(4)]
+    rests = [perm(last + 1, d) / arb(base) / (1 - (last + 2) / (arb(base) * (last + 2 - d))) for d in range(4)]
     return sizes, [[(x * rest).upper() for rest in rests] for x in top]

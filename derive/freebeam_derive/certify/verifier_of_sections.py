@@ -1,0 +1,136 @@
+"""Check certificates of the first crossing of a column of variable or stepped section (format 6): code of its own.
+
+It shares none with the prover. In a file are ends, breaks, forms, the claim, m, the line R_m and points between which
+F(P, s) changes sign. Computed here are F (`verifier_pieces`), the load's size (`verifier_sections`), every
+frequency without load up to one beyond which `verifier_waves` knows all to be apart, and from these that no eigenvalue
+passes a line from m on (Lemma 6 of docs/theorem.md). The crossing and the signs are looked at as for a uniform beam.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from typing import Any
+
+import flint
+from flint import arb, arb_poly
+
+from freebeam_derive.certify import verifier_sections
+from freebeam_derive.certify.verifier_claims import Statement, ball, require
+from freebeam_derive.certify.verifier_equations import Equations
+from freebeam_derive.certify.verifier_of_beam import First, High
+from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
+from freebeam_derive.certify.verifier_sections import OfSections, Sections
+from freebeam_derive.certify.verifier_signs import BITS
+from freebeam_derive.certify.verifier_waves import Apart
+
+STEP = Fraction(197, 1024)  # of γ L, in which zeros are looked for: an odd share, for zeros like round places
+DEEPEST, HALVINGS = 30, 40  # of such a step; of an interval with one zero
+MOST_FREQUENCIES = 400
+
+
+class Gaps(High):
+    """The lines of a column between its frequencies without load; as `verifier_of_beam.High` of a uniform beam."""
+
+    def __init__(self, column: Sections, F: Pieces, m: int, line: Fraction) -> None:
+        self.column, self.F, self.m, self.top = column, F, m, ball(line)
+        self.known: list[tuple[arb, arb]] = []
+
+    def check(self, load: Fraction, equations: Equations) -> None:
+        """No eigenvalue on any line from m on, for |p| up to a load: Lemma 6."""
+        require(not equations.of_E[1] > 0, "there is internal damping")
+        needed = (ball(load) * self.column.size()).upper()
+        apart = Apart(self.column)
+        beyond, gap = apart.gap(needed)
+        require(bool(gap > needed), "the gaps between high frequencies are too narrow")
+        known = self.known = Frequencies(self.F, beyond, apart.whole).all()
+        require(self.m < len(known), "the line is above all frequencies that are looked at")
+        for k in range(self.m + 1, len(known)):
+            wide = bool(known[k][0] - known[k - 1][1] > needed)
+            require(wide, f"the gap between the frequencies {k} and {k + 1} without load is too narrow for such a load")
+        # max ω / |ω² − R| is that of the neighbours
+        below, above = known[self.m - 1][1], known[self.m][0]
+        free = needed * below < self.top - below**2 and needed * above < above**2 - self.top
+        require(bool(free), f"line {self.m} is not known to be free of eigenvalues")
+
+
+class Frequencies:
+    """All frequencies without load, from the zeros of F(0, s). beyond: γ up to which all are needed, and one more;
+    length: of all waves."""
+
+    def __init__(self, F: Pieces, beyond: arb, length: arb) -> None:
+        self.beyond, self.step = beyond, STEP / Fraction(str(float(length.mid())))
+        top = (beyond + 8 / length).upper()
+        # what is left out is small beside F on the whole disc |s| ≤ S, but F is small near 0
+        with flint.ctx.workprec(flint.ctx.prec + int(4 * float(top * length))):
+            whole = OfPieces(F, arb(0), (2 * top**4).upper())
+        self.scale, self.bits, self.rest = whole.S, whole.precision, whole.rest
+        self.F = arb_poly(whole.levels[0].entries())
+
+    def all(self) -> list[tuple[arb, arb]]:
+        """Bounds of ω, ascending, up to the first with ω > beyond². Raises Refused."""
+        found: list[tuple[arb, arb]] = []
+        low = Fraction(0)
+        with flint.ctx.workprec(self.bits):
+            while not found or not found[-1][0] > self.beyond**2:
+                for a, b in self._between(low, low + self.step, 0):
+                    found.append((ball(a) ** 2, ball(b) ** 2))
+                require(len(found) < MOST_FREQUENCIES, "there are too many frequencies without load")
+                low += self.step
+        return found
+
+    def _place(self, gamma: Fraction) -> arb:
+        u = ball(gamma) ** 4 / self.scale
+        require(bool(u < arb(1) / 2), "frequencies were looked for too far")
+        return u
+
+    def _sign(self, gamma: Fraction) -> int:
+        value = self.F(self._place(gamma)) + self.rest * arb(0, 1)
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    def _between(self, low: Fraction, high: Fraction, depth: int) -> list[tuple[Fraction, Fraction]]:
+        """Intervals of γ with one zero each, all of those on a stretch."""
+        a, b = self._place(low), self._place(high)
+        middle, half = ((a + b) / 2).mid(), ((b - a) / 2).upper()
+        c = self.F(arb_poly([middle, half * (1 + arb(2) ** -20)])).coeffs()
+        far = sum((abs(v) for v in c[1:]), arb(0)) + self.rest
+        if abs(c[0]) > far:
+            return []
+        # by Cauchy's estimate from twice the places the slope of the rest is at most 2 rest, for u < 1/2
+        bend = sum((n * abs(v) for n, v in enumerate(c[2:], 2)), arb(0)) + 2 * self.rest * half * 2
+        if len(c) > 1 and abs(c[1]) > bend:
+            signs = self._sign(low), self._sign(high)
+            if signs[0] * signs[1] > 0:
+                return []
+            if signs[0] * signs[1] < 0:
+                return [self._narrowed(low, high, signs[0])]
+        require(
+            depth < DEEPEST, f"the frequencies about {float(middle * self.scale) ** 0.5:.6g} without load are not known"
+        )
+        at = low + (high - low) * Fraction(33, 64)
+        return self._between(low, at, depth + 1) + self._between(at, high, depth + 1)
+
+    def _narrowed(self, low: Fraction, high: Fraction, below: int) -> tuple[Fraction, Fraction]:
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            sign = self._sign(middle)
+            if sign == 0:
+                break
+            low, high = (middle, high) if sign == below else (low, middle)
+        return low, high
+
+
+def verify_sections(data: dict[str, Any]) -> OfSections:
+    """Check a certificate of such a column; what it proves. Raises Refused, ArithmeticError."""
+    stated, column, m, line, stretches = verifier_sections.read(data)
+    none = Fraction(0), Fraction(0)
+    with flint.ctx.workprec(BITS):
+        F = Pieces(column)
+    equations = Equations(F, 0, none, none, False)
+    gaps = Gaps(column, F, m, line)
+    First(equations, gaps, stated, ranged=False).check(stretches)
+    return replace(stated, modes=len(gaps.known))
+
+
+FORMATS: dict[str, Callable[[dict[str, Any]], Statement]] = {verifier_sections.SECTIONS: verify_sections}

@@ -1,0 +1,266 @@
+"""F(p, s) of a column of variable or stepped section for the verifier: power series on pieces, joined by conditions.
+
+Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. On a
+piece x = x₀ + hξ the equation has factors that are polynomials in ξ; pieces are so short that the series in ξ fall.
+Where segments meet, y and y' go on, and the two natural conditions give y'' and y''' on the other side.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import combinations
+from math import factorial, perm
+from typing import Any
+
+import flint
+from flint import arb, arb_mat, arb_poly, fmpq_poly
+
+from freebeam_derive.certify.verifier_claims import ORDERS, ball, exact
+from freebeam_derive.certify.verifier_sections import Sections
+from freebeam_derive.certify.verifier_shooting import NOTHING, Part, Shooting, Whole, combined, majorants
+
+BASE = arb(5) / 4  # by which coefficients fall at least, once enough are known
+ROOM = Fraction(3, 4)  # of 1, for the part of EI that changes on a piece; the rest is for what falls with n
+Factor = tuple[Fraction, Fraction, Fraction]
+"""What is there without load, the load's part, and the mass: a + p b − s c."""
+
+
+class Pieces(Shooting):
+    """F(p, s) of a column."""
+
+    def __init__(self, column: Sections) -> None:
+        self.column = column
+        self._known = {}
+        self.pieces = [[*_cut(column, n)] for n in range(len(column.m))]
+        last = len(column.m)
+        rows = [_natural(column, node, d) for node in (0, last) for d in (0, 1) if not column.held((node, d))]
+        held = [
+            {(e, d): (Fraction(1), Fraction(0), Fraction(0))} for e in (0, 1) for d in ORDERS[column.ends[e]] if d < 2
+        ]
+        at_ends = [{(int(side > 0), d): f for (side, d), f in row.items()} for row in rows]
+        self.rows = sorted([*held, *at_ends], key=lambda row: max(e for e, _ in row))
+
+    def whole(self, P: arb, s: arb, S: arb, most: int) -> Whole:
+        return OfPieces(self, P, S)
+
+    def at(self, p: arb, s: arb, order: int) -> Whole:
+        """At one s the same as near all: F is one polynomial."""
+        return self.on(p, abs(s) + 1)
+
+
+def _cut(column: Sections, n: int) -> Any:
+    """Pieces of a segment: their length h, and (d, k) -> factor of ξ^k y^(d) in their equation."""
+    x, end = column.breaks[n : n + 2]
+    while x < end:
+        h = end - x
+        while True:
+            table = _equation(column, n, x, h)
+            lead = abs(table[4, 0][0])
+            rest = sum(
+                (abs(f) * Fraction(5, 4) ** k / lead for (d, k), (f, *_) in table.items() if d == 4 and k), Fraction(0)
+            )
+            if rest <= ROOM:
+                break
+            h = h * 3 / 4
+        yield h, table
+        x += h
+
+
+def _equation(column: Sections, n: int, x: Fraction, h: Fraction) -> dict[tuple[int, int], Factor]:
+    found: dict[tuple[int, int], list[Fraction]] = {}
+    local = fmpq_poly([exact(x), exact(h)])
+
+    def add(f: fmpq_poly, i: int, j: int, which: int) -> None:
+        """∫ f v^(i) y^(j) dx, by parts (−1)^i (f y^(j))^(i)."""
+        f = f(local)
+        for r in range(i + 1):  # by the product's rule
+            g, factor = f, Fraction(math.comb(i, r) * (-1) ** i)
+            for _ in range(r):
+                g = g.derivative()
+            for k in range(g.degree() + 1):
+                c = Fraction(int(g[k].p), int(g[k].q)) * factor * h ** (1 - i - j)
+                found.setdefault((j + i - r, k), [Fraction(0)] * 3)[which] += c
+
+    add(column.EI[n], 2, 2, 0)
+    add(column.m[n], 0, 0, 2)
+    for order, f in column.elastic[n].items():
+        add(f, order, order, 0)
+    for (i, j), f in column.load[n].items():
+        add(f, i, j, 1)
+    return {key: (a, b, c) for key, (a, b, c) in found.items() if a or b or c}
+
+
+def _natural(column: Sections, node: int, order: int) -> dict[tuple[int, int], Factor]:
+    """The factor of v^(order) at a break, which is nothing: (side, derivative of y) -> factor.
+
+    side: −1 for x = 0 or the segment on the right of a break, 1 for the one on its left, and for x = 1.
+    """
+    found: dict[tuple[int, int], list[Fraction]] = {}
+    last, x = len(column.m), exact(column.breaks[node])
+
+    def add(side: int, d: int, which: int, f: Any) -> None:
+        value = f if isinstance(f, Fraction) else Fraction(int(f.p), int(f.q))
+        found.setdefault((side, d), [Fraction(0)] * 3)[which] += value
+
+    for side, n in ((1, node - 1), (-1, node)):
+        if not 0 <= n < last:
+            continue
+        EI = column.EI[n]
+        if order:
+            add(side, 2, 0, side * EI(x))
+            continue
+        add(side, 3, 0, -side * EI(x))
+        add(side, 2, 0, -side * EI.derivative()(x))
+        for j, f in column.elastic[n].items():
+            if j == 1:
+                add(side, 1, 0, side * f(x))
+        for (i, j), f in column.load[n].items():
+            if i == 1:
+                add(side, j, 1, side * f(x))
+    here = -1 if node == 0 else 1
+    for which, table in ((0, column.springs), (2, column.masses)):
+        if (node, order) in table:
+            add(here, order, which, table[node, order])
+    for ((a, i), (b, j)), force in column.forces.items():
+        if (a, i) == (node, order):
+            add(here if b == a else 1 if b else -1, j, 1, force)
+    return {key: (a, b, c) for key, (a, b, c) in found.items()}
+
+
+class OfPieces(Whole):
+    """F where |p| ≤ P and |s| ≤ S: Σ C_jk (p/P)^j (s/S)^k and at most `rest`. P may be nothing."""
+
+    def __init__(self, pieces: Pieces, P: arb, S: arb) -> None:
+        self.P, self.s, self.S = P, arb(0), S
+        bits = flint.ctx.prec
+        if not (S < arb(10) ** 11 and P < 1e5):
+            raise ArithmeticError("the power series is too long")
+        stiff = max(
+            abs(float(f[2] / t[4, 0][0])) * float(S) for row in pieces.pieces for _, t in row for f in t.values()
+        )
+        waves = sum(stiff**0.25 for row in pieces.pieces for _ in row) + float(P) ** 0.5
+        # more bits, for large terms cancel: they decide how sharp F is, no more
+        self.precision = bits + 64 + int(3 * waves)
+        with flint.ctx.workprec(self.precision):
+            self._rows, self._ends, self._pieces, self._bits = pieces.rows, {}, pieces, bits
+            self._matrices: dict[tuple[int, int], list[list[Part]]] = {}
+            F = self._determinant().short()
+            rows, self.rest = F.levels[0] if F.levels else [arb_poly([0])], F.rest
+            K = max(row.length() for row in rows)
+            self.levels = [arb_mat([[row[k] for k in range(K)] for row in rows])]
+
+    def _determinant(self) -> Part:
+        total = NOTHING
+        for a, b in combinations(range(4), 2):
+            c, d = (k for k in range(4) if k not in (a, b))
+            upper = self._minor(0, 1, a, b)
+            if not upper.size.is_zero():
+                total = total.plus(self._times(upper, self._minor(2, 3, c, d)), (-1) ** (a + b + 1))
+        return total
+
+    def _minor(self, i: int, j: int, a: int, b: int) -> Part:
+        one, other = (self._times(self._on(i, x), self._on(j, y)) for x, y in ((a, b), (b, a)))
+        return one.plus(other, -1)
+
+    def _times(self, one: Part, other: Part) -> Part:
+        return one.times(other, 2000).short()
+
+    def _linear(self, factor: Factor) -> Part:
+        a, b, c = map(ball, factor)
+        rows = [arb_poly([a, -c * self.S])] + ([arb_poly([b * self.P])] if factor[1] else [])
+        return Part([rows], (abs(a) + abs(b) * self.P + abs(c) * self.S).upper())
+
+    def _on(self, condition: int, r: int) -> Part:
+        total = NOTHING
+        for (e, d), factor in self._rows[condition].items():
+            if e == 0 and d != r:
+                continue
+            part = self._linear(factor)
+            total = total.plus(self._times(part, self._at_one(r)[d]) if e else part)
+        return total
+
+    def _at_one(self, r: int) -> list[Part]:
+        """Derivatives 0 to 3 at x = 1 of the solution with y^(r)(0) = 1, and the others nothing there."""
+        if r not in self._ends:
+            unit = Part([[arb_poly([1])]], arb(1))
+            state = [unit if d == r else NOTHING for d in range(4)]
+            for n, row in enumerate(self._pieces.pieces):
+                if n:
+                    state = self._across(n, state)
+                for k in range(len(row)):
+                    state = self._applied(self._carrying(n, k), state)
+            self._ends[r] = state
+        return self._ends[r]
+
+    def _applied(self, matrix: list[list[Part]], state: list[Part]) -> list[Part]:
+        found = []
+        for line in matrix:
+            total = NOTHING
+            for a, x in zip(line, state, strict=True):
+                if not (x.size.is_zero() or a.size.is_zero()):
+                    total = total.plus(self._times(a, x))
+            found.append(total)
+        return found
+
+    def _across(self, node: int, state: list[Part]) -> list[Part]:
+        """y'' and y''' on the right of a break, from its natural conditions."""
+        found = state[:2]
+        for order, d in ((1, 2), (0, 3)):
+            row = _natural(self._pieces.column, node, order)
+            total, lead = NOTHING, ball(row[-1, d][0])
+            for (side, q), factor in row.items():
+                if (side, q) == (-1, d):
+                    continue
+                part = self._times(self._linear(factor), (state if side > 0 else found)[q])
+                total = total.plus(part, -1 / lead)
+            found.append(total)
+        return found
+
+    def _carrying(self, n: int, k: int) -> list[list[Part]]:
+        """Derivatives by x at the right end of a piece of the solutions of one derivative at its left end."""
+        if (n, k) not in self._matrices:
+            h, table = self._pieces.pieces[n][k]
+            columns = self._solutions(table)
+            self._matrices[n, k] = [
+                [NOTHING.plus(columns[r][d], ball(h ** (r - d) / factorial(r))) for r in range(4)] for d in range(4)
+            ]
+        return self._matrices[n, k]
+
+    def _solutions(self, table: dict[tuple[int, int], Factor]) -> list[list[Part]]:
+        """Derivatives 0 to 3 by ξ at ξ = 1 of ξ^r + …, r = 0, …, 3."""
+        lead = table[4, 0][0]
+        terms = [
+            (d, k, ball(a / lead), ball(b / lead) * self.P, ball(c / lead) * self.S)
+            for (d, k), (a, b, c) in table.items() if (d, k) != (4, 0)
+        ]  # fmt: skip
+        norms = [(d, k, (abs(a) + abs(b) + abs(c)).upper()) for d, k, a, b, c in terms]
+        sizes, tails = majorants(norms, self._bits, BASE)
+        found = []
+        for r in range(4):
+            count = len(sizes[r])
+            a = [[arb_poly([1])] if n == r else [] for n in range(4)]
+            for n in range(count - 4):
+                total: list[arb_poly] = []
+                for d, k, still, load, mass in terms:
+                    if n < k or not a[n - k + d]:
+                        continue
+                    source, factor = a[n - k + d], perm(n - k + d, d)
+                    if mass.is_zero():
+                        total = total if still.is_zero() else combined(total, source, still * factor)
+                    else:
+                        line = arb_poly([still * factor, -mass * factor])
+                        total = combined(total, [row * line for row in source], arb(1))
+                    if not load.is_zero():
+                        total = combined(total, [arb_poly([]), *source], load * factor)
+                inverse = arb(-1) / perm(n + 4, 4)
+                a.append([row * inverse for row in total])
+            at_one = []
+            for d in range(4):
+                rows: list[arb_poly] = []
+                for n in range(d, count):
+                    rows = combined(rows, a[n], arb(perm(n, d)))
+                size = sum((perm(n, d) * sizes[r][n] for n in range(d, count)), arb(0))
+                at_one.append(Part([rows], size.upper(), tails[r][d]).short())
+            found.append(at_one)
+        return found

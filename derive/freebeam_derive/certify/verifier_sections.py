@@ -1,0 +1,236 @@
+"""A column of variable or stepped section with masses and springs, for the verifier, and how large its load is.
+
+Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. One
+deflection y goes on with its slope from each segment to the next. EI, m and the factors of forms are polynomials in x
+on each segment; masses, springs and what the load does at places stand at the ends and where segments meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+from flint import arb, arb_poly, fmpq_poly
+
+from freebeam_derive.certify import verifier_beam_claims as claims
+from freebeam_derive.certify import verifier_claims as v
+from freebeam_derive.certify.decimals import said
+from freebeam_derive.certify.verifier_claims import ball, exact, require
+from freebeam_derive.certify.verifier_signs import Stretch
+
+SECTIONS = "freebeam certificate 6"
+FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "lowest", "line", "kind", "load",
+          "frequency_squared", "proof", "stretches"}  # fmt: skip
+MOST_SEGMENTS = 3  # cells of phases are as many as a power of it
+PIECES = 256  # of a segment, on each of which a factor is one ball
+Place = tuple[int, int]  # a break's number, order of the derivative there
+LENGTHS = {True: (arb(1) / 3, arb("0.7072")), False: (arb(1) / 2, arb(1))}
+"""κ with ‖y^(q)‖ ≤ κ ‖y''‖, where an end holds y and y', and else (docs/theorem.md, Lemma 6)."""
+
+
+@dataclass(frozen=True)
+class OfSections(claims.OfBeamItself):
+    """A statement of such a column without damping."""
+
+    breaks: tuple[Fraction, ...]
+
+    @property
+    def forms(self) -> str:
+        inner = [said(place) for place in self.breaks[1:-1]]
+        return super().forms + (f", breaks at {' and '.join(inner)}" if inner else "")
+
+    def record(self) -> dict[str, Any]:
+        stated = super().record() | {"breaks": [*map(said, self.breaks)]}
+        return {key: value for key, value in stated.items() if key not in ("modes", "basis")}
+
+
+@dataclass(frozen=True)
+class Sections:
+    """What the forms in a file say.
+
+    EI, m: a polynomial a segment. elastic: order -> polynomial, load: (test order, trial order) -> polynomial, a table
+    a segment. masses, springs: of places. forces: of the load, (test place, trial place) -> factor.
+    """
+
+    ends: tuple[str, str]
+    breaks: tuple[Fraction, ...]
+    EI: list[fmpq_poly]
+    m: list[fmpq_poly]
+    elastic: list[dict[int, fmpq_poly]]
+    load: list[dict[tuple[int, int], fmpq_poly]]
+    masses: dict[Place, Fraction]
+    springs: dict[Place, Fraction]
+    forces: dict[tuple[Place, Place], Fraction]
+
+    def held(self, place: Place) -> bool:
+        """Whether a geometric condition holds the displacement there."""
+        node, order = place
+        return node in (0, len(self.m)) and order in v.ORDERS[self.ends[1 if node else 0]]
+
+    def pieces(self, segment: int) -> Iterator[tuple[arb, arb]]:
+        """Stretches of x that are all of a segment, and their length."""
+        low, high = map(ball, self.breaks[segment : segment + 2])
+        for k in range(PIECES):
+            yield low + (high - low) * (arb(k).union(arb(k + 1)) / PIECES), (high - low) / PIECES
+
+    # ---------------------------------------------------------------- how large the load is
+
+    @cached_property
+    def bending(self) -> arb:
+        """What a(y, y) is at least, in parts of ∫ EI y''² dx."""
+        lost, sides = arb(0), [e for e in (0, 1) if self.held((e * len(self.m), 1))]
+        for segment, table in enumerate(self.elastic):
+            for order, f in table.items():
+                for x, width in self.pieces(segment):
+                    value = at(f, x)
+                    if value >= 0:
+                        continue
+                    # y'(x)² ≤ |x − e| ∫ y''² dx where the end e holds y'
+                    require(order == 1 and bool(sides), "the elastic energy is not known to be positive")
+                    lost += (-value).upper() * abs(x - sides[0]).upper() * width
+        share = arb(1 - lost / self.softest)
+        require(bool(share > 0), "the elastic energy is not known to be positive")
+        return arb(share.lower())
+
+    @cached_property
+    def softest(self) -> arb:
+        """The least EI."""
+        return min((at(f, x).lower() for n, f in enumerate(self.EI) for x, _ in self.pieces(n)), key=float)
+
+    def size(self) -> arb:
+        """C of Lemma 6. Raises Refused."""
+        try:
+            return self._size(turned=False)
+        except v.Refused:
+            return self._size(turned=True)
+
+    def _size(self, turned: bool) -> arb:
+        """All derivatives go off the factor whose mass bounds it; turned: off the other one."""
+        inner: list[dict[int, fmpq_poly]] = [{} for _ in self.m]
+        points: dict[tuple[Place, Place], Fraction] = {}
+
+        def point(place: Place, of: Place, f: Any) -> None:
+            points[place, of] = points.get((place, of), Fraction(0)) + f
+
+        for (row, of), force in self.forces.items():
+            point(*((of, row) if turned else (row, of)), force)
+        for n, table in enumerate(self.load):
+            for pair, f in table.items():
+                i, j = pair[::-1] if turned else pair
+                add(inner[n], i + j, f * (-1) ** i)
+                if i:
+                    add(inner[n], j, -f.derivative())
+                    for node, sign in ((n, -1), (n + 1, 1)):
+                        value = f(exact(self.breaks[node]))
+                        point((node, 0), (node, j), sign * Fraction(int(value.p), int(value.q)))
+        along: dict[int, arb] = {}
+        for n, parts in enumerate(inner):
+            for q, f in parts.items():
+                if f.degree() < 0:
+                    continue
+                for x, _ in self.pieces(n):
+                    square = at(f, x) ** 2 / at(self.m[n], x)
+                    felt = square / at(self.EI[n], x) if q == 2 else square * self._reach(q)[0] ** 2 / self.softest
+                    along[q] = along.get(q, arb(0)).max(felt.upper())
+        total = arb(sum((square.sqrt() for square in along.values()), arb(0)) ** 2)
+        for place in {row for (row, _), force in points.items() if force and not self.held(row)}:
+            require(self.masses.get(place, 0) > 0, "the load acts at a place without a mass, and is none of a follower")
+            felt = arb(0)
+            for (row, of), force in points.items():
+                if row == place and not self.held(of):
+                    felt += abs(ball(force)) * self._reach(of[1])[1]
+            total += felt * felt / self.softest / ball(self.masses[place])
+        return arb((total / self.bending).sqrt().upper())
+
+    def _reach(self, order: int) -> tuple[arb, arb]:
+        """κ with ‖y^(q)‖ ≤ κ ‖y''‖, and with |y^(q)(x)| ≤ κ ‖y''‖ at any x."""
+        last = len(self.m)
+        lines = [f for f in ((1, 0), (0, 1), (1, -1)) if all(
+            sum(f) * e + f[0] * (1 - e) == 0 if order == 0 else f[1] == 0
+            for e in (0, 1) for order in (0, 1) if self.held((e * last, order))
+        )]  # fmt: skip
+        require(not lines, "the column is held by springs alone, under a load that is none of a follower")
+        norm = LENGTHS["clamped" in self.ends][order]
+        return norm, arb(1) if order or "clamped" not in self.ends else arb(2) / 3
+
+
+def at(f: fmpq_poly, x: arb) -> arb:
+    """A polynomial on a ball, from its middle."""
+    middle, far = x.mid(), x - x.mid()
+    g = arb_poly(f)
+    value, slope, bend = g(middle), g.derivative()(middle), g.derivative().derivative()(x)
+    return arb(value + far * (slope + far * bend / 2))
+
+
+def add(table: dict[Any, fmpq_poly], key: Any, f: fmpq_poly) -> None:
+    table[key] = table.get(key, fmpq_poly([0])) + f
+
+
+# --- reading -------------------------------------------------------------------------------------------------------
+
+
+def read(data: dict[str, Any]) -> tuple[OfSections, Sections, int, Fraction, tuple[Stretch, ...]]:
+    """Of a file: what is claimed, the column, m, the line R_m, and the stretches. Raises Refused."""
+    claims.fields(data, FIELDS)
+    still = {"modes": v.MOST_MODES, "alpha": "0", "beta": "0", "load_max": None}
+    given = v.claims_of(data | still)
+    require(given["kind"] != "none" and given["load"][1] < claims.HIGHEST, claims.NO_CROSSING)
+    left, right = data["ends"]
+    require(left in v.ORDERS and right in v.ORDERS, "the ends are not known")
+    require(type(data["breaks"]) is list and 1 < len(data["breaks"]) < MOST_SEGMENTS + 2,
+            f"there are no segments, or more than {MOST_SEGMENTS}")  # fmt: skip
+    breaks = tuple(map(v.number, data["breaks"]))
+    whole = breaks[0] == 0 and breaks[-1] == 1 and all(a < b for a, b in pairwise(breaks))
+    require(whole, "the breaks do not ascend from 0 to 1")
+    column = sections((left, right), breaks, data["forms"])
+    m, line = claims.lowest(data | still), v.number(data["line"])
+    stated = OfSections(**given, ours=False, ends=(left, right), basis="", kappa=None, damping=None, breaks=breaks)
+    return stated, column, m, line, claims.stretches_of(data, m)
+
+
+def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[str, Any]) -> Sections:
+    require(set(forms) == set("MEH"), "the forms are not M, E and H")
+    count = len(breaks) - 1
+    found = Sections(ends, breaks, [], [], [{} for _ in range(count)], [], {}, {}, {})
+    tables: dict[str, list[dict[tuple[int, int], fmpq_poly]]] = {}
+    points: dict[str, dict[tuple[Place, Place], Fraction]] = {}
+    for name in "MEH":
+        form = forms[name]
+        require(set(form) == {"along", "points"}, "a form has other parts than integrals and values at places")
+        require(len(form["along"]) + len(form["points"]) <= v.MOST_TERMS, "a form has too many terms")
+        tables[name], points[name] = [{} for _ in range(count)], {}
+        for n, k, p, q, f in form["along"]:
+            _whole((n, count - 1), (k, v.HIGHEST_POWER), (p, 2), (q, 2))
+            require((p, q) == (2, 2) if 2 in (p, q) else True, "a form acts on curvatures")
+            add(tables[name][n], (p, q), fmpq_poly([0] * k + [exact(v.number(f))]))
+        for a, p, b, q, f in form["points"]:
+            _whole((a, count), (p, 1), (b, count), (q, 1))
+            if not (found.held((a, p)) or found.held((b, q))):
+                key = (a, p), (b, q)
+                points[name][key] = points[name].get(key, Fraction(0)) + v.number(f)
+    for n in range(count):
+        found.m.append(tables["M"][n].pop((0, 0), fmpq_poly([0])))
+        found.EI.append(tables["E"][n].pop((2, 2), fmpq_poly([0])))
+        require(not tables["M"][n], "the mass is none of the displacement along the beam")
+        positive = all(at(f, x) > 0 for f in (found.m[n], found.EI[n]) for x, _ in found.pieces(n))
+        require(positive, "a mass or a stiffness along the beam is not known to be positive")
+        require(all(p == q for p, q in tables["E"][n]), "the elastic energy is not symmetric")
+        require((2, 2) not in tables["H"][n], "a form acts on curvatures")
+        found.elastic[n].update({p: f for (p, _), f in tables["E"][n].items()})
+        found.load.append(tables["H"][n])
+    for name, table in (("M", found.masses), ("E", found.springs)):
+        for (row, of), f in points[name].items():
+            require(row == of and f >= 0, "a mass or a spring couples two places, or is negative")
+            table[row] = f
+    require(all(row[0] == of[0] or {row[0], of[0]} <= {0, count} for row, of in points["H"]),
+            "the load at a place depends on another one")  # fmt: skip
+    return replace(found, forces=points["H"])
+
+
+def _whole(*given: tuple[Any, int]) -> None:
+    right = all(type(n) is int and 0 <= n <= most for n, most in given)
+    require(right, "a form has no such segment, power, order or place")

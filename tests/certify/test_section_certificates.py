@@ -1,0 +1,317 @@
+"""Certificates of columns of variable or stepped section, with masses and springs: accepted as written, refused where
+they claim what is not so; and the verifier's function, frequencies and bounds beside those of the prover and of series.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+from flint import acb, arb
+
+import freebeam as fb
+from freebeam_derive.certify import verifier, verifier_of_sections
+from freebeam_derive.certify.boundary_polynomials import Question
+from freebeam_derive.certify.certificate import _sections
+from freebeam_derive.certify.verifier_boxes import Box
+from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies
+from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_sections import Sections, sections
+from freebeam_derive.certify.verifier_waves import Apart
+from tests.certify.test_frequency_gaps import frequencies, matrices, system
+from tests.front.test_proofs import run
+
+Data = dict[str, Any]
+BITS = 128
+KEPT: dict[str, Any] = {}  # F and frequencies of a column
+CASES: dict[str, tuple[str, dict[str, str]]] = {
+    "a mass that turns": ("pflueger", {"J": "0.1"}),
+    "a spring, divergence": ("tip-spring", {"k": "40"}),
+    "dead load": ("beck-dead-load", {}),
+}
+COLUMNS: dict[str, tuple[str, dict[str, str]]] = {
+    "tip mass": ("pflueger", {"J": "0.1"}),
+    "spring": ("tip-spring", {"k": "30"}),
+    "hanging": ("beck-self-weight", {"g": "-5"}),
+    "step and mass": ("step", {"a": "0.6", "r": "0.5", "mu": "0.3"}),
+    "wedge": ("wedge", {"tau": "0.1"}),
+    "cone": ("cone", {"tau": "0.15"}),
+}
+
+
+@cache
+def found(case: str) -> Any:
+    name, own = CASES[case]
+    return fb.exact_load(fb.column(name), digits=15, **own)  # type: ignore[arg-type]
+
+
+def certificate(case: str) -> Data:
+    data: Data = json.loads(json.dumps(found(case).certificate))
+    return data
+
+
+@cache
+def column(case: str) -> tuple[Any, Sections]:
+    it = system(*COLUMNS[case])
+    stated = _sections(it.kernel, Question(1, Fraction(0), Fraction(0), None, dict(it.own)))
+    return it, sections(tuple(stated["ends"]), tuple(map(Fraction, stated["breaks"])), stated["forms"])
+
+
+@pytest.fixture(autouse=True)
+def computed_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """F and the frequencies of a column, for all the forgeries that leave it."""
+
+    def pieces(of: Sections) -> Pieces:
+        if repr(of) not in KEPT:
+            KEPT[repr(of)] = Pieces(of)
+        known: Pieces = KEPT[repr(of)]
+        return known
+
+    class Once(Frequencies):
+        def all(self) -> list[tuple[arb, arb]]:
+            key = repr((self.beyond, self.F))
+            if key not in KEPT:
+                KEPT[key] = super().all()
+            known: list[tuple[arb, arb]] = KEPT[key]
+            return known
+
+    monkeypatch.setattr(verifier_of_sections, "Pieces", pieces)
+    monkeypatch.setattr(verifier_of_sections, "Frequencies", Once)
+
+
+def verify(data: Data) -> Any:
+    return verifier.verify(data, FORMATS)
+
+
+def refused(data: Data, match: str) -> None:
+    with pytest.raises(Refused, match=match):
+        verify(data)
+
+
+def forged(case: str, change: Callable[[Data], Any]) -> Data:
+    data = certificate(case)
+    change(data)
+    return data
+
+
+def shifted(pair: list[str], factor: str) -> list[str]:
+    return [str(Fraction(v) * Fraction(factor)) for v in pair]
+
+
+# ------------------------------------------------------------ whole certificates
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_a_certificate_is_accepted_as_it_was_written(case: str) -> None:
+    proven = found(case)
+    assert all(proven.proof.values()) and proven.missing == "" and proven.evidence["reach"] > float(proven.load[0])
+    stated = verify(certificate(case))
+    assert stated.kind == proven.kind
+    assert stated.load[0] < Fraction(proven.load[1]) and Fraction(proven.load[0]) < stated.load[1]
+    text = str(stated)
+    assert "the beam itself, the forms in this file (which names them" in text and "undamped" in text
+    assert "it is the first over all modes" in text and "stable is every load from 0 up to it" in text
+    assert stated.record()["of"] == "the beam itself: the forms in this file"
+
+
+def test_a_claim_that_is_moved_is_refused() -> None:
+    data = certificate("a mass that turns")
+    for name in ("load", "frequency_squared"):
+        refused(data | {name: shifted(data[name], "1.0001")}, "no crossing in the interval")
+    refused(data | {"load": shifted(data["load"], "2")}, "no crossing in the interval")
+    refused(data | {"load": shifted(data["load"], "6")}, "too narrow|not known to be free|no crossing")
+    refused(data | {"kind": "divergence", "frequency_squared": None}, "no crossing in the interval")
+    refused(data | {"proof": data["proof"] | {"first": False}}, "what is said to be proven")
+    refused(data | {"ends": ["clamped", "pinned"]}, "no crossing|not known to be free|known to be apart")
+    refused(data | {"ends": ["free", "free"]}, "held by springs alone|not known")
+    spring = certificate("a spring, divergence")
+    refused(spring | {"kind": "flutter", "frequency_squared": ["100", "101"]}, "no crossing in the interval")
+
+
+def test_another_column_is_refused() -> None:
+    """A mass, its rotary inertia, the stiffness and the load a little other than what was proven."""
+    for form, where, n, last in (("M", "points", 0, "1.001"), ("M", "points", 1, "0.1001"),
+                                 ("M", "along", 0, "1.001"), ("E", "along", 0, "1.001")):  # fmt: skip
+        data = certificate("a mass that turns")
+        assert Fraction(data["forms"][form][where][n][-1]) != Fraction(last)
+        data["forms"][form][where][n][-1] = last
+        refused(data, "no crossing in the interval")
+    data = certificate("a mass that turns")
+    data["forms"]["H"]["points"] = []
+    refused(data, "no crossing in the interval")
+
+
+def test_lines_that_are_not_free_are_refused() -> None:
+    """A line moved over an eigenvalue, to either side, or next to one; and m with it."""
+    case = "a mass that turns"
+    data = certificate(case)
+    line, points = Fraction(data["line"]), data["stretches"][0]["points"]
+    second, third = frequencies(system(*CASES[case]), 3)[1:] ** 2
+    assert second < line < third
+    for moved in (second * 0.999, second * 1.001, third * 0.999, third * 1.001, 20 * float(line)):
+        refused(data | {"line": str(Fraction(moved))}, "not known to be free")
+
+    def one_less(d: Data) -> None:
+        d["lowest"], d["line"] = 1, str(Fraction(points[1]) * Fraction(11, 10))
+        for stretch in d["stretches"]:
+            del stretch["points"][1]
+            stretch["moving"] = None if stretch["moving"] is None else 0
+
+    def one_more(d: Data) -> None:
+        d["lowest"], d["line"] = 3, str(line * 20)
+        for stretch in d["stretches"]:
+            stretch["points"].append(str(line * 19))
+
+    refused(forged(case, one_less), "too narrow|not known to be free")
+    # with a third eigenvalue told by signs the same is proven, without its change of sign it is not
+    more = forged(case, one_more)
+    assert verify(more).load == verify(data).load
+    for stretch in more["stretches"]:
+        stretch["points"][-1] = str(line * Fraction(101, 100))
+    refused(more, "not known to change sign")
+    refused(data | {"lowest": 40}, "too few points")
+
+
+def test_stretches_and_points_that_are_altered_are_refused() -> None:
+    def altered(change: Callable[[Any], Any]) -> Data:
+        return forged("a mass that turns", lambda d: change(d["stretches"]))
+
+    line = certificate("a mass that turns")["line"]
+    refused(altered(lambda s: s.pop(0)), "leave a gap")
+    refused(altered(lambda s: s.pop()), "moves that should not, or does not")
+    refused(altered(lambda s: s[0]["points"].__setitem__(1, "1/2")), "not known to change sign")
+    refused(altered(lambda s: s[0]["points"].__setitem__(2, str(2 * Fraction(line)))), "beyond the line that is free")
+    refused(altered(lambda s: s[-1].update(slope="100")), "not known on the line|does not stay")
+
+
+def test_what_is_no_such_column_is_refused() -> None:
+    def form(name: str, part: str, term: list[Any]) -> Data:
+        return forged("a mass that turns", lambda d: d["forms"][name][part].append(term))
+
+    refused(form("M", "along", [0, 1, 1, 1, "1"]), "the mass is none of the displacement")
+    refused(form("M", "along", [0, 1, 0, 0, "-2"]), "not known to be positive")
+    refused(form("E", "along", [0, 1, 2, 2, "-1"]), "not known to be positive")
+    refused(form("E", "along", [0, 0, 1, 1, "-3"]), "elastic energy is not known to be positive")
+    refused(form("E", "along", [0, 0, 0, 1, "1"]), "elastic energy is not symmetric")
+    refused(form("H", "along", [0, 0, 2, 2, "1"]), "acts on curvatures")
+    refused(form("M", "points", [1, 0, 1, 1, "1"]), "couples two places, or is negative")
+    refused(form("E", "points", [1, 0, 1, 0, "-1"]), "couples two places, or is negative")
+    refused(form("E", "points", [2, 0, 2, 0, "1"]), "no such segment, power, order or place")
+    refused(form("H", "points", [1, 1, 1, 0, "1"]), "too narrow|no crossing|not known")
+    refused(certificate("a mass that turns") | {"breaks": ["0", "1/2"]}, "do not ascend from 0 to 1")
+    refused(certificate("a mass that turns") | {"more": 1}, "fields are missing, or not known")
+
+
+def test_a_load_on_a_place_without_a_mass_is_refused() -> None:
+    """A dead load, whose form is of y' and v' alone, at a tip that carries no mass."""
+    refused(forged("dead load", lambda d: d["forms"]["H"].update(points=[])), "a place without a mass")
+
+
+def test_the_command_line_writes_what_it_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file = tmp_path / "proof.json"
+    asked = ["critical", "--column", "pflueger", "--digits", "12", "--exact", "--certificate", str(file)]
+    assert run(capsys, *asked, "--set", "J=0.1")[0] == 0
+    status, text, _ = run(capsys, "verify", str(file))
+    assert status == 0 and "which names them pflueger, mu = 1, J = 0.1" in " ".join(text.split())
+
+
+# ------------------------------------------------------------ the verifier's own mathematics
+
+
+@pytest.mark.parametrize("case", COLUMNS)
+def test_both_functions_have_the_same_zeros(case: str) -> None:
+    """Their quotient is one number for all p and s."""
+    it, of = column(case)
+    quotients = []
+    with flint.ctx.workprec(BITS):
+        F = Pieces(of)
+        for p, s in ((1, 50), (2, 90)):
+            ours = Box(F, arb(p), arb(s), 0).value(arb(p), arb(s))
+            quotients.append(ours / it.taylor(arb(p), arb(s), ((0, 0),))[0, 0])
+    assert all(q.overlaps(quotients[0]) and q.rad() < 1e-12 for q in quotients) and abs(quotients[0]) > 0
+
+
+@pytest.mark.parametrize("case", COLUMNS)
+def test_the_loads_size_is_above_that_in_a_series(case: str) -> None:
+    it, of = column(case)
+    M, E, K = matrices(it, 16)
+    left, right = (np.linalg.inv(np.linalg.cholesky(part)) for part in (M, E))
+    size = np.linalg.norm(left @ (K - E) @ right.T, 2)
+    with flint.ctx.workprec(BITS):
+        bound = float(of.size())
+    assert size * (1 - 1e-12) <= bound < 2 * size  # rounding of the series
+
+
+@pytest.mark.parametrize("case", COLUMNS)
+def test_no_frequency_is_left_out_and_high_ones_are_apart(case: str) -> None:
+    it, of = column(case)
+    omega = frequencies(it, 12)
+    with flint.ctx.workprec(BITS):
+        apart = Apart(of)
+        known = Frequencies(Pieces(of), arb(7), apart.whole).all()
+        assert known[-1][0] > 49 and (len(known) < 2 or known[-2][1] < 49.01)
+        for (low, high), value in zip(known, omega, strict=False):
+            assert float(low) * (1 - 1e-9) <= value <= float(high) * (1 + 1e-9)
+        G, gap = map(float, apart.gap(arb(3)))
+    high = omega[omega > G**2]
+    assert len(high) > 2 and 3 < gap < np.diff(high).min()
+
+
+@pytest.mark.parametrize("case", ["tip mass", "hanging", "step and mass", "wedge"])
+def test_waves_and_a_rest_are_the_characteristic_function(case: str) -> None:
+    """Beside the prover's F, up to a factor that is a power of γ times e^(θ); and the slope's bound by differences."""
+    it, of = column(case)
+
+    def exact(g: float) -> Any:
+        return it.taylor(arb(0), arb(g) ** 4, ((0, 0),))[0, 0] * (-arb(g) * apart.whole.mid()).exp()
+
+    def main(g: float) -> Any:
+        total = acb(0)
+        for wave, (B,) in apart.stages[-1].items():
+            turn = sum((s * L.mid() for s, L in zip(wave, apart.lengths, strict=True)), arb(0))
+            total += B(arb(1) / g) * acb(0, turn * arb(g)).exp()
+        assert abs(total.imag) < 1e-20
+        return total.real
+
+    with flint.ctx.workprec(2 * BITS):
+        apart = Apart(of)
+        # where waves are large, to find the factor; its power is a whole number
+        far = [max((40.0, 40.3, 40.7), key=lambda g: abs(float(main(g))))]
+        far += [max((20.0, 20.4, 20.8), key=lambda g: abs(float(main(g))))]
+        c, d = (float(exact(g) / main(g)) for g in far)
+        power = round(np.log(c / d) / np.log(far[0] / far[1]))
+        scale = c / far[0] ** power
+        rest = apart.rest(arb(far[0]), arb(0))
+        assert rest is not None
+        unsure = 1.1 * float(rest / abs(main(far[0])))
+        for g in (4.0, 5.5, 7.0, 12.0):
+            bound = apart.rest(arb(g), arb(0))
+            wide = apart.rest(arb(g) - 1 / apart.whole, 1 / apart.whole)
+            off = [float(exact(x) / (scale * x**power) - main(x)) for x in (g, g + 0.01)]
+            slack = unsure * abs(float(exact(g) / (scale * g**power)))
+            if bound is not None:
+                assert abs(off[0]) <= float(bound) + slack
+            if wide is not None:
+                assert abs(off[1] - off[0]) / 0.01 <= float(wide * apart.whole) + 10 * slack
+        assert bound is not None and wide is not None and abs(off[0]) > 1e-5 * float(bound)
+
+
+def test_a_gap_that_is_too_wide_is_not_claimed() -> None:
+    """With the rest of the waves left out two zeros would seem further apart than they are."""
+    _, of = column("step and mass")
+    with flint.ctx.workprec(BITS):
+        apart = Apart(of)
+        epsilon, G = arb("0.0125").union(arb("0.0126")), arb(79)
+        assert apart._cells_apart(epsilon, G, arb("0.15"))
+        assert not apart._cells_apart(epsilon, G, arb.pi() / apart.whole)
+        fewer = {wave: B for wave, B in apart.stages[-1].items() if wave[0] == wave[1]}
+        apart.stages[-1] = fewer
+        assert apart._cells_apart(epsilon, G, arb("0.9") * arb.pi() / 2 / apart.whole)
