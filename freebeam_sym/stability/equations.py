@@ -133,14 +133,17 @@ def newton(
     return None
 
 
-def moved(G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: float) -> float:
+def moved(
+    G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: float, meet: float = 0.0
+) -> float:
     """By how much a load at which G = K + iωC − ω²M is singular moves at most, to first order, for a real change g of G
     of this norm: with the null vectors u and v, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
-    without damping uᴴG_ωv = 0, and of a divergence ω stays 0: G_omega None, and one part is left."""
+    without damping uᴴG_ωv = 0, up to a share `meet` of its terms, and of a divergence ω stays 0: G_omega None, and one
+    part is left."""
     left, _, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
     a = u @ G_P @ v
-    if G_omega is None:
+    b = 0j if G_omega is None else u @ G_omega @ v
+    if G_omega is None or abs(b) < meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
         return float(change / abs(a))
-    b = u @ G_omega @ v
     return float(change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag))

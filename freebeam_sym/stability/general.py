@@ -207,7 +207,7 @@ class General:
             return Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
         found = self.near(guess)
-        return found if found is not None and abs(found.load - load) < 1e-3 * load else guess
+        return found if found is not None and abs(found.load - load) < NEAR * load else guess
 
     def near(self, guess: Crossing) -> Crossing | None:
         """The flutter that Newton's method finds from a guess; None where there is none."""
@@ -279,7 +279,11 @@ class General:
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
         G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
         change = ROUNDING * sum(P**k * float(np.linalg.norm(X, 2)) for k, X in enumerate(self.K))
-        return min(moved(G, G_P, G_omega, change) / P, 1.0)
+        gyroscopic = self.damped and np.abs(C + C.T).max() <= ROUNDING * np.abs(C).max()
+        if gyroscopic:  # frequencies may meet, and did where they are apart by SPLIT
+            v = crossing.vector / self._scale
+            change += float((SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v))
+        return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic) / P, 1.0)
 
 
 class _Operator:

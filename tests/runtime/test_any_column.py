@@ -57,18 +57,22 @@ def test_a_damper_too_light_for_the_high_modes_is_not_overlooked(damper: float) 
 
 
 PLANES = """
-from freebeam_derive.notation import P, t, x, y
-from freebeam_derive.statement import Column, Field, at, delta, integral
+from sympy import Symbol
 
-z = Field("z")
+from freebeam_derive.notation import P, alpha, t, x, y
+from freebeam_derive.statement import Column, Field, Parameter, at, delta, integral
+
+z, s = Field("z"), Symbol("s", real=True)
 column = Column(
     name="two-planes",
-    title="Beck's column, free to bend in two planes",
-    T=integral(y.diff(t) ** 2 + z.diff(t) ** 2) / 2,
+    title="Beck's column, free to bend in two planes, in a frame that turns with it",
+    T=integral((y.diff(t) - s * z) ** 2 + (z.diff(t) + s * y) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2 + z.diff(x, 2) ** 2) / 2,
     W_c=P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2,
-    dW_nc=-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1)),
+    dW_nc=-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))
+    - integral(alpha * (y.diff(x, 2, t) * delta(y.diff(x, 2)) + z.diff(x, 2, t) * delta(z.diff(x, 2)))),
     ends=("clamped", "free"),
+    parameters=(Parameter(s, "speed of turning", 0, 0, 3),),
 )
 """
 
@@ -85,6 +89,29 @@ def test_a_column_of_two_equal_planes_is_that_of_one_twice(tmp_path: Path) -> No
     for values in once.T:
         off = np.abs(twice - values[:, None]).max(axis=0)
         assert (off < 1e-7 * np.abs(values).max()).sum() == 2
+
+
+@pytest.mark.parametrize("spin", [0.3, 2.0])
+def test_a_shaft_that_turns_without_damping_loses_stability_as_at_rest(tmp_path: Path, spin: float) -> None:
+    """Seen from a frame that turns, every frequency is that at rest, less or more the speed: two pass one another at
+    20.032 where the speed is 0.3, and nothing grows there."""
+    (tmp_path / "planes.py").write_text(PLANES)
+    turning = fb.critical_load(fb.column(str(tmp_path / "planes.py")), 8, s=spin)
+    rest = fb.critical_load(fb.column("beck", "legendre"), 8)
+    assert turning.load is not None and rest.load is not None and rest.frequency is not None
+    assert turning.frequency == pytest.approx(rest.frequency - spin, rel=1e-6)
+    assert abs(turning.load / rest.load - 1) < turning.rounding < 1e-13
+    assert turning.error == pytest.approx(rest.error, rel=1e-3)
+
+
+@pytest.mark.parametrize("alpha", [1e-6, 0.01])
+def test_equal_planes_have_the_digits_of_one(tmp_path: Path, alpha: float) -> None:
+    """Each load is double: rounding splits the two in Arnoldi's method, not in Newton's."""
+    (tmp_path / "planes.py").write_text(PLANES)
+    both, one = fb.column(str(tmp_path / "planes.py")), fb.column("beck", "legendre")
+    for modes in (8, 16, 20):
+        loads = [fb.critical_load(column, modes, alpha).load for column in (both, one)]
+        assert loads[0] == pytest.approx(loads[1], rel=1e-11)
 
 
 def test_a_load_that_is_no_force_has_no_si_unit() -> None:
