@@ -31,6 +31,7 @@ from freebeam_sym.checks import (
     refusal,
 )
 from freebeam_sym.kernels import load, read_kernel, text_of
+from freebeam_sym.massless import condensed
 
 __all__ = ["Column", "Parameter", "System", "column", "column_names"]
 
@@ -465,16 +466,15 @@ class System:
         """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial
         functions are the modes, to unit modal mass where they are polynomials. Raises InputError."""
         r = self.rigid_count
-        moving = np.flatnonzero(np.diag(self.M))[r:]  # what has no mass is at rest, or follows
+        _, follow, (M, _, E) = condensed(self.M[None], self.C[None], self.E[None])
+        moving = np.flatnonzero(np.diag(M[0]))[r:]  # what has no mass follows, or is at rest where it has a damper
         k = count("mode", number, 1, len(moving), "number of a mode, no more than elastic functions") - 1
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
         from freebeam_sym.stability.pencil import diagonalise
 
-        v = diagonalise(*(X[np.ix_(moving, moving)] for X in (self.M, self.E)))[1][:, k]
-        q = np.zeros(len(self.M))
-        q[moving] = v * np.sign(v[np.abs(v).argmax()])
-        return q
+        v = diagonalise(*(X[0][np.ix_(moving, moving)] for X in (M, E)))[1][:, k]
+        return np.asarray(follow[0][:, moving] @ (v * np.sign(v[np.abs(v).argmax()])))
 
     def Q(self, x_F: float) -> Array:
         """Generalised force of a unit transversal force at x_F, (n,). Eq. (11), last line.

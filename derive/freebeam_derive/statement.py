@@ -471,21 +471,33 @@ def _refuse_strength(column: Column, works: dict[str, Functional], name: str) ->
         raise StatementError(
             f"a derivative of order {highest} of {name}: a beam takes a force or a moment, nothing higher"
         )
-    if not any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density)):
+    inert = any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density))
+    if not inert and (name == "y" or _loaded(works, name)):
         raise StatementError(
-            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported: "
-            f"give {name} the inertia that it has, or eliminate it"
+            f"T: holds no {name}.diff(t)**2 under an integral; a field without mass is supported where it is not y and "
+            f"the load multiplies no product of it with itself: give {name} the inertia that it has, however small"
         )
     if order < max(highest, 1):
         wanted = f"{name}.diff(x, 2)**2" if max(highest, 1) == 2 or name == "y" else f"{name}.diff(x)**2"
         what = "bending stiffness" if name == "y" else "stiffness"
         raise StatementError(f"V: holds no {wanted} under an integral; a beam without {what} is not supported")
     stiffness = "bending stiffness" if order == 2 else "stiffness"
-    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0)):
+    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0))[not inert :]:
         for segment, place in enumerate(column.energies.beam.segments):
             factor = 2 * _square(works[work].density, name, p, rate, place)
             if factor != 0 or work == "V" or not _turns(works["T"].density, name, place):
                 _refuse_negative(column, works[work], work, what, factor, segment)
+
+
+def _loaded(works: Mapping[str, Functional], name: str) -> bool:
+    """Whether the load multiplies a product of a field with itself, or with its variation."""
+    for work in works.values():
+        for part in (work.density, work.points):
+            for term in Add.make_args(part.expand()):
+                held = [j for kind in (0, 1) for j in jets(term, kind)]
+                if term.has(P) and held and all(name_of(j.args[0]) == name for j in held):
+                    return True
+    return False
 
 
 def _turns(T: Expr, name: str, place: Expr) -> bool:
