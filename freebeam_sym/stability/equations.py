@@ -135,14 +135,16 @@ def newton(
     return None
 
 
-def moved(G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: float, meet: float = 0.0) -> float:
-    """By how much a load at which G = K + iωC − ω²M is singular moves at most, to first order, for a real change g of G
-    of this norm: with the null vectors u and v, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
-    without damping uᴴG_ωv = 0, up to a share `meet` of its terms, and of a divergence ω stays 0: G_omega None, and one
-    part is left."""
+def moved(
+    G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: Real | float, meet: float = 0.0
+) -> float:
+    """By how much a load at which G = K + iωC − ω²M is singular moves, to first order, for a real change g of G: at
+    most for one of this norm, as a rule for one whose entries are of these sizes, (n, n). With the null vectors u and v,
+    uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet without damping uᴴG_ωv = 0, up to a share `meet`
+    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left."""
     left, _, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
-    a = u @ G_P @ v
+    a, uv = u @ G_P @ v, np.outer(u, v)
     if G_omega is None or abs(b := u @ G_omega @ v) < meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
-        return float(change / abs(a))
-    return float(change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag))
+        return float(np.linalg.norm(change * uv) / abs(a))
+    return float(np.linalg.norm(change * (b.conj() * uv).imag) / abs((a * b.conj()).imag))

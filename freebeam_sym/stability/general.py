@@ -23,7 +23,7 @@ import numpy as np
 from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.massless import condensed, without_mass
 from freebeam_sym.stability.arnoldi import Krylov, events
-from freebeam_sym.stability.crossings import scan
+from freebeam_sym.stability.crossings import MARGIN, scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
 from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
 
@@ -218,10 +218,29 @@ class General:
         return found if found is not None and ends else guess
 
     def near(self, guess: Crossing) -> Crossing | None:
-        """The flutter that Newton's method finds from a guess; None where there is none."""
-        omega = guess.frequency
-        found = self._newton(omega**2, guess.load, *self._parts(self._own(guess.vector), omega))
+        """The flutter that Newton's method finds from a guess; None where there is none. The motion of a guess of
+        another number of functions is found again, by inverse iteration."""
+        omega, P, v = guess.frequency, guess.load, np.ones(self.size, complex)
+        if len(guess.vector) == self._follow.shape[1]:
+            v = self._own(guess.vector)
+        else:
+            M, C, K = self._at(P)
+            for _ in range(2):
+                v = np.linalg.solve(K + (0 if self.vanishing else 1j) * omega * C - omega**2 * M, v)
+                v /= np.linalg.norm(v)
+        found = self._newton(omega**2, P, *self._parts(v, omega))
         return found if found is not None and found.frequency > 0 else None
+
+    def followed(self, guess: Crossing, within: float, manner: tuple[bool, float] | None) -> Crossing | None:
+        """The crossing that one of a neighbouring problem goes over into, its load off by a share `within` at most;
+        None where there is none, or something grows just below it. manner: as of `unstable`."""
+        if guess.kind == "divergence":
+            found = next((event.crossing for event in self.divergences if event.simple), None)
+        else:
+            found = self.near(guess) if guess.frequency > 0 else None
+        if found is None or not abs(found.load / guess.load - 1) < within:
+            return None
+        return None if self.unstable(found.load * (1 - MARGIN), manner) else found
 
     # --- flutter ---------------------------------------------------------------------------------------------------
 
@@ -286,11 +305,12 @@ class General:
         rate = 0.0 if self.vanishing else 1j
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
         G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
-        change = ROUNDING * sum(P**k * float(np.linalg.norm(X, 2)) for k, X in enumerate(self.K))
+        # entry by entry: the norm of K is 100 times what rounding does to the low motions of 20 segments
+        change: Real = ROUNDING * np.asarray(sum(P**k * np.abs(X) for k, X in enumerate(self.K)))
         gyroscopic = self.damped and np.abs(C + C.T).max() <= ROUNDING * np.abs(C).max()
         if gyroscopic:  # frequencies may meet, and did where they are apart by SPLIT
             v = self._own(crossing.vector)
-            change += float((SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v))
+            change = change + (SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v)
         return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic) / P, 1.0)
 
 
