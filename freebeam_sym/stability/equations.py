@@ -139,7 +139,7 @@ def moved(
     G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: Real | float, meet: float = 0.0
 ) -> float:
     """By how much a load at which G = K + iωC − ω²M is singular moves, to first order, for a real change g of G: at
-    most for one of this norm, as a rule for one whose entries are of these sizes, (n, n). With the null vectors u and v,
+    most for one of this norm, as a rule for one of entries of these sizes, (n, n). With the null vectors u and v,
     uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet without damping uᴴG_ωv = 0, up to a share `meet`
     of its terms, and of a divergence ω stays 0: G_omega None, and one part is left."""
     left, _, right = np.linalg.svd(G)

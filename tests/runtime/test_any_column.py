@@ -10,6 +10,10 @@ import pytest
 import freebeam as fb
 from freebeam.ledger.reference_values import statements
 from freebeam_derive.references import Reference
+from freebeam_sym.question import Question
+from freebeam_sym.stability.critical import answer
+from freebeam_sym.stability.crossings import FirstLoss, first_loss
+from freebeam_sym.stability.problem import Problem
 
 GALLERY = [
     (name, reference)
@@ -31,6 +35,26 @@ def test_a_column_as_it_is_stated_has_its_critical_load(name: str, reference: Re
     last = 10.0 ** -len(reference.load.partition(".")[2])  # one unit of it, be it rounded or cut off
     assert found.load == pytest.approx(float(reference.load), rel=2e-10, abs=last)
     assert found.converged and found.error is not None and found.error < 1e-8
+    short = fb.critical_load(column, 8, reference.alpha, reference.beta, **limit, **reference.own)
+    for one in (found, short):  # the error bounds the true one, as far as that is printed
+        assert one.load is not None and one.error is not None
+        assert abs(one.load - float(reference.load)) <= one.error * one.load + last
+
+
+@pytest.mark.parametrize(("name", "place"), [("crack", 0.99), ("point-mass", 0.97), ("absorber", 0.99)])
+def test_the_error_of_a_load_is_had_without_another_search(name: str, place: float) -> None:
+    """Longer series are followed from the crossing that is known. Of a short segment the loads differ from N to N by
+    rounding, which the error bounds."""
+    column, searched = fb.column(name), []
+
+    def search(problem: Problem, load_max: float) -> FirstLoss:
+        searched.append(problem)
+        return first_loss(problem, load_max)
+
+    found = answer(Question.of(column, 10, a=place), search)
+    assert found.error is not None and found.converged and len(searched) == 1
+    loads = [found.load, *(fb.critical_load(column, modes, a=place).load for modes in (14, 16, 20))]
+    assert max(loads) / min(loads) - 1 < found.error < 1e-9
 
 
 def test_the_motions_of_a_short_segment_are_damped_however_little() -> None:
