@@ -213,9 +213,9 @@ class General:
             return Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
         found = self.near(guess)
-        # next to it frequencies may pass one another, where Newton's method settles too, but on no digits
-        ends = found is not None and abs(found.load - load) < 1e-3 * load and self.rounding(found) < NEAR
-        return found if found is not None and ends else guess
+        # not far off frequencies may pass one another, where Newton's method settles too, but on no digits
+        off = math.inf if found is None else abs(found.load / load - 1)
+        return guess if found is None or off > (NEAR if self.rounding(found) > NEAR else 1e-3) else found
 
     def near(self, guess: Crossing) -> Crossing | None:
         """The flutter that Newton's method finds from a guess; None where there is none. The motion of a guess of

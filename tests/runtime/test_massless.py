@@ -119,9 +119,10 @@ def test_a_response_is_that_of_its_states(system: fb.System) -> None:
     relation = free.dq @ system.C.T + free.q @ system.K.T
     still = np.diag(system.M) == 0
     assert np.abs(relation[:, still]).max() < 1e-12 and np.abs(free.q[-1]).max() > 1e-4
-    stepped = [
-        fb.respond(system, 4.0, h, method="newmark", initial=lambda x: 0.01 * x**2).y[-1] for h in (2.5e-4, 1.25e-4)
-    ]
+    # the motion of what has no inertia along the beam is stiff
+    fine = 8 if np.count_nonzero(still) > 2 else 1
+    steps = [h / fine for h in (0.002, 0.001)]
+    stepped = [fb.respond(system, 4.0, h, method="newmark", initial=lambda x: 0.01 * x**2).y[-1] for h in steps]
     off = np.abs(np.array(stepped) - free.y[-1])
     assert off[0] / off[1] == pytest.approx(4, rel=0.2)
 
