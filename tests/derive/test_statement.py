@@ -118,6 +118,10 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         {"V": "integral(abs(x - 0.5) * y.diff(x, 2)**2) / 2"},
         ("V", "bending stiffness", "is 0 at x = 0.5"),
     ),
+    "stiffness that vanishes where the slope is held": (
+        {"V": "integral(x * y.diff(x, 2)**2) / 2", "ends": '("clamped", "free")', "dW_nc": "damping"},
+        ("V", "bending stiffness", "is 0 at x = 0"),
+    ),
     "sides that may jump": (
         {"V": "integral(y.diff(x, 2)**2) / 2 + k * (at(y, 0.5, 1)**2 + at(y, 0.5, -1)**2) / 2"},
         ("both sides of y(x, t) at 1/2", "jump(y(x, t), 1/2)"),

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import freebeam as fb
+from freebeam import cli
 from freebeam.ledger.reference_values import statements
 from freebeam_derive.references import Reference
 from freebeam_sym.question import Question
@@ -138,7 +139,53 @@ def test_equal_planes_have_the_digits_of_one(tmp_path: Path, alpha: float) -> No
         assert loads[0] == pytest.approx(loads[1], rel=1e-11)
 
 
-def test_a_load_that_is_no_force_has_no_si_unit() -> None:
-    """A pipe's is the velocity of its flow, which enters by its square and on rates."""
-    with pytest.raises(fb.InputError, match="no force"):
-        fb.column("pipe").scales(2e6, 50, 20)
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("pipe", ""), ("ziegler", ""), ("reut", "N"), ("hauger", "N"), ("beal", "N"), ("panel-pinned", "N/m")],
+)
+def test_a_load_has_the_unit_that_its_work_gives_it(name: str, unit: str) -> None:
+    """A pipe's is the velocity of its flow, which enters by its square and on rates; a pendulum's acts on no beam."""
+    column = fb.column(name)
+    assert column.load_unit == unit
+    if not unit:
+        with pytest.raises(fb.InputError, match="no force"):
+            column.scales(2e6, 50, 20)
+        return
+    sizes = [column.scales(2e6, 50, length)["load"] for length in (10, 20)]
+    assert sizes[0] / sizes[1] == pytest.approx({"N": 4, "N/m": 8}[unit])
+
+
+def test_a_torque_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nicolai's shaft under a torque that turns with its tip: EI/L times a number."""
+    (tmp_path / "torque.py").write_text(
+        PLANES.replace("+ z.diff(x, 2) ** 2)", "+ 2 * z.diff(x, 2) ** 2)")
+        .replace("P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2", "0")
+        .replace(
+            "-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))",
+            "P * integral(z.diff(x) * delta(y.diff(x, 2)) - y.diff(x) * delta(z.diff(x, 2)))",
+        )
+    )
+    column = fb.column(str(tmp_path / "torque.py"))
+    assert column.load_unit == "N m" and column.scales(6.0, 5.0, 3.0)["load"] == pytest.approx(2.0)
+    asked = ["critical", "--column", str(tmp_path / "torque.py"), "--bending-stiffness", "6", "--mass-per-length", "5"]
+    assert cli.main([*asked, "--length", "3"]) == 0
+    load = fb.critical_load(column).load
+    assert load is not None and f"{2 * load:.10g} N m" in capsys.readouterr().out
+
+
+def test_what_sensors_read_is_called_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """A pendulum has no y: its first angle is read, which has no place."""
+    column = fb.column("ziegler")
+    first = column.unknowns[0]
+    assert first != "y" and first not in column.fields
+    found = fb.respond(column.system(load=0.1), 1.0, 0.5)
+    assert found.measured == first
+    asked = ["respond", "--column", "ziegler", "--load", "0.1", "--duration", "1"]
+    told = []
+    for step in ("0.5", "0.001"):
+        assert cli.main([*asked, "--step", step]) == 0
+        told.append(capsys.readouterr().out)
+    few, many = told
+    assert few.splitlines()[0] == f"t,{first},d{first},dd{first}"
+    assert f"\n{first}\n" in many and "y(" not in many
+    assert first in fb.figures.history(found, "dy").get_ylabel()

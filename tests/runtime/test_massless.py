@@ -211,5 +211,5 @@ def test_a_field_without_inertia_has_the_load_and_the_spectrum_of_the_beam_itsel
 def test_a_field_without_inertia_that_the_load_presses_is_refused(tmp_path: Path) -> None:
     """Its stiffness would vanish at a load, and a frequency pass through infinity there."""
     pressed = SHEAR | {"W_c": "P * integral(psi ** 2) / 2"}
-    with pytest.raises(fb.InputError, match="the load multiplies no product of it with itself"):
+    with pytest.raises(fb.InputError, match="the load multiplies in no product with itself"):
         fb.column(file_of(tmp_path, "pressed", pressed))

@@ -369,7 +369,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     from freebeam.maps.known import answer
 
     least = int(facts.column.kernel.COLUMN["least"])
-    counts = [k for k in (2, 3, 4, 6, 8, 12) if k >= least] if facts.column.kernel.COLUMN["fields"] else []
+    counts = [k for k in (2, 3, 4, 6, 8, 12) if k >= least] if facts.column.fields else []
     if not counts:
         return []
     loads = {}
