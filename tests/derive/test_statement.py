@@ -337,7 +337,10 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         },
         ("u: two unknowns have this name",),
     ),
-    "field without mass": ({"V": "integral(y.diff(x, 2)**2 + u.diff(x)**2) / 2"}, ("T", "u.diff(t)**2", "mass")),
+    "field without mass that the load presses": (
+        {"V": "integral(y.diff(x, 2)**2 + u.diff(x)**2) / 2", "W_c": "P * integral(u**2) / 2"},
+        ("T", "u.diff(t)**2", "mass", "in no product with itself"),
+    ),
     "field without stiffness": (
         {"T": "integral(y.diff(t)**2 + u.diff(t)**2) / 2", "V": "integral(y.diff(x, 2)**2 + u**2) / 2"},
         ("V", "u.diff(x)**2"),
