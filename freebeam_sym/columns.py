@@ -31,6 +31,7 @@ from freebeam_sym.checks import (
     refusal,
 )
 from freebeam_sym.kernels import load, read_kernel, text_of
+from freebeam_sym.massless import condensed
 
 __all__ = ["Column", "Parameter", "System", "column", "column_names"]
 
@@ -160,6 +161,21 @@ class Column:
             raise InputError(
                 f"{self.name}: {what} is known of columns with C = c_M M + c_E E and K = E + P H over one segment alone"
             )
+
+    @property
+    def load_unit(self) -> str:
+        """The load's SI unit: "N", of a torque "N m", of a force per length "N/m"; "" where it has none."""
+        return str(self.kernel.COLUMN.get("unit", "N"))
+
+    @property
+    def fields(self) -> tuple[str, ...]:
+        """Names of the fields along the beam."""
+        return tuple(each["name"] for each in self.kernel.COLUMN.get("fields", [{"name": "y"}]))
+
+    @property
+    def unknowns(self) -> tuple[str, ...]:
+        """Names of the fields, and then of the coordinates of time alone."""
+        return (*self.fields, *(each["name"] for each in self.kernel.COLUMN.get("coordinates", [])))
 
     @property
     def rigid_count(self) -> int:
@@ -335,22 +351,20 @@ class Column:
     def scales(self, bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
         """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
 
-        Keys: length (m), time (s), load (N), force (N), alpha (s), beta (kg/(m s)), frequency (rad/s), velocity
-        (m/s), acceleration (m/s²), energy (J). An SI value is the nondimensional one times its size.
+        Keys: length (m), time (s), load (`load_unit`), force (N), alpha (s), beta (kg/(m s)), frequency (rad/s),
+        velocity (m/s), acceleration (m/s²), energy (J). An SI value is the nondimensional one times its size.
 
         >>> beam = column("free-free").scales(bending_stiffness=2e6, mass_per_length=50, length=20)
         >>> beam["load"]  # newtons in one unit of P
         5000.0
 
-        Raises InputError where one is not positive and finite, a unit is beyond the range of a float, or the load is no
-        force: stiffness then holds powers of it alone, as of a flow's velocity.
+        Raises InputError where one is not positive and finite, a unit is beyond the range of a float, or the load has
+        none.
         """
-        terms = self.coefficients()
-        if any(map(len, (terms.C[1:], terms.K[2:]))) and not np.any(terms.K[1:2]):
+        if not self.load_unit:
             raise InputError(
-                f"the load of {self.name} is no force: its square or rates hold it, as of a flow's velocity, so that "
-                "Eq. (5) has no unit for it; ask in nondimensional quantities, whose unit of frequency is "
-                "sqrt(EI/(m L^4))"
+                f"the load of {self.name} is no force: Eq. (5) has no unit for it, as for a flow's velocity or what "
+                "acts on coordinates; ask in nondimensional quantities"
             )
         EI = positive("bending_stiffness", bending_stiffness, "EI in N m²")
         m = positive("mass_per_length", mass_per_length, "m in kg/m")
@@ -465,16 +479,15 @@ class System:
         """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial
         functions are the modes, to unit modal mass where they are polynomials. Raises InputError."""
         r = self.rigid_count
-        moving = np.flatnonzero(np.diag(self.M))[r:]  # what has no mass is at rest, or follows
+        _, follow, (M, _, E) = condensed(self.M[None], self.C[None], self.E[None])
+        moving = np.flatnonzero(np.diag(M[0]))[r:]  # what has no mass follows, or is at rest where it has a damper
         k = count("mode", number, 1, len(moving), "number of a mode, no more than elastic functions") - 1
         if self.column.basis_name == "modes":
             return np.asarray(np.eye(len(self.M))[r + k])
         from freebeam_sym.stability.pencil import diagonalise
 
-        v = diagonalise(*(X[np.ix_(moving, moving)] for X in (self.M, self.E)))[1][:, k]
-        q = np.zeros(len(self.M))
-        q[moving] = v * np.sign(v[np.abs(v).argmax()])
-        return q
+        v = diagonalise(*(X[0][np.ix_(moving, moving)] for X in (M, E)))[1][:, k]
+        return np.asarray(follow[0][:, moving] @ (v * np.sign(v[np.abs(v).argmax()])))
 
     def Q(self, x_F: float) -> Array:
         """Generalised force of a unit transversal force at x_F, (n,). Eq. (11), last line.
@@ -511,9 +524,7 @@ class System:
         places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
-        column = self.column.kernel.COLUMN
-        named = (*column.get("fields", [{"name": "y"}]), *column.get("coordinates", []))
-        fields = [str(each["name"]) for each in named]
+        fields = self.column.unknowns
         field = field or fields[0]
         if field not in fields:
             raise refusal("field", field, f"must be one of {', '.join(fields)}")

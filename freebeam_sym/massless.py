@@ -28,7 +28,7 @@ NEGATIVE = 1e-12
 class Reduced(NamedTuple):
     """q̈ + C q̇ + K q = Q F of a system with a singular M. rows (n, n): what of its rows makes these, Q = rows @ its Q;
     idle (z, n): what of its rows makes the relations, where no force may act, idle @ Q = 0.
-    free (m,): which of (q, dq) are the states; states (2n, m): (q, dq) of them. m = 2n − z."""
+    free (m,): which of (q, dq) are the states; states (2n, m): (q, dq) of them."""
 
     C: Array
     K: Array
@@ -69,6 +69,20 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
 
     Raises InputError where its motion is not determined, and where M is regular.
     """
+    left, follow, parts = condensed(M[None], C[None], K[None])
+    found, n = _related(parts[0][0], parts[1][0], parts[2][0], rate), len(M)
+    if len(left) == n and not len(found.idle):
+        raise indefinite()
+    F, own = follow[0], np.eye(n)[left]
+    off = np.eye(n) - F @ own
+    C, K = F @ found.C @ own + 2 * rate * off, F @ found.K @ own + rate**2 * off
+    idle = np.concatenate([found.idle @ own, np.delete(np.eye(n), left, axis=0)])
+    states = np.concatenate([F @ part for part in np.split(found.states, 2)])
+    return Reduced(C, K, F @ found.rows @ own, idle, np.concatenate([left, n + left])[found.free], states)
+
+
+def _related(M: Array, C: Array, K: Array, rate: float) -> Reduced:
+    """The same one relation after the other, with none too."""
     n = len(M)
     whole, rows = np.concatenate([M, C, K], axis=1), np.eye(n)
     relations: list[Array] = []
@@ -83,11 +97,30 @@ def reduced(M: Array, C: Array, K: Array, rate: float = 0.0) -> Reduced:
         place = int(np.argmax(np.abs(u)))
         whole[place] = np.concatenate([c, k + rate * c, rate * k])  # (d/dt + rate) of the relation
         rows[place] = 0.0
-    if not relations:
-        raise indefinite()
     found = np.linalg.solve(whole[:, :n], np.concatenate([whole[:, n:], rows], axis=1))
     C, K, rows = (found[:, k * n : (k + 1) * n] for k in range(3))
-    return Reduced(C, K, rows, np.array(idle), *_solved(np.array(relations), np.diag(M) == 0))
+    related = np.array(relations).reshape(-1, 2 * n)
+    return Reduced(C, K, rows, np.array(idle).reshape(-1, n), *_solved(related, np.diag(M) == 0))
+
+
+def condensed(M: Array, C: Array, K: Array) -> tuple[NDArray[np.intp], Array, tuple[Array, Array, Array]]:
+    """Matrices by powers of the load, (k, n, n) each, without the coordinates that have neither mass nor damper, as a
+    field without inertia has: those that are left; q of all by theirs, (k, n, left); M, C and K of these. All are left
+    where the load acts on what holds the others, or nothing does."""
+    moved = [np.abs(X).sum(axis=0) for X in (M, C)]
+    moving = np.logical_or.reduce([X.any(axis=axis) for X in moved for axis in (0, 1)])
+    n, left, idle = len(moving), np.flatnonzero(moving), np.flatnonzero(~moving)
+    own = K[:, idle[:, None], idle]
+    if not len(idle) or not len(left) or own[1:].any() or np.linalg.cond(own[0]) > 1e13:
+        return np.arange(n), np.eye(n)[None], (M, C, K)
+    follow = np.zeros((len(K), n, len(left)))
+    follow[0, left] = np.eye(len(left))
+    follow[:, idle] = -np.linalg.solve(own[0], K[:, idle[:, None], left])
+    whole = np.zeros((2 * len(K) - 1, len(left), len(left)))
+    for i, j in np.ndindex(len(K), len(K)):
+        whole[i + j] += K[i, left] @ follow[j]
+    used = 1 + max((k for k, X in enumerate(whole) if X.any()), default=0)
+    return left, follow, (M[:, left[:, None], left], C[:, left[:, None], left], whole[:used])
 
 
 def accelerated(M: Array, C: Array, K: Array) -> Reduced:
@@ -113,7 +146,7 @@ def _solved(relations: Array, massless: NDArray[np.bool_]) -> tuple[NDArray[np.i
 
     m = relations.shape[1]
     n = m // 2
-    left = relations / np.abs(relations).max(axis=1, keepdims=True)
+    left = relations / np.abs(relations).max(axis=1, keepdims=True, initial=0.0)
     held: list[int] = []
     for part in (n + np.flatnonzero(massless), np.flatnonzero(massless), n + np.flatnonzero(~massless), np.arange(n)):
         if not part.size or not len(left):

@@ -90,6 +90,11 @@ def nondimensional(functional: Functional, own: Mapping[Expr, Expr] | None = Non
     return Functional(substitute(functional.density, L), substitute(functional.points, S.One))
 
 
+def scales(load_unit: str) -> dict[str, Expr]:
+    """`SCALES`, the load's in a unit of its own: "N", "N m" of a torque, "N/m" of a force per length."""
+    return {**SCALES, "load": SCALES["load"] * {"N m": L, "N/m": 1 / L}.get(load_unit, 1)}
+
+
 def derive_scaling(column: Column) -> tuple[Step, ...]:
     """Derive the nondimensional statement of a column from its dimensional one, term by term. Eqs. (1)-(5), (8).
 

@@ -32,6 +32,7 @@ from sympy import (
     S,
     Symbol,
     Tuple,
+    degree,
     expand,
     nan,
     sympify,
@@ -290,6 +291,27 @@ class Column:
         return tuple(str(s) for s in (alpha, beta) if self.energies.dW_nc.has(s))
 
     @property
+    def load_unit(self) -> str:
+        """The load's unit in SI, where Eq. (5) gives it one: "N", of a torque "N m", of a force per length "N/m"; ""
+        where it does not, as of a flow's velocity and of what acts on coordinates.
+
+        A field whose curvature the energy holds, and y, are lengths, others angles; x is a share of the length.
+        """
+        works, powers = {name: self.energies.functional(name) for name in WORKS}, set()
+        lengths = {name: int(name == "y" or joined(works, name) == 2) for name in self.fields}
+        for part, along in ((part, k) for work in works.values() for k, part in enumerate((work.points, work.density))):
+            for term in Add.make_args(expand(part)):
+                held = [j for j in jets(term) for _ in range(int(degree(term, j)))]
+                if degree(term, P) != 1 or any(int(j.args[2]) for j in held):
+                    continue
+                if "y" not in lengths or any(name_of(j.args[0]) not in lengths for j in held):
+                    return ""
+                powers.add(along + sum(lengths[name_of(j.args[0])] - int(j.args[1]) for j in held))
+        if powers == {1, 2}:  # a force per length, whose resultant other terms hold
+            return "N"
+        return {0: "N m", 1: "N", 2: "N/m"}.get(powers.pop(), "") if len(powers) == 1 else ""
+
+    @property
     def forced(self) -> bool:
         """Whether the transversal force F_0 does work."""
         return bool(self.energies.dW_nc.has(F_0) or self.energies.W_c.has(F_0))
@@ -471,21 +493,35 @@ def _refuse_strength(column: Column, works: dict[str, Functional], name: str) ->
         raise StatementError(
             f"a derivative of order {highest} of {name}: a beam takes a force or a moment, nothing higher"
         )
-    if not any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density)):
+    inert = any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density))
+    if not inert and (name == "y" or _loaded(works, name)):
         raise StatementError(
-            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported: "
-            f"give {name} the inertia that it has, or eliminate it"
+            f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported, "
+            "but for a field other than y that the load multiplies in no product with itself: give "
+            f"{name} the inertia that it has, however small"
         )
     if order < max(highest, 1):
         wanted = f"{name}.diff(x, 2)**2" if max(highest, 1) == 2 or name == "y" else f"{name}.diff(x)**2"
         what = "bending stiffness" if name == "y" else "stiffness"
         raise StatementError(f"V: holds no {wanted} under an integral; a beam without {what} is not supported")
     stiffness = "bending stiffness" if order == 2 else "stiffness"
-    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0)):
+    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0))[not inert :]:
         for segment, place in enumerate(column.energies.beam.segments):
             factor = 2 * _square(works[work].density, name, p, rate, place)
             if factor != 0 or work == "V" or not _turns(works["T"].density, name, place):
-                _refuse_negative(column, works[work], work, what, factor, segment)
+                held = [order - 1 in GEOMETRIC[end] for end in column.supports(name)]
+                _refuse_negative(column, works[work], work, what, factor, segment, held)
+
+
+def _loaded(works: Mapping[str, Functional], name: str) -> bool:
+    """Whether the load multiplies a product of a field with itself, or with its variation."""
+    for work in works.values():
+        for part in (work.density, work.points):
+            for term in Add.make_args(part.expand()):
+                held = [j for kind in (0, 1) for j in jets(term, kind)]
+                if term.has(P) and held and all(name_of(j.args[0]) == name for j in held):
+                    return True
+    return False
 
 
 def _turns(T: Expr, name: str, place: Expr) -> bool:
@@ -493,13 +529,16 @@ def _turns(T: Expr, name: str, place: Expr) -> bool:
     return any(name_of(j.args[0]) == name and int(j.args[2]) and j.args[3] == place for j in jets(T))
 
 
-def _refuse_negative(column: Column, work: Functional, name: str, what: str, factor: Expr, segment: int) -> None:
+def _refuse_negative(
+    column: Column, work: Functional, name: str, what: str, factor: Expr, segment: int, held: list[bool]
+) -> None:
     if factor.is_negative:
         raise StatementError(f"{name}: the energy {display(work, S.One, column.cuts)} is negative; check its sign")
     low, high = (float(place.subs(column.defaults)) for place in column.energies.beam.places[segment : segment + 2])
     at_defaults = factor.subs({**column.defaults, P: S.Zero})
-    # at a break stiffness must not vanish either: it would be a hinge, which polynomials do not come near
-    breaks = (low > 0, high < 1) if name == "V" else (False, False)
+    # stiffness must not vanish at a break either, nor where an end holds the slope: it would be a hinge, which
+    # polynomials do not come near; at an end that is free or pinned it may
+    breaks = (low > 0 or held[0], high < 1 or held[1]) if name == "V" else (False, False)
     for k in range(1 - breaks[0], 64 + breaks[1]):
         where = low + (high - low) * k / 64
         value = at_defaults.subs(x, where)

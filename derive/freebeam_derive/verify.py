@@ -32,6 +32,7 @@ from freebeam_derive.kernel import BeamKernel, Figure, Kernel, Progress
 from freebeam_derive.notation import EI, L, m
 from freebeam_derive.ritz import Form
 from freebeam_derive.scaling import SCALES
+from freebeam_derive.scaling import scales as scales_of
 
 __all__ = ["Figure", "VerificationError", "load", "verify"]
 
@@ -215,7 +216,7 @@ def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
     scales = module.scales(beam["EI"], beam["m"], beam["L"])
     exact_scales = {
         n: mpmath.mpmathify(e.subs({s: v.numerator / v.denominator for s, v in given.items()}).evalf(40))
-        for n, e in SCALES.items()
+        for n, e in scales_of(kernel.column.load_unit).items()
     }
     error = max(float(abs(mpmath.mpf(scales[n]) / exact_scales[n] - 1)) for n in SCALES)
     yield Figure("scales of the SI units", "one beam", error, BOUND)

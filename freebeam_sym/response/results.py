@@ -56,6 +56,8 @@ class Response:
     """‖y − Σ φᵢ qᵢ‖ / ‖y‖ over the beam, what the functions cannot hold of the initial shape; 0 for a given q."""
     velocity_lost: float
     """The same of the initial velocity."""
+    measured: str = "y"
+    """What the sensors read as y: the name of a field or coordinate, with a prime for each derivative by x."""
     begin: int = 0
     """Number of steps before the first time: 0, or more in a part of a response."""
     end: int = 0

@@ -130,7 +130,8 @@ def respond(
             frequencies=spectrum.values[spectrum.oscillating].imag, period_errors=steps.period_errors,
             phase_error=quality.phase_error, samples_per_period=quality.samples,
             warnings=warnings_of(quality, spectrum.growing, duration),
-            initial_lost=start.initial_lost, velocity_lost=start.velocity_lost, **parts,
+            initial_lost=start.initial_lost, velocity_lost=start.velocity_lost,
+            measured=(field or system.column.unknowns[0]) + "'" * derivative, **parts,
         )  # fmt: skip
 
     def fill(stretch: Stretch, name: str, part: Array) -> None:

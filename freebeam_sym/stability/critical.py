@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.columns import Coefficients, Column
 from freebeam_sym.question import Question
-from freebeam_sym.stability.convergence import KINDS, Answers, BeamLoss, beam_losses, judge
+from freebeam_sym.stability.convergence import CONVERGED, KINDS, Answers, BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
 from freebeam_sym.stability.derivatives import crossing_derivative
+from freebeam_sym.stability.general import General
 from freebeam_sym.stability.problem import Complex, Crossing, Kind, Real
 
 __all__ = ["CriticalLoad", "Search", "Touch", "answer", "critical_load"]
@@ -53,6 +54,8 @@ class CriticalLoad:
     question: Question
     search: Search = field(default=first_loss, repr=False, compare=False)
     """What found it, and finds `beam`."""
+    manner: tuple[bool, float] | None = field(default=None, repr=False, compare=False)
+    """How its problem counts what grows, where it is of any damping."""
 
     @cached_property
     def beam(self) -> BeamLoss | None:
@@ -62,8 +65,14 @@ class CriticalLoad:
         if polynomials is None:
             return None
 
+        known = self
+
         def ask(modes: int, _: Any) -> Answers:
-            return _as_arrays(answer(self.question.over(polynomials, modes), self.search))
+            nonlocal known
+            asked = self.question.over(polynomials, modes)
+            if asked != self.question:
+                known = known._of(asked) or answer(asked, self.search)
+            return _as_arrays(self if asked == self.question else known)
 
         try:
             found, change = beam_losses(ask, 1)
@@ -77,12 +86,27 @@ class CriticalLoad:
         load, frequency = float(found.load[0]), float(found.frequency[0])
         return BeamLoss(load, kind, frequency, float(change[0]) + self.rounding)
 
+    def _of(self, question: Question) -> CriticalLoad | None:
+        """The answer of another number of functions where the crossing goes over into one of theirs; else None."""
+        if not question.column.general or self._crossing is None:
+            return None
+        found = question.general.followed(self._crossing, CONVERGED, self.manner)
+        if found is None or found.load > question.load_max:
+            return None
+        load, frequency, mode = found.load, found.frequency, found.vector
+        return replace(self, load=load, frequency=frequency, mode=mode, question=question)
+
+    @property
+    def _crossing(self) -> Crossing | None:
+        if self.load is None or self.frequency is None or self.mode is None or self.kind == "none":
+            return None
+        return Crossing(self.load, self.frequency, self.mode, self.kind)
+
     @cached_property
     def rounding(self) -> float:
         """By how much `load` may be off, relative, for the rounding of its matrices; 0 where there is no load."""
-        if self.load is None or self.frequency is None or self.mode is None or self.kind == "none":
-            return 0.0
-        return self.question.problem.rounding(Crossing(self.load, self.frequency, self.mode, self.kind))
+        problem = self.question.general if self.question.column.general else self.question.problem
+        return 0.0 if self._crossing is None else problem.rounding(self._crossing)
 
     @cached_property
     def gradient(self) -> dict[str, float]:
@@ -182,9 +206,11 @@ def critical_load(
 
 def answer(question: Question, search: Search = first_loss) -> CriticalLoad:
     """The first loss of stability that a question asks for. Raises InputError, as `critical_load` does."""
-    outcome = search(question.problem, question.load_max)
+    problem = question.problem
+    outcome = search(problem, question.load_max)
     touches = tuple(Touch(touch.load, touch.frequency) for touch in outcome.touches)
+    manner = problem.manner if isinstance(problem, General) else None
     found = outcome.crossing
     if found is None:
-        return CriticalLoad(None, "none", None, None, touches, question, search)
-    return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question, search)
+        return CriticalLoad(None, "none", None, None, touches, question, search, manner)
+    return CriticalLoad(found.load, found.kind, found.frequency, found.vector, touches, question, search, manner)

@@ -16,6 +16,8 @@ from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
 
 __all__ = ["divergence", "divergences", "moved", "newton", "shifted", "slope", "value"]
 
+Motion = Callable[[Real, float], Complex]
+"""What makes a motion in the column's coordinates of one in those of K, and its load."""
 SINGULAR = 1e-14
 """Least singular value of K, relative to the norms of its terms, up to which it is singular but for rounding: matrices
 are known to 2e-15 of their norms."""
@@ -47,10 +49,10 @@ def shifted(X: Real, P: float, unit: float = 1.0) -> Real:
     return np.asarray(X * float(unit) ** np.arange(len(X))[:, None, None])
 
 
-def divergences(P: NDArray[Any], K: Real, vector: Callable[[Real], Complex]) -> tuple[Event, ...]:
+def divergences(P: NDArray[Any], K: Real, vector: Motion) -> tuple[Event, ...]:
     """Events where det K(P) = 0 of candidates for P, ascending, up to the first simple root, at which stability is lost
     if it was not before. Two roots are one event where K between them is singular but for rounding, real roots or not:
-    a touch of λ = 0. vector: what makes a motion in the column's coordinates of one in those of K."""
+    a touch of λ = 0."""
     found: list[Event] = []
     while len(P):
         if len(P) > 1 and P[1].real < P[0].real * (1 + CLOSE):
@@ -68,7 +70,7 @@ def divergences(P: NDArray[Any], K: Real, vector: Callable[[Real], Complex]) -> 
     return tuple(found)
 
 
-def divergence(load: float, K: Real, vector: Callable[[Real], Complex], steps: int = 1) -> tuple[Crossing, float]:
+def divergence(load: float, K: Real, vector: Motion, steps: int = 1) -> tuple[Crossing, float]:
     """The crossing at ω = 0 near a load, and how singular K was there; with steps of Newton's method."""
     norms = [float(np.linalg.norm(X, 2)) for X in K]
     for _ in range(steps):
@@ -81,7 +83,7 @@ def divergence(load: float, K: Real, vector: Callable[[Real], Complex], steps: i
             load -= residual / rate
         if least <= SINGULAR / 10:
             break
-    return Crossing(load, 0.0, vector(v), "divergence"), least
+    return Crossing(load, 0.0, vector(v, load), "divergence"), least
 
 
 def newton(
@@ -133,14 +135,16 @@ def newton(
     return None
 
 
-def moved(G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: float) -> float:
-    """By how much a load at which G = K + iωC − ω²M is singular moves at most, to first order, for a real change g of G
-    of this norm: with the null vectors u and v, uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet
-    without damping uᴴG_ωv = 0, and of a divergence ω stays 0: G_omega None, and one part is left."""
+def moved(
+    G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: Real | float, meet: float = 0.0
+) -> float:
+    """By how much a load at which G = K + iωC − ω²M is singular moves, to first order, for a real change g of G: at
+    most for one of this norm, as a rule for one of entries of these sizes, (n, n). With the null vectors u and v,
+    uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet without damping uᴴG_ωv = 0, up to a share `meet`
+    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left."""
     left, _, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
-    a = u @ G_P @ v
-    if G_omega is None:
-        return float(change / abs(a))
-    b = u @ G_omega @ v
-    return float(change * np.linalg.norm((b.conj() * np.outer(u, v)).imag) / abs((a * b.conj()).imag))
+    a, uv = u @ G_P @ v, np.outer(u, v)
+    if G_omega is None or abs(b := u @ G_omega @ v) < meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
+        return float(np.linalg.norm(change * uv) / abs(a))
+    return float(np.linalg.norm(change * (b.conj() * uv).imag) / abs((a * b.conj()).imag))

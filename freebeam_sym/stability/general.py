@@ -21,9 +21,9 @@ from functools import cached_property
 import numpy as np
 
 from freebeam_sym.checks import InputError, Unstable
-from freebeam_sym.massless import without_mass
+from freebeam_sym.massless import condensed, without_mass
 from freebeam_sym.stability.arnoldi import Krylov, events
-from freebeam_sym.stability.crossings import scan
+from freebeam_sym.stability.crossings import MARGIN, scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
 from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event, Real
 
@@ -59,13 +59,15 @@ class General:
         for name, X in zip("MCK", given, strict=True):
             if X.ndim != 3 or X.shape[1:] != (n, n) or not n or not np.isfinite(X).all():
                 raise InputError(f"{name}: must be finite square matrices by powers of the load, all of one size")
-        size = np.abs(np.diagonal(given[2], axis1=1, axis2=2)).sum(axis=0)
-        mass = np.abs(np.diagonal(given[0][0]))
+        self._moving, self._follow, parts = condensed(*given)
+        n = len(self._moving)
+        size = np.abs(np.diagonal(parts[2], axis1=1, axis2=2)).sum(axis=0)
+        mass = np.abs(np.diagonal(parts[0][0]))
         rates = np.divide(size, mass, out=np.full(n, np.inf), where=mass > 0)  # squared, so to say
         low = rates < NOTHING * rates[np.isfinite(rates)].max(initial=0.0)
         size = np.where(low | (size == 0), mass * np.min(rates, where=~low & (rates > 0), initial=1.0), size)
         self._scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
-        self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in given)
+        self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in parts)
         self.size, self.vanishing = n, vanishing
         self.damped = bool(np.any(self.C))
         self._damping: float = float(np.abs(self.C).max()) if self.damped else 1.0  # its size, so that light is as any
@@ -73,9 +75,13 @@ class General:
     def _at(self, P: float) -> tuple[Real, Real, Real]:
         return value(self.M, P), value(self.C, P), value(self.K, P)
 
-    def _vector(self, v: Real | Complex) -> Complex:
-        q = (self._scale * v).astype(complex)
+    def _vector(self, v: Real | Complex, load: float) -> Complex:
+        q = (value(self._follow, load) @ (self._scale * v)).astype(complex)
         return np.asarray(q / q[np.abs(q).argmax()])
+
+    def _own(self, vector: Complex) -> Complex:
+        """v of a crossing's vector."""
+        return np.asarray(vector[self._moving] / self._scale)
 
     @cached_property
     def _light(self) -> bool:
@@ -202,18 +208,39 @@ class General:
         except np.linalg.LinAlgError:
             return divergence(load, self.K, self._vector, steps=3)[0]
         worst = int(np.argmax(growth))
-        omega, v = abs(float(rate[worst].imag)), self._vector(V[:, worst])
+        omega, v = abs(float(rate[worst].imag)), self._vector(V[:, worst], load)
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:
             return Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
         found = self.near(guess)
-        return found if found is not None and abs(found.load - load) < 1e-3 * load else guess
+        # not far off frequencies may pass one another, where Newton's method settles too, but on no digits
+        off = math.inf if found is None else abs(found.load / load - 1)
+        return guess if found is None or off > (NEAR if self.rounding(found) > NEAR else 1e-3) else found
 
     def near(self, guess: Crossing) -> Crossing | None:
-        """The flutter that Newton's method finds from a guess; None where there is none."""
-        omega = guess.frequency
-        found = self._newton(omega**2, guess.load, *self._parts(guess.vector / self._scale, omega))
+        """The flutter that Newton's method finds from a guess; None where there is none. The motion of a guess of
+        another number of functions is found again, by inverse iteration."""
+        omega, P, v = guess.frequency, guess.load, np.ones(self.size, complex)
+        if len(guess.vector) == self._follow.shape[1]:
+            v = self._own(guess.vector)
+        else:
+            M, C, K = self._at(P)
+            for _ in range(2):
+                v = np.linalg.solve(K + (0 if self.vanishing else 1j) * omega * C - omega**2 * M, v)
+                v /= np.linalg.norm(v)
+        found = self._newton(omega**2, P, *self._parts(v, omega))
         return found if found is not None and found.frequency > 0 else None
+
+    def followed(self, guess: Crossing, within: float, manner: tuple[bool, float] | None) -> Crossing | None:
+        """The crossing that one of a neighbouring problem goes over into, its load off by a share `within` at most;
+        None where there is none, or something grows just below it. manner: as of `unstable`."""
+        if guess.kind == "divergence":
+            found = next((event.crossing for event in self.divergences if event.simple), None)
+        else:
+            found = self.near(guess) if guess.frequency > 0 else None
+        if found is None or not abs(found.load / guess.load - 1) < within:
+            return None
+        return None if self.unstable(found.load * (1 - MARGIN), manner) else found
 
     # --- flutter ---------------------------------------------------------------------------------------------------
 
@@ -255,7 +282,7 @@ class General:
         if (self.size == 1 and isinstance(operator, _Vanishing) and not self.damped) or bound <= operator.P:
             return iter(())
         floor = (1 - NEAR) * operator.unit / (bound - operator.P)
-        return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self.size)
+        return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self._follow.shape[1])
 
     @staticmethod
     def _parts(v: Complex, omega: float) -> tuple[Real, Real]:
@@ -269,7 +296,7 @@ class General:
         damping, size = (self.C / self._damping, self._damping) if self.damped else (self.M, 0.0)
         size = 0.0 if self.vanishing else size
         root = newton(self.M, damping, self.K, size, w, P, a, b / self._damping, abs(w))
-        return None if root is None else Crossing(root[1], root[0], self._vector(root[2]), "flutter")
+        return None if root is None else Crossing(root[1], root[0], self._vector(root[2], root[1]), "flutter")
 
     def rounding(self, crossing: Crossing) -> float:
         """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order."""
@@ -278,8 +305,13 @@ class General:
         rate = 0.0 if self.vanishing else 1j
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
         G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
-        change = ROUNDING * sum(P**k * float(np.linalg.norm(X, 2)) for k, X in enumerate(self.K))
-        return min(moved(G, G_P, G_omega, change) / P, 1.0)
+        # entry by entry: the norm of K is 100 times what rounding does to the low motions of 20 segments
+        change: Real = ROUNDING * np.asarray(sum(P**k * np.abs(X) for k, X in enumerate(self.K)))
+        gyroscopic = self.damped and np.abs(C + C.T).max() <= ROUNDING * np.abs(C).max()
+        if gyroscopic:  # frequencies may meet, and did where they are apart by SPLIT
+            v = self._own(crossing.vector)
+            change = change + (SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v)
+        return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic) / P, 1.0)
 
 
 class _Operator:

@@ -58,7 +58,7 @@ class Pencil:
         mu = np.linalg.eigvalsh(-(R + R.T) / 2) if self.conservative else np.linalg.eigvals(-R)
         mu = mu[(np.abs(mu.imag) <= CLOSE * mu.real) & (mu.real > 1e-14 * np.abs(mu).max(initial=0.0))]
         K, root = np.array([np.eye(self.size), R]), np.sqrt(self.e)
-        return divergences(1 / mu[np.argsort(-mu.real)], K, lambda v: self.vector(v / root))
+        return divergences(1 / mu[np.argsort(-mu.real)], K, lambda v, _: self.vector(v / root))
 
     def vector(self, v: Real | Complex) -> Complex:
         """v of this basis in the column's own coordinates, largest entry 1."""

@@ -118,6 +118,10 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         {"V": "integral(abs(x - 0.5) * y.diff(x, 2)**2) / 2"},
         ("V", "bending stiffness", "is 0 at x = 0.5"),
     ),
+    "stiffness that vanishes where the slope is held": (
+        {"V": "integral(x * y.diff(x, 2)**2) / 2", "ends": '("clamped", "free")', "dW_nc": "damping"},
+        ("V", "bending stiffness", "is 0 at x = 0"),
+    ),
     "sides that may jump": (
         {"V": "integral(y.diff(x, 2)**2) / 2 + k * (at(y, 0.5, 1)**2 + at(y, 0.5, -1)**2) / 2"},
         ("both sides of y(x, t) at 1/2", "jump(y(x, t), 1/2)"),
@@ -333,7 +337,10 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
         },
         ("u: two unknowns have this name",),
     ),
-    "field without mass": ({"V": "integral(y.diff(x, 2)**2 + u.diff(x)**2) / 2"}, ("T", "u.diff(t)**2", "mass")),
+    "field without mass that the load presses": (
+        {"V": "integral(y.diff(x, 2)**2 + u.diff(x)**2) / 2", "W_c": "P * integral(u**2) / 2"},
+        ("T", "u.diff(t)**2", "mass", "in no product with itself"),
+    ),
     "field without stiffness": (
         {"T": "integral(y.diff(t)**2 + u.diff(t)**2) / 2", "V": "integral(y.diff(x, 2)**2 + u**2) / 2"},
         ("V", "u.diff(x)**2"),

@@ -16,7 +16,7 @@ from sympy import Add, Expr, Integral, Rational, S, expand, integrate
 
 import freebeam as fb
 from freebeam.lesson import lesson, printed, solutions
-from freebeam.lesson.blocks import Cell, Equation, Exercise, Figure, Heading, Lesson, Prose, Summary
+from freebeam.lesson.blocks import Cell, Equation, Exercise, Figure, Heading, Lesson, Prose, Summary, Table
 from freebeam.lesson.draws import USUAL, drawn
 from freebeam.lesson.stages import Chapter
 from freebeam_derive import general_steps, latex, motions, pipeline, statement, step_proofs, variation
@@ -459,3 +459,26 @@ def test_links_have_their_picture_and_no_shape_along_a_beam() -> None:
     pictures = {figure.key: figure for figure in blocks_of(made, Figure)}
     assert "beam" in pictures and "meeting" in pictures and "shape" not in pictures
     assert {text.get_text() for text in pictures["beam"].draw().texts} >= {r"$\varphi_{1}$", r"$\varphi_{2}$", "$P_0$"}
+
+
+def test_a_column_that_grows_at_once_has_a_lesson_that_says_so(tmp_path: Path) -> None:
+    """Two links, the first damped negatively: no load is critical; the table of eigenvalues shows what grows."""
+    (tmp_path / "negative.py").write_text(
+        """
+from freebeam_derive.notation import P
+from freebeam_derive.statement import Column, Coordinate, delta
+from freebeam_derive.notation import t
+a, b = Coordinate("a"), Coordinate("b")
+column = Column(
+    name="negative", title="Two links, one damped negatively",
+    T=(2 * a.diff(t) ** 2 + 2 * a.diff(t) * b.diff(t) + b.diff(t) ** 2) / 2, V=(a**2 + (b - a) ** 2) / 2,
+    W_c=P * (a**2 + b**2) / 2, dW_nc=-P * b * delta(a + b) + a.diff(t) * delta(a) / 10,
+)
+"""
+    )
+    made = lesson(tmp_path / "negative.py", short=True)
+    assert "unstable at the smallest loads" in made.subtitle
+    assert any("eigenvalues with positive real parts" in b.text for b in made.blocks if isinstance(b, Prose))
+    growing = fb.spectrum(fb.column(tmp_path / "negative.py").system(load=0.0)).growth_rate
+    (table,) = (b for b in made.blocks if isinstance(b, Table) and "P_0" in b.header[1])
+    assert growing > 0 and any(f"{growing:.3g}"[:4] in cell for row in table.rows for cell in row)

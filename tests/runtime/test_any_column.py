@@ -8,8 +8,13 @@ import numpy as np
 import pytest
 
 import freebeam as fb
+from freebeam import cli
 from freebeam.ledger.reference_values import statements
 from freebeam_derive.references import Reference
+from freebeam_sym.question import Question
+from freebeam_sym.stability.critical import answer
+from freebeam_sym.stability.crossings import FirstLoss, first_loss
+from freebeam_sym.stability.problem import Problem
 
 GALLERY = [
     (name, reference)
@@ -31,6 +36,26 @@ def test_a_column_as_it_is_stated_has_its_critical_load(name: str, reference: Re
     last = 10.0 ** -len(reference.load.partition(".")[2])  # one unit of it, be it rounded or cut off
     assert found.load == pytest.approx(float(reference.load), rel=2e-10, abs=last)
     assert found.converged and found.error is not None and found.error < 1e-8
+    short = fb.critical_load(column, 8, reference.alpha, reference.beta, **limit, **reference.own)
+    for one in (found, short):  # the error bounds the true one, as far as that is printed
+        assert one.load is not None and one.error is not None
+        assert abs(one.load - float(reference.load)) <= one.error * one.load + last
+
+
+@pytest.mark.parametrize(("name", "place"), [("crack", 0.99), ("point-mass", 0.97), ("absorber", 0.99)])
+def test_the_error_of_a_load_is_had_without_another_search(name: str, place: float) -> None:
+    """Longer series are followed from the crossing that is known. Of a short segment the loads differ from N to N by
+    rounding, which the error bounds."""
+    column, searched = fb.column(name), []
+
+    def search(problem: Problem, load_max: float) -> FirstLoss:
+        searched.append(problem)
+        return first_loss(problem, load_max)
+
+    found = answer(Question.of(column, 10, a=place), search)
+    assert found.error is not None and found.converged and len(searched) == 1
+    loads = [found.load, *(fb.critical_load(column, modes, a=place).load for modes in (14, 16, 20))]
+    assert max(loads) / min(loads) - 1 < found.error < 1e-9
 
 
 def test_the_motions_of_a_short_segment_are_damped_however_little() -> None:
@@ -57,18 +82,22 @@ def test_a_damper_too_light_for_the_high_modes_is_not_overlooked(damper: float) 
 
 
 PLANES = """
-from freebeam_derive.notation import P, t, x, y
-from freebeam_derive.statement import Column, Field, at, delta, integral
+from sympy import Symbol
 
-z = Field("z")
+from freebeam_derive.notation import P, alpha, t, x, y
+from freebeam_derive.statement import Column, Field, Parameter, at, delta, integral
+
+z, s = Field("z"), Symbol("s", real=True)
 column = Column(
     name="two-planes",
-    title="Beck's column, free to bend in two planes",
-    T=integral(y.diff(t) ** 2 + z.diff(t) ** 2) / 2,
+    title="Beck's column, free to bend in two planes, in a frame that turns with it",
+    T=integral((y.diff(t) - s * z) ** 2 + (z.diff(t) + s * y) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2 + z.diff(x, 2) ** 2) / 2,
     W_c=P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2,
-    dW_nc=-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1)),
+    dW_nc=-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))
+    - integral(alpha * (y.diff(x, 2, t) * delta(y.diff(x, 2)) + z.diff(x, 2, t) * delta(z.diff(x, 2)))),
     ends=("clamped", "free"),
+    parameters=(Parameter(s, "speed of turning", 0, 0, 3),),
 )
 """
 
@@ -87,7 +116,76 @@ def test_a_column_of_two_equal_planes_is_that_of_one_twice(tmp_path: Path) -> No
         assert (off < 1e-7 * np.abs(values).max()).sum() == 2
 
 
-def test_a_load_that_is_no_force_has_no_si_unit() -> None:
-    """A pipe's is the velocity of its flow, which enters by its square and on rates."""
-    with pytest.raises(fb.InputError, match="no force"):
-        fb.column("pipe").scales(2e6, 50, 20)
+@pytest.mark.parametrize("spin", [0.3, 2.0])
+def test_a_shaft_that_turns_without_damping_loses_stability_as_at_rest(tmp_path: Path, spin: float) -> None:
+    """Seen from a frame that turns, every frequency is that at rest, less or more the speed: two pass one another at
+    20.032 where the speed is 0.3, and nothing grows there."""
+    (tmp_path / "planes.py").write_text(PLANES)
+    turning = fb.critical_load(fb.column(str(tmp_path / "planes.py")), 8, s=spin)
+    rest = fb.critical_load(fb.column("beck", "legendre"), 8)
+    assert turning.load is not None and rest.load is not None and rest.frequency is not None
+    assert turning.frequency == pytest.approx(rest.frequency - spin, rel=1e-6)
+    assert abs(turning.load / rest.load - 1) < turning.rounding < 1e-13
+    assert turning.error == pytest.approx(rest.error, rel=1e-3)
+
+
+@pytest.mark.parametrize("alpha", [1e-6, 0.01])
+def test_equal_planes_have_the_digits_of_one(tmp_path: Path, alpha: float) -> None:
+    """Each load is double: rounding splits the two in Arnoldi's method, not in Newton's."""
+    (tmp_path / "planes.py").write_text(PLANES)
+    both, one = fb.column(str(tmp_path / "planes.py")), fb.column("beck", "legendre")
+    for modes in (8, 16, 20):
+        loads = [fb.critical_load(column, modes, alpha).load for column in (both, one)]
+        assert loads[0] == pytest.approx(loads[1], rel=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [("pipe", ""), ("ziegler", ""), ("reut", "N"), ("hauger", "N"), ("beal", "N"), ("panel-pinned", "N/m")],
+)
+def test_a_load_has_the_unit_that_its_work_gives_it(name: str, unit: str) -> None:
+    """A pipe's is the velocity of its flow, which enters by its square and on rates; a pendulum's acts on no beam."""
+    column = fb.column(name)
+    assert column.load_unit == unit
+    if not unit:
+        with pytest.raises(fb.InputError, match="no force"):
+            column.scales(2e6, 50, 20)
+        return
+    sizes = [column.scales(2e6, 50, length)["load"] for length in (10, 20)]
+    assert sizes[0] / sizes[1] == pytest.approx({"N": 4, "N/m": 8}[unit])
+
+
+def test_a_torque_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Nicolai's shaft under a torque that turns with its tip: EI/L times a number."""
+    (tmp_path / "torque.py").write_text(
+        PLANES.replace("+ z.diff(x, 2) ** 2)", "+ 2 * z.diff(x, 2) ** 2)")
+        .replace("P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2", "0")
+        .replace(
+            "-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))",
+            "P * integral(z.diff(x) * delta(y.diff(x, 2)) - y.diff(x) * delta(z.diff(x, 2)))",
+        )
+    )
+    column = fb.column(str(tmp_path / "torque.py"))
+    assert column.load_unit == "N m" and column.scales(6.0, 5.0, 3.0)["load"] == pytest.approx(2.0)
+    asked = ["critical", "--column", str(tmp_path / "torque.py"), "--bending-stiffness", "6", "--mass-per-length", "5"]
+    assert cli.main([*asked, "--length", "3"]) == 0
+    load = fb.critical_load(column).load
+    assert load is not None and f"{2 * load:.10g} N m" in capsys.readouterr().out
+
+
+def test_what_sensors_read_is_called_by_its_name(capsys: pytest.CaptureFixture[str]) -> None:
+    """A pendulum has no y: its first angle is read, which has no place."""
+    column = fb.column("ziegler")
+    first = column.unknowns[0]
+    assert first != "y" and first not in column.fields
+    found = fb.respond(column.system(load=0.1), 1.0, 0.5)
+    assert found.measured == first
+    asked = ["respond", "--column", "ziegler", "--load", "0.1", "--duration", "1"]
+    told = []
+    for step in ("0.5", "0.001"):
+        assert cli.main([*asked, "--step", step]) == 0
+        told.append(capsys.readouterr().out)
+    few, many = told
+    assert few.splitlines()[0] == f"t,{first},d{first},dd{first}"
+    assert f"\n{first}\n" in many and "y(" not in many
+    assert first in fb.figures.history(found, "dy").get_ylabel()

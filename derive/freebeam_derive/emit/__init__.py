@@ -26,7 +26,7 @@ from freebeam_derive.emit import braces, source
 from freebeam_derive.kernel import BeamKernel, Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
-from freebeam_derive.scaling import SCALES, UNITS
+from freebeam_derive.scaling import UNITS, scales
 from freebeam_derive.statement import GEOMETRIC, StatementError, jets
 
 if TYPE_CHECKING:
@@ -117,8 +117,8 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "own": f", *{own}" if own else "",
         "own_any": f", *{own}".replace(": float = ", ": Any = ") if own else "",
         "passed": "".join(f", {p.name}={p.name}" for p in column.parameters),
-        "scales": SCALES,
-        "units": UNITS,
+        "scales": scales(column.load_unit),
+        "units": {**UNITS, "load": column.load_unit or "none: the load is no force"},
     }
 
 
@@ -156,6 +156,7 @@ def _facts(kernel: BeamKernel) -> dict[str, Any]:
         "ends": column.ends,
         "rigid": len(kernel.rigid),
         "load": "P",
+        **({} if column.load_unit == "N" else {"unit": column.load_unit}),
         "damping": list(column.damping),
         "force": bool(kernel.system.forces),
         "parameters": parameters,

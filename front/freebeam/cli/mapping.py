@@ -217,8 +217,8 @@ class Map(FileOptions, SearchOptions):
             found = found.assign_coords({name: found[name].copy(data=values)})
         for name in ("load", "frequency"):
             found[name] = found[name].copy(data=units.out(name, found[name].values))
-        for name in (*(x for x in self.axes if x in units.SYMBOLS), "load", "frequency"):
-            found[name].attrs["units"] = units.SYMBOLS[name]
+        for name in (*(x for x in self.axes if x in units.sizes), "load", "frequency"):
+            found[name].attrs["units"] = units.of(name).strip()
         beam = {name: float(size) for name, size in self.beam.items()}
         found.attrs |= {"load_max": units.out("load", found.attrs["load_max"]), "units": units.name, **beam}
         return found

@@ -86,9 +86,11 @@ class Units:
     """Sizes in SI units of one nondimensional unit of each quantity, Eq. (5); none: all is nondimensional."""
 
     sizes: Mapping[str, float] = field(default_factory=dict)
+    load: str = "N"
+    """The load's SI unit."""
 
     SYMBOLS: ClassVar = {
-        "length": "m", "time": "s", "load": "N", "force": "N", "alpha": "s", "beta": "kg/(m s)", "kappa": "kg/(m s^2)",
+        "length": "m", "time": "s", "force": "N", "alpha": "s", "beta": "kg/(m s)", "kappa": "kg/(m s^2)",
         "frequency": "rad/s", "velocity": "m/s", "acceleration": "m/s^2",
     }  # fmt: skip
 
@@ -103,7 +105,7 @@ class Units:
 
     def of(self, quantity: str) -> str:
         """The unit, for print; empty where nondimensional."""
-        return f" {self.SYMBOLS[quantity]}" if self.sizes else ""
+        return f" {self.load if quantity == 'load' else self.SYMBOLS[quantity]}" if self.sizes else ""
 
     def say(self, quantity: str, value: float, digits: str) -> str:
         """A nondimensional value in the units of the output, for print; a rate is what grows or decays in a unit of
@@ -240,7 +242,7 @@ class ColumnOptions(BasisOptions):
         missing = [x for x in ("--bending-stiffness", "--mass-per-length", "--length") if x not in given]
         refuse(missing, f"SI units need three quantities of the beam: give {' and '.join(missing)} too")
         sizes = self.chosen.scales(*(positive(name, value) for name, value in given.items()))
-        return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]})
+        return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]}, self.chosen.load_unit)
 
     @property
     def limit(self) -> dict[str, float]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
@@ -63,8 +63,9 @@ class Outline:
             ],
         }
 
-    def plot(self, units: Mapping[str, str], width: int = 64, height: int = 13) -> list[str]:
-        """Lines of a plot of the first column over time: all between the least and the largest value is filled."""
+    def plot(self, head: str, time: str, width: int = 64, height: int = 13) -> list[str]:
+        """Lines of a plot of the first column over time: all between the least and the largest value is filled. head:
+        what it is; time: the unit after the end."""
         groups = np.array_split(np.arange(len(self.low)), min(width, len(self.low)))
         low = np.array([self.low[group, 0].min() for group in groups])
         high = np.array([self.high[group, 0].max() for group in groups])
@@ -75,8 +76,7 @@ class Outline:
         scale = (height - 1) / ((top - bottom) or 1.0)
         first, last = (np.rint((top - part) * scale).astype(int) for part in (high, low))
         zero = round(top * scale)
-        name, label = self.columns[0]
-        lines = [f"{name}({label}){units[name]}"]
+        lines = [head]
         for row in range(height):
             edge = {0: top, height - 1: bottom, zero: 0.0}
             text = f"{size * edge[row]:.3g}" if row in edge else ""
@@ -85,4 +85,4 @@ class Outline:
             lines.append(f"{text:>10} |{marks}".rstrip())
         end = f"{self.time(self.count - 1):g}"
         lines.append(f"{'':>10} +" + "-" * len(groups))
-        return [*lines, f"{'t = 0':>13}{end + units['t']:>{len(groups) - 1}}"]
+        return [*lines, f"{'t = 0':>13}{end + time:>{len(groups) - 1}}"]

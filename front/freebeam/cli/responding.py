@@ -110,8 +110,10 @@ class Respond(FileOptions, CaseOptions):
             refuse(not self.sensor, f"{word}: belongs to no option; positions of sensors follow --sensor")
         refuse(output and output.suffix not in (".csv", ".npz"), f"{output}: the name must end in .csv or .npz")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
-        other = "--field" if self.field else "--derivative" if self.derivative else ""
-        refuse(other and self.units.sizes, f"{other}: what is read is nondimensional; leave the beam's SI values out")
+        read = self.read("y")
+        refuse(
+            read != "y" and self.units.sizes, f"{read}: is read in nondimensional units; leave the beam's SI values out"
+        )
         both = "--force-amplitude and --force-frequency"
         refuse(forced != (self.force_frequency is not None), f"a force needs both {both}")
         refuse(not forced and self.force_position, f"--force-position: there is no force; give {both}")
@@ -145,6 +147,16 @@ class Respond(FileOptions, CaseOptions):
         return [(name, label) for label in labels for name in self.names]
 
     @property
+    def measured(self) -> str:
+        """The field or coordinate that sensors read."""
+        return self.field or self.question.column.unknowns[0]
+
+    def series_name(self, name: str, label: str) -> str:
+        """What a column of numbers is called, such as y(0.1); a coordinate has no place."""
+        there = self.measured in self.question.column.fields
+        return self.read(name) + (f"({label})" if there else "")
+
+    @property
     def span(self) -> tuple[float, float]:
         """Duration and step, nondimensional."""
         return self.units.into("time", self.duration), self.units.into("time", self.step)
@@ -155,7 +167,7 @@ class Respond(FileOptions, CaseOptions):
 
     def read(self, name: str) -> str:
         """What sensors read, y, dy or ddy, by its own name, such as dq or y'."""
-        return name.replace("y", (self.field or "y") + "'" * self.derivative)
+        return name.replace("y", self.measured + "'" * self.derivative)
 
     @property
     def most_modes(self) -> int:
@@ -213,7 +225,6 @@ class Respond(FileOptions, CaseOptions):
         for ax, name in zip(drawn.subplots(len(self.names), squeeze=False).ravel(), self.names, strict=True):
             for k, label in enumerate(labels):
                 figures.history(found, name, sensor=k, label=label, color=colour(k), ax=ax)
-            ax.set_ylabel(f"${self.read(name)}$" if self.field or self.derivative else ax.get_ylabel())
             if len(labels) > 1:
                 ax.legend(frameon=False)
         return drawn
@@ -233,7 +244,7 @@ class Respond(FileOptions, CaseOptions):
         return self.record(
             load=self.load, rigid=self.rigid, duration=self.duration, step=self.step, method=self.method,
             sensors=self.places or self.sensors, **{name: getattr(self, name) for name in TYPED},
-            initial_mode=self.initial_mode, field=self.field, derivative=self.derivative,
+            initial_mode=self.initial_mode, field=self.measured, derivative=self.derivative,
             unit={name: self.units.of(kind).strip() for name, kind in {"t": "time", **QUANTITIES}.items()},
         )  # fmt: skip
 
@@ -290,7 +301,7 @@ class Respond(FileOptions, CaseOptions):
         if output is not None:
             rows.append(("written to", str(output)))
         for told in outline.record()["peaks"]:
-            name = f"{self.read(told['quantity'])}({told['sensor']})"
+            name = self.series_name(told["quantity"], told["sensor"])
             unit, time = units.of(QUANTITIES[told["quantity"]]), units.of("time")
             settled = "no" if told["settled"] is None else f"from t = {told['settled']:.6g}{time} on"
             rows.append(
@@ -307,7 +318,8 @@ class Respond(FileOptions, CaseOptions):
         if output is None:
             units_of = {name: unit and f", {unit}" for name, unit in record["unit"].items()}
             units_of["t"] = units.of("time")
-            sys.stdout.write("".join(f"{line}\n" for line in outline.plot(units_of)))
+            lines = outline.plot(self.series_name(*self.columns[0]) + units_of[self.names[0]], units_of["t"])
+            sys.stdout.write("".join(f"{line}\n" for line in lines))
 
 
 def write_csv(stream: IO[str], asked: Respond, series: Series) -> None:
@@ -317,7 +329,7 @@ def write_csv(stream: IO[str], asked: Respond, series: Series) -> None:
     t, *quantities = series.values()
     if t[0] == 0:
         units = asked.units
-        kinds = [("t", "time"), *((f"{asked.read(name)}({x})", QUANTITIES[name]) for name, x in asked.columns)]
+        kinds = [("t", "time"), *((asked.series_name(name, x), QUANTITIES[name]) for name, x in asked.columns)]
         heads = (name + (f" [{units.of(kind).strip()}]" if units.sizes else "") for name, kind in kinds)
         stream.write(",".join(heads) + "\n")
     table = np.stack(quantities, axis=-1).reshape(len(t), -1)

@@ -48,6 +48,7 @@ def content(column: Column) -> dict[str, Any]:
         "title": column.title,
         "basis": column.basis_name,
         "general": column.general,
+        "load_unit": column.load_unit,
         "ends": list(column.ends) or ["pinned", "free"],
         "rigid": column.rigid_count,
         "damping": list(dampings(column)),

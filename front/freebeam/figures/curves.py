@@ -297,8 +297,8 @@ def coalescence(question: Question, *, width: float = 0.04, points: int = 201) -
 
     def pair(load: float) -> Complex:
         M, _, K = terms.at(load)
-        s = np.linalg.eigvals(np.linalg.solve(M, K)).astype(complex)
-        values = 1j * np.sqrt(s)
+        inverse = np.linalg.eigvals(np.linalg.solve(K, M)).astype(complex)
+        values = 1j / np.sqrt(inverse[np.abs(inverse) > 1e-13 * np.abs(inverse).max()])  # what has no mass has no λ
         both = values[np.argsort(np.abs(values - target))[:2]]
         # the growing one first, else the faster one; past the meeting λ and −λ̄ are one pair's
         if np.abs(both.real).max() > 1e-6 * abs(target):

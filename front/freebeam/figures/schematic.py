@@ -53,7 +53,7 @@ def beam(
     own = column.own_parameters(parameters)
     tables: Any = column.kernel if isinstance(column.kernel, Tabulated) else None
     stated = None if tables else _statement(column)
-    if "y" not in [each["name"] for each in column.kernel.COLUMN.get("fields", [{"name": "y"}])]:
+    if "y" not in column.fields:
         return _links(column, stated, own, ax)
     places = {name: x for name, x in (("x_s", x_s), ("x_F", x_F)) if column.forced and x is not None}
     for name, place in places.items():

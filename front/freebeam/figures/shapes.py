@@ -184,8 +184,17 @@ def history(
             ax.ticklabel_format(axis="y", useMathText=True)  # a power of ten above the axis
         ax.axhline(0.0, color=MUTED, lw=0.7, zorder=1)
         ax.set_xlabel("time $t$")
-        ax.set_ylabel(QUANTITIES[kind] + (f", {part}" if part else ""))
+        ax.set_ylabel(_read(response, kind) + (f", {part}" if part else ""))
     return ax
+
+
+def _read(response: Response, kind: str) -> str:
+    """The label of what the sensors read, or of its rates."""
+    if response.measured == "y":
+        return QUANTITIES[kind]
+    name = response.measured.rstrip("'")
+    dotted = {"y": "{}", "dy": r"\dot{{{}}}", "ddy": r"\ddot{{{}}}"}[kind].format(rf"\mathrm{{{name}}}")
+    return f"${dotted}{response.measured[len(name) :]}$"
 
 
 def trajectory(response: Response, *, sensor: int = 0, color: str | None = None, ax: Axes | None = None) -> Axes:
@@ -199,6 +208,6 @@ def trajectory(response: Response, *, sensor: int = 0, color: str | None = None,
         dot(ax, y[0], dy[0], INK, ms=7, label="$t = 0$")
         legend(ax, loc="upper right", handlelength=1.0)
         ax.margins(0.1)
-        ax.set_xlabel(QUANTITIES["y"])
-        ax.set_ylabel(QUANTITIES["dy"])
+        ax.set_xlabel(_read(response, "y"))
+        ax.set_ylabel(_read(response, "dy"))
     return ax

@@ -16,7 +16,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
 
 if TYPE_CHECKING:
     from freebeam.lesson.blocks import Lesson
@@ -132,7 +132,10 @@ def solutions(made: Lesson) -> tuple[Lesson, Lesson]:
 
 
 def _subtitle(facts: Any) -> str:
-    found = facts.critical
+    try:
+        found = facts.critical
+    except Unstable:
+        return "Derived from its energies, to its spectrum: it is unstable at the smallest loads"
     if found.load is None:
         return f"Derived from its energies; stable up to a load of {found.question.load_max:g}"
     kind, beam = "flutter" if facts.flutters else "divergence", found.beam

@@ -13,6 +13,7 @@ from freebeam.lesson.draws import USUAL, Data
 from freebeam.maps.known import answer
 from freebeam.proofs import enclosed_load, exact_load
 from freebeam_sym.checks import InputError
+from freebeam_sym.massless import condensed
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
 from freebeam_sym.stability.critical import CriticalLoad
@@ -120,12 +121,14 @@ class Facts:
         return self.question.pencil
 
     def operator(self, load: float) -> Any:
-        """K at a load in coordinates in which M is the identity, (N, N): its eigenvalues are ω² without damping."""
+        """K at a load in coordinates in which M is the identity, (N, N), fewer where some have no mass: its eigenvalues
+        are ω² without damping."""
         if not self.column.general:
             return np.diag(self.pencil.e) + load * self.pencil.H
-        M, _, K = self.terms.at(load)
-        lower = np.linalg.cholesky(M)
-        return np.linalg.solve(lower, np.linalg.solve(lower, K).T).T
+        M, C, K = (X[None] for X in self.terms.at(load))
+        _, _, (M, C, K) = condensed(M, C, K)
+        lower = np.linalg.cholesky(M[0])
+        return np.linalg.solve(lower, np.linalg.solve(lower, K[0]).T).T
 
     def squares(self, load: float) -> Any:
         """ω² of the undamped column at a load, ascending in the real part, (N,) complex."""

@@ -13,7 +13,7 @@ from freebeam.lesson.eigenvalues import coalescence, divergence
 from freebeam.lesson.phrases import arguments, exercise, figure, heading, n, percent, prose, summary, text
 from freebeam.lesson.physics import closed, enclosed, work
 from freebeam.lesson.resonance import pulsation
-from freebeam_sym.checks import InputError
+from freebeam_sym.checks import InputError, Unstable
 from freebeam_sym.question import Question
 from freebeam_sym.spectra import spectrum
 
@@ -25,13 +25,19 @@ if TYPE_CHECKING:
 
 __all__ = ["general_physics"]
 
+SMALL = 1.0
+"""Load up to which eigenvalues of a column are told that is unstable at once."""
 POINTS = 11
 """Values of a parameter along which a curve of critical loads is computed."""
 
 
 def general_physics(chapter: Chapter, facts: Facts) -> tuple[Block, ...]:
-    """From the eigenvalue problem to the cost of the series, of any column."""
-    found = [*loss(chapter, facts)]
+    """From the eigenvalue problem to the cost of the series, of any column; of one that grows at the smallest loads
+    that it does, and its spectrum."""
+    try:
+        found = [*loss(chapter, facts)]
+    except Unstable:
+        return (*_opening(chapter), prose("loss.unstable"), *_lowest(facts, SMALL), summary("loss.never"))
     if facts.critical.load is not None:
         if facts.undamped and facts.linear:
             name, told = ("coalescence", coalescence) if facts.flutters else ("divergence", divergence)
@@ -48,17 +54,20 @@ def _settings(facts: Facts) -> str:
     return "".join(f", ${p.latex or p.name} = {facts.values[p.name]:g}$" for p in facts.column.parameters)
 
 
+def _opening(chapter: Chapter) -> list[Block]:
+    return [
+        heading("stability"),
+        prose("stability.opening"),
+        *chapter.named("Let all coordinates move alike", "Write it as an eigenvalue problem of the first order"),
+    ]
+
+
 def loss(chapter: Chapter, facts: Facts) -> list[Block]:
     """The eigenvalue problem, the first loss of stability, the lowest eigenvalues, the root locus."""
     from freebeam import figures
 
     column, found, own = facts.column, facts.critical, facts.own
-    blocks: list[Block] = [
-        heading("stability"),
-        prose("stability.opening"),
-        *chapter.named("Let all coordinates move alike", "Write it as an eigenvalue problem of the first order"),
-        prose("loss.how"),
-    ]
+    blocks = [*_opening(chapter), prose("loss.how")]
     N, settled = facts.modes, _settings(facts)
     if found.load is None:
         lost = prose("loss.stable", N=N, own=settled, top=found.question.load_max)
@@ -66,7 +75,8 @@ def loss(chapter: Chapter, facts: Facts) -> list[Block]:
         kind = "divergence" if not facts.flutters else "meet" if facts.undamped else "cross"
         lost = prose(f"loss.{kind}", N=N, own=settled, load=found.load, frequency=facts.frequency)
     code = f"beam = compiled(column)\nfound = fb.critical_load(beam, modes={facts.modes}{arguments(own)})\nprint(found)"
-    blocks += [Cell(code, (lost,)), *_error(facts), *_lowest(facts)]
+    top = found.load or found.question.load_max / 10
+    blocks += [Cell(code, (lost,)), *_error(facts), *_lowest(facts, top)]
     if found.load is None:
         return [*blocks, summary("loss.stays")]
     if facts.undamped:
@@ -115,9 +125,8 @@ def _size(error: float) -> str:
     return n(float(f"{size:.1g}"), 1) if size > 1e-14 else "$10^{-14}$"
 
 
-def _lowest(facts: Facts) -> list[Block]:
-    """The lowest eigenvalues at some loads."""
-    top = facts.critical.load or facts.question.load_max / 10
+def _lowest(facts: Facts, top: float) -> list[Block]:
+    """The lowest eigenvalues at some loads up to a load."""
     loads = [share * top for share in (0.0, 0.5, 0.9)]
     columns = []
     for load in loads:
@@ -369,7 +378,7 @@ def truncation(chapter: Chapter, facts: Facts) -> list[Block]:
     from freebeam.maps.known import answer
 
     least = int(facts.column.kernel.COLUMN["least"])
-    counts = [k for k in (2, 3, 4, 6, 8, 12) if k >= least] if facts.column.kernel.COLUMN["fields"] else []
+    counts = [k for k in (2, 3, 4, 6, 8, 12) if k >= least] if facts.column.fields else []
     if not counts:
         return []
     loads = {}

@@ -18,7 +18,7 @@ from itertools import product
 import numpy as np
 
 from freebeam_sym.question import Question
-from freebeam_sym.stability.crossings import MARGIN, first_loss
+from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.problem import Crossing, Real
 
@@ -125,11 +125,8 @@ class _Grid:
         """The crossing of a point that those of the corners lead to, where nothing grows just below it."""
         near = _between([(_share(at, corner, low, high), c.crossing) for corner, c in corners.items() if c.crossing])
         question = self.ask(at)
-        problem, manner = question.general, next(iter(corners.values())).manner
-        found = _moved(near, problem)
-        if found is None or not abs(found.load / near.load - 1) < CLOSE_BY or found.load > question.load_max:
-            return None
-        return None if problem.unstable(found.load * (1 - MARGIN), manner) else found
+        found = question.general.followed(near, CLOSE_BY, next(iter(corners.values())).manner)
+        return found if found is not None and found.load <= question.load_max else None
 
 
 def _margins(problem: General, load: float, manner: tuple[bool, float]) -> Real:
@@ -149,15 +146,6 @@ def _margins(problem: General, load: float, manner: tuple[bool, float]) -> Real:
         lowest = 1 / theta[np.argsort(-np.abs(theta))[:LOWEST]]
         found[0, : len(lowest)] = lowest.real
     return found.ravel()
-
-
-def _moved(near: Crossing, problem: General) -> Crossing | None:
-    """The crossing that one of a neighbouring problem, with as many functions, goes over into; None where Newton's
-    method does not find it. Whether it is the first is not looked at."""
-    if near.kind == "divergence":
-        event = next(iter(problem.divergences), None)
-        return event.crossing if event is not None and event.simple else None
-    return problem.near(near) if near.frequency > 0 else None
 
 
 def _stays_below(corners: Real, shares: Real, centre: Real) -> bool:

@@ -199,6 +199,7 @@ class SegmentsKernel(Kernel):
             "coordinates": [{"name": name, "latex": latex} for name, latex in system.coordinates],
             "rigid": len(system.rigid),
             "load": "P",
+            **({} if column.load_unit == "N" else {"unit": column.load_unit}),
             "damping": list(column.damping),
             "force": bool(system.force),
             "parameters": parameters,

@@ -2,6 +2,7 @@
 
 function startPage() {
   const column = JSON.parse(document.getElementById("column").textContent);
+  SI.load = column.load_unit;
   const parameters = parametersOf(column);
   const view = {
     column,

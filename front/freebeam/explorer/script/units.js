@@ -6,7 +6,7 @@ const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-
 const PREFIXED = ["load", "force", "length"];
 
 function unitsOf({ bending_stiffness: EI, mass_per_length: m, length: L }) {
-  const isSI = [EI, m, L].every((x) => x > 0);
+  const isSI = SI.load && [EI, m, L].every((x) => x > 0); // a load without a unit has none of the others
   const sizes = isSI ? kernel.scales(EI, m, L) : QUANTITIES.map(() => 1);
   const size = Object.fromEntries(QUANTITIES.map((name, k) => [name, sizes[k]]));
   size.rate = size.frequency;
