@@ -20,6 +20,7 @@ import freebeam as fb
 from freebeam_derive.certify import beam_cells, beam_itself, beam_stability, damped_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
 from freebeam_derive.certify.beam_cells import Cells
+from freebeam_derive.certify.beam_itself import Damped
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.damped_gaps import LeftOver
 from freebeam_derive.certify.exact_system import ExactSystem
@@ -157,7 +158,6 @@ def test_the_factor_of_a_bound_that_is_too_small_is_seen(monkeypatch: pytest.Mon
 
 
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
-    "a damper without a mass": ("tip-damper", {}, "where no mass is"),
     "a spring without internal damping": ("elastic-root", {"alpha": "0.01"}, "where no mass is"),
     "bending": ("step", {"alpha": "0.01"}, "not the bending stiffness times a number"),
     "a part undamped": ("partial-damping", {}, "not known to stay on their side"),
@@ -203,11 +203,14 @@ def refused(monkeypatch: pytest.MonkeyPatch, thing: Any, name: str, wrong: Any) 
     return why
 
 
-def test_a_crossing_that_is_not_named_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(beam_cells, "MOST_SERIES", 4)
-    right = Cells.__init__
-    wrong = lambda self, beam, rigid, load, known: right(self, beam, rigid, load, [])  # noqa: E731
-    assert "no other crossing is not known" in refused(monkeypatch, Cells, "__init__", wrong)
+def test_a_crossing_that_is_not_named_is_not_passed_over() -> None:
+    it, crossing, a, b = damped()
+    P, frequency = ((Fraction(low), Fraction(high)) for low, high in (("9.64", "9.68"), ("2.66", "2.7")))
+    with precision(BITS):
+        known = [+crossing.load, +crossing.frequency]
+        for boxes in ([known], []):
+            cells = Cells(it, 0, +crossing.load, boxes)
+            assert cells._with_one_series(Damped(it, a, b), P, frequency, 6) == bool(boxes)
 
 
 def test_a_cell_left_out_proves_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
