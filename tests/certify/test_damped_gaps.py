@@ -160,7 +160,7 @@ def test_the_factor_of_a_bound_that_is_too_small_is_seen(monkeypatch: pytest.Mon
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "a spring without internal damping": ("elastic-root", {"alpha": "0.01"}, "where no mass is"),
     "bending": ("step", {"alpha": "0.01"}, "not the bending stiffness times a number"),
-    "a part undamped": ("partial-damping", {}, "not known to stay on their side"),
+    "a part undamped": ("partial-damping", {}, "has a part without damping"),
 }
 
 
@@ -256,7 +256,7 @@ def test_a_series_with_the_rate_of_a_vanishing_damping_is_that_of_the_system() -
         for place in ((arb("6.7"), arb("9.3")), (arb(7), arb(8))):
             right, found = it.taylor(*place, orders), local.taylor(*place, orders)
             assert all(found[order].contains(right[order].mid()) for order in orders)
-            assert float(found[0, 0, 1].rad()) < 1e-4 * abs(float(right[0, 0, 1].mid()))
+            assert float(found[0, 0, 1].rad()) < 1e-3 * abs(float(right[0, 0, 1].mid()))
         with pytest.raises(Unproven, match="outside"):
             local.taylor(arb(6), arb(9), orders)
 

@@ -27,6 +27,7 @@ MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 
 MOST_CELLS_OF_ANY = 400  # the same where F comes from Taylor steps, whose series cost as much as a hundred cells
 MOST_CUTS = 7
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
+MOST_SERIES_OF_ANY = 150  # the same where each takes a second; Pflüger's column with damping takes 20
 
 Say = Callable[[str], None]
 Side = tuple[Fraction, Fraction]  # of a cell: loads, or values of the second unknown, from one to the other
@@ -71,7 +72,7 @@ class Cells:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
         degrees = (DEGREE_OF_ANY, FINER) if isinstance(self.beam, ExactSystem) else (None,)
         if not any(self._with_one_series(problem, P, x, degree) for degree in degrees):
-            if depth == MOST_CUTS or self._series > MOST_SERIES:
+            if depth == MOST_CUTS or self._series > (MOST_SERIES_OF_ANY if degrees[0] else MOST_SERIES):
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
                     "cells: that there is no other crossing is not known near the load "

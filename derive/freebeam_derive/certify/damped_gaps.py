@@ -169,6 +169,8 @@ def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanish
     times a factor that falls to zero. Raises NoStrips, Unproven."""
     forms = ColumnForms(still.kernel, still.own)
     damping = LeftOver(forms, still.kernel, still.own, alpha, beta)
+    if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
+        raise forms.other("has a part without damping")
     for beyond in BEYOND:
         gaps = FrequencyGaps(still, 2 * load, beyond)
         for m in gaps.lines:
