@@ -270,7 +270,7 @@ def test_parts_that_a_mass_with_a_rotary_inertia_holds_apart_are_refused() -> No
 
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
     "a crack": ("crack", {}, "frequency gaps: crack has more than the one deflection y, or one that jumps"),
-    "damping": ("tip-damper", {}, "frequency gaps: tip-damper has a damper"),
+    "damping": ("tip-damper", {}, "damping: tip-damper has a damper"),
 }
 
 

@@ -165,7 +165,7 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
             gaps = FrequencyGaps(system, load.upper())
             m, reach = gaps.lowest, gaps.reach
     except Unproven as error:
-        raise OpenStep(f"frequency gaps: {error}") from None
+        raise OpenStep(f"{'damping' if damped else 'frequency gaps'}: {error}") from None
     proof = Below(still, gaps, m, load)
     if not damped:
         return Evidence(m, rational(reach, 60), gaps.count, tuple(proof.real_and_simple(square)))
