@@ -181,7 +181,7 @@ def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanish
 
 
 def _load(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> arb:
-    """X of Lemma 9: all of p B + q R on the modes beyond line m, per frequency."""
+    """X of Lemma 10: all of p B + q R on the modes beyond line m, per frequency."""
     X = load * gaps.size
     if vanishing:
         return X
@@ -191,7 +191,7 @@ def _load(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: 
 
 
 def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> bool:
-    """The inequality of Lemma 10, for all modes beyond line m."""
+    """The inequality of Lemma 11, for all modes beyond line m."""
     g, X = gaps.gap(m), _load(gaps, damping, m, load, vanishing)
     omega = gaps.frequency(m) + g  # at most that of mode m + 1
     if not 2 * X < g:
