@@ -2,7 +2,7 @@
 
     python -m tests.certify.test_damped_gaps
 
-proves the table in docs/theorem.md again, in some minutes.
+proves the table in docs/theorem.md again, in a minute and a half.
 """
 
 from __future__ import annotations
