@@ -18,14 +18,16 @@ from typing import Any
 from flint import arb
 
 from freebeam_derive.certify.balls import Exact, Unproven, ends, exact
-from freebeam_derive.certify.beam import Beam
-from freebeam_derive.certify.beam_itself import Damped, Onset
+from freebeam_derive.certify.beam_itself import Damped, Itself, Onset, VanishingRates
+from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import image, one_to_one
-from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.local_series import DEGREE_OF_ANY, FINER, Local
 
 MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
+MOST_CELLS_OF_ANY = 400  # the same where F comes from Taylor steps, whose series cost as much as a hundred cells
 MOST_CUTS = 7
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
+MOST_SERIES_OF_ANY = 150  # the same where each takes a second; Pflüger's column with damping takes 20
 
 Say = Callable[[str], None]
 Side = tuple[Fraction, Fraction]  # of a cell: loads, or values of the second unknown, from one to the other
@@ -43,7 +45,7 @@ class Cells:
     Unproven; what it finds is added to the known.
     """
 
-    def __init__(self, beam: Beam, rigid: int, load: arb, known: list[list[arb]], seek: Seek | None = None) -> None:
+    def __init__(self, beam: Itself, rigid: int, load: arb, known: list[list[arb]], seek: Seek | None = None) -> None:
         self.beam, self.rigid, self.load = beam, rigid, load
         self.known, self._seek = known, seek
         self._checked = self._series = 0  # cells, and series that stand for F on them
@@ -68,8 +70,9 @@ class Cells:
 
     def _tile(self, problem: Onset, P: Side, x: Side, depth: int) -> None:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
-        if not self._with_one_series(problem, P, x):
-            if depth == MOST_CUTS or self._series > MOST_SERIES:
+        degrees = (DEGREE_OF_ANY, FINER) if isinstance(self.beam, ExactSystem) else (None,)
+        if not any(self._with_one_series(problem, P, x, degree) for degree in degrees):
+            if depth == MOST_CUTS or self._series > (MOST_SERIES_OF_ANY if degrees[0] else MOST_SERIES):
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
                     "cells: that there is no other crossing is not known near the load "
@@ -79,16 +82,18 @@ class Cells:
                 for other in _halves(x):
                     self._tile(problem, part, other, depth + 1)
 
-    def _with_one_series(self, problem: Onset, P: Side, x: Side) -> bool:
+    def _with_one_series(self, problem: Onset, P: Side, x: Side, degree: int | None) -> bool:
         around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (_over(P), _over(x))]
         for known in self._near([_over(P), _over(x)]):  # the equations are looked at on a cell and on it together
             around = [side.union(part) for side, part in zip(around, known, strict=True)]
         local, self._series = copy(problem), self._series + 1
         try:
-            local.beam = Local(self.beam, *problem.place(around))  # type: ignore[assignment]
+            rates = isinstance(problem, VanishingRates)
+            local.beam = Local(self.beam, *problem.place(around), rates, degree)  # type: ignore[assignment]
         except Unproven:
             return False
         waiting, count, covered = [(P, x)], 0, Fraction(0)
+        most = MOST_CELLS_OF_ANY if isinstance(self.beam, ExactSystem) else MOST_CELLS
         while waiting:
             P, x = waiting.pop()
             count += 1
@@ -96,7 +101,7 @@ class Cells:
             if axis is None:
                 covered += (P[1] - P[0]) * (x[1] - x[0])
                 continue
-            if count > MOST_CELLS:
+            if count > most:
                 return False
             for half in _halves(P if axis == 0 else x):
                 waiting.append((half, x) if axis == 0 else (P, half))

@@ -20,8 +20,17 @@ from flint import acb, arb
 from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
-from freebeam_derive.certify.beam_itself import Damped, ExactCrossing, Itself, Onset, Proof, VanishingDamping
+from freebeam_derive.certify.beam_itself import (
+    Damped,
+    ExactCrossing,
+    Itself,
+    Onset,
+    Proof,
+    VanishingDamping,
+    VanishingRates,
+)
 from freebeam_derive.certify.complete_spectrum import counted_to
+from freebeam_derive.certify.damped_gaps import damped_gaps
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.local_series import Local
@@ -87,7 +96,7 @@ def complete(
             if isinstance(beam, Beam):
                 evidence = _prove(beam, crossing, alpha, beta, kappa)
             else:
-                evidence = _prove_of_any(beam, crossing, alpha, beta)
+                evidence = _prove_of_any(beam, crossing)
         except Unproven as error:
             return crossing, None, str(error)
     return replace(crossing, proof=Proof(first=True, stable_below=True)), evidence, ""
@@ -141,18 +150,37 @@ def growing(c_E: arb, c_M: arb) -> arb | None:
     return (-c_M / c_E).upper().max(arb(0)) if c_E > 0 else None
 
 
-def _prove_of_any(system: ExactSystem, crossing: ExactCrossing, alpha: Exact, beta: Exact) -> Evidence:
-    """The same where no modes are known in closed form: without damping, by the gaps between frequencies."""
-    if not system.undamped(alpha, beta):
-        raise OpenStep("damping: with it, high modes are known to stay stable of uniform beams alone")
+def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
+    """The same where no modes are known in closed form: by the gaps between frequencies."""
     load, frequency = +crossing.load, +crossing.frequency
+    square = None if crossing.kind == "divergence" else frequency * frequency
+    alpha, beta = (Fraction(v) if isinstance(v, int) else v for v in system.dampings)
+    damped = system.vanishing or not system.undamped(alpha, beta)
+    still = ExactSystem(system.kernel, system.own) if damped else system
     try:
-        gaps = FrequencyGaps(system, load.upper())
+        if damped:
+            found = damped_gaps(still, load.upper(), alpha, beta, system.vanishing)
+            gaps, m, reach, top = found.gaps, found.lowest, found.reach, found.top
+        else:
+            gaps = FrequencyGaps(system, load.upper())
+            m, reach = gaps.lowest, gaps.reach
     except Unproven as error:
-        raise OpenStep(f"frequency gaps: {error}") from None
-    proof = Below(system, gaps, gaps.lowest, load)
-    at = None if crossing.kind == "divergence" else frequency * frequency
-    return Evidence(gaps.lowest, rational(gaps.reach, 60), gaps.count, tuple(proof.real_and_simple(at)))
+        raise OpenStep(f"{'damping' if damped else 'frequency gaps'}: {error}") from None
+    proof = Below(still, gaps, m, load)
+    if not damped:
+        return Evidence(m, rational(reach, 60), gaps.count, tuple(proof.real_and_simple(square)))
+    if system.vanishing:
+        below = proof.real_and_simple(None) if square is None else proof.real_and_simple_throughout()
+        stretches: tuple[Stretch, ...] = tuple(below)
+        problem: Onset = VanishingRates(system)
+        known = [] if square is None else [[load, square]]
+    else:
+        proof.no_divergence(crossing.kind)
+        stretches, problem = (), Damped(system, alpha, beta)
+        known = [] if square is None else [[load, frequency]]
+    cells = Cells(system, 0, load, known).no_other_zero(problem, top)
+    highest = float(top) ** 0.5 if system.vanishing else float(top)
+    return Evidence(m, rational(reach, 60), gaps.count, stretches, cells, highest)
 
 
 def complete_to(beam: Any, load: Exact, alpha: Exact, beta: Exact, known: Sequence[acb]) -> tuple[arb | None, str]:

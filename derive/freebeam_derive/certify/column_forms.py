@@ -52,7 +52,7 @@ class ColumnForms:
         if kernel.COLUMN["rigid"]:
             raise self.other("moves rigidly")
         (mass, points), (elastic, springs), (load, self.load_points) = (
-            self._read(*part) for part in (*forms["M"], *forms["K"])
+            self.read(*part) for part in (*forms["M"], *forms["K"])
         )
         self.m, self.EI = ([part.pop(orders, []) for part in parts] for parts, orders in
                            ((mass, (0, 0)), (elastic, (2, 2))))  # fmt: skip
@@ -87,7 +87,7 @@ class ColumnForms:
             for k in range(PIECES):
                 yield n, exact(low) + exact(high - low) * (arb(k).union(arb(k + 1)) / PIECES)
 
-    def _read(
+    def read(
         self, along: Any, points: Any
     ) -> tuple[list[dict[tuple[int, int], Polynomial]], dict[tuple[Place, Place], Fraction]]:
         """Of each segment (test order, trial order) -> polynomial; (place, order) twice -> factor."""
@@ -181,10 +181,10 @@ class ColumnForms:
         lost = arb(0)
         for n, part in enumerate(self.elastic):
             for p, f in part.items():
-                if self._never_negative(n, f):
+                if self.never_negative(n, f):
                     continue
                 turned = [e for e in (0, 1) if self.is_held(e, 1)]
-                if p == 0 or not turned or not self._never_negative(n, [-v for v in f]):
+                if p == 0 or not turned or not self.never_negative(n, [-v for v in f]):
                     raise self.other("has an elastic energy that is not known to be positive")
                 away = _product(f, [Fraction(0), Fraction(1)] if turned[0] == 0 else [Fraction(1), Fraction(-1)])
                 lost -= exact(self._integral(n, away))
@@ -193,7 +193,7 @@ class ColumnForms:
             raise self.other("has an elastic energy that is not known to be positive")
         return share
 
-    def _never_negative(self, n: int, f: Polynomial) -> bool:
+    def never_negative(self, n: int, f: Polynomial) -> bool:
         """Whether all of Bernstein's coefficients on a segment are at least zero."""
         low, high = self.breaks[n : n + 2]
         degree = len(f) - 1
@@ -210,6 +210,12 @@ class ColumnForms:
             return self._size(0)
         except NoStrips:
             return self._size(1)
+
+    def size_of(self, form: list[dict[tuple[int, int], Polynomial]]) -> arb:
+        """The same constant of another form, symmetric and without terms at places. Raises NoStrips."""
+        other = copy(self)
+        other.load, other.load_points = form, {}
+        return other._size(0)
 
     def _size(self, turned: int) -> arb:
         """turned: 1 for the form with y and v exchanged. All derivatives go off the factor of bounded mass."""

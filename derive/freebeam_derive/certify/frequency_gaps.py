@@ -33,33 +33,35 @@ class FrequencyGaps:
     """The lines of a column between its frequencies without load, as `Strips` has them for a uniform beam.
 
     system: a column without damping. load: the largest |p|. lowest: m, from which on every line is free of eigenvalues
-    for |p| ≤ load; reach: up to which |p| they are. count: K, from which on all are known to be free together. Raises
-    NoStrips for a column that is not served, and Unproven.
+    for |p| ≤ load; reach: up to which |p| they are. count: K, from which on all are known to be free together.
+    beyond: the gaps from there on are to be so many times as wide. Raises NoStrips for a column that is not served,
+    and Unproven.
     """
 
     rigid = 0
 
-    def __init__(self, system: ExactSystem, load: arb) -> None:
+    def __init__(self, system: ExactSystem, load: arb, beyond: int = 1) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
         at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
         forms = at_ends[0]
         self.size = max((each.load_size for each in at_ends), key=float)  # which falls with masses
         needed = load * self.size
-        if len(at_ends) == 2 or forms.stepped:
-            known, gap = self._of_parts(at_ends, needed)
+        if len(at_ends) == 2 or forms.stepped or not system.undamped(Fraction(0), Fraction(0)):
+            known, gap = self._of_parts(at_ends, beyond * needed)
             self._lines: dict[int, arb] = {}
         else:
-            K, (top, gap) = self._first_far(VariableSection(forms), needed)
+            K, (top, gap) = self._first_far(VariableSection(forms), beyond * needed)
             known = [tuple(exact(side).sqrt() for side in sides) for sides in self._enclosed(K, top)]
             self._lines = {K: top}
         self.count = self.lowest = len(known)
+        self._known, self._gaps = known, {self.count: gap}
         for k in range(self.count - 1, 0, -1):
             low, high = known[k - 1][1], known[k][0]
             if not (high - low) > needed:
                 break
             self.lowest, gap = k, gap.min((high - low).lower())
-            self._lines[k] = low * high
+            self._lines[k], self._gaps[k] = low * high, gap
         if self.lowest not in self._lines:
             raise NoStrips("the gaps between frequencies are too narrow for such a load")
         self.reach = (gap / self.size).lower()
@@ -99,6 +101,19 @@ class FrequencyGaps:
     def line(self, k: int) -> arb:
         """R_k, from the lowest m to K: ω_k ω_{k+1} up to how closely these are known."""
         return self._lines[k]
+
+    @property
+    def lines(self) -> list[int]:
+        """The k of all lines that are known, ascending."""
+        return sorted(self._lines)
+
+    def gap(self, k: int) -> arb:
+        """At most ω_{n+1} − ω_n, for all n ≥ k."""
+        return self._gaps[k]
+
+    def frequency(self, k: int) -> arb:
+        """At most ω_k, for k up to K."""
+        return self._known[k - 1][0].lower()
 
     def estimates(self, P: float, count: int) -> Any:
         """The lowest eigenvalues s at a load of a series, in floats."""

@@ -27,6 +27,7 @@ DEGREE_OF_ANY = (
     8  # the same where F comes from Taylor steps: of 4, 5, 6 and 8 it proves the widest range of a tip mass;
 )
 # and over a range of a foundation: of 6, 8, 10 and 14 all prove the same, and 14 takes half as long again
+FINER = 11  # where that is too coarse: at Pflüger's column with damping and ω > 120 one of these stands for 150
 
 
 @lru_cache(maxsize=4)
@@ -98,27 +99,34 @@ class _Grid(Jets):
 
 
 class Local:
-    """Stands for a beam on a box of p and s; what it is asked for beyond is refused (Unproven)."""
+    """Stands for a beam on a box of p and s; what it is asked for beyond is refused (Unproven).
 
-    def __init__(self, beam: Beam | ExactSystem, p: Any, s: Any) -> None:
+    rates: orders are of three, the last that of a damping that vanishes, up to its first. degree: N.
+    """
+
+    def __init__(
+        self, beam: Beam | ExactSystem, p: Any, s: Any, rates: bool = False, degree: int | None = None
+    ) -> None:
         self.beam, self.is_complex = beam, isinstance(p, acb) or isinstance(s, acb)
         kind: Any = acb if self.is_complex else arb
         self._box = kind(p), kind(s)
         self._centre = tuple(kind(side.mid()) for side in self._box)
         self._units = tuple(_reach(side - middle) for side, middle in zip(self._box, self._centre, strict=True))
-        degree = DEGREE_OF_ANY if isinstance(beam, ExactSystem | OverEquation) else DEGREE
+        degree = degree or (DEGREE_OF_ANY if isinstance(beam, ExactSystem | OverEquation) else DEGREE)
         grid = _Grid(degree, self.is_complex, self._units)  # type: ignore[arg-type]
-        at, over = (self._entries(grid, x, y) for x, y in (self._centre, self._box))
-        self._C: Any = grid.matrix(degree + 1, degree + 1)
-        for t, (i, j) in enumerate(grid.orders):
-            self._C[i, j] = over[t] if i + j == degree else at[t]
+        self._C: list[Any] = []
+        for at, over in zip(*(self._entries(grid, x, y, rates) for x, y in (self._centre, self._box)), strict=True):
+            self._C.append(grid.matrix(degree + 1, degree + 1))
+            for t, (i, j) in enumerate(grid.orders):
+                self._C[-1][i, j] = over[t] if i + j == degree else at[t]
 
-    def _entries(self, grid: _Grid, p: Any, s: Any) -> list[Any]:
+    def _entries(self, grid: _Grid, p: Any, s: Any, rates: bool) -> list[list[Any]]:
+        """By the order of the rate; one list where there is none."""
         if isinstance(self.beam, Beam):
-            found: list[Any] = self.beam.expanded(p, s, grid).entries()
-            return found
-        t = self.beam.taylor(p, s, grid.orders)
-        return [t[i, j] * self._units[0] ** i * self._units[1] ** j for i, j in grid.orders]
+            return [self.beam.expanded(p, s, grid).entries()]
+        last: list[tuple[int, ...]] = [(0,), (1,)] if rates else [()]
+        t: dict[Any, Any] = self.beam.taylor(p, s, [(*order, *d) for d in last for order in grid.orders])
+        return [[t[i, j, *d] * self._units[0] ** i * self._units[1] ** j for i, j in grid.orders] for d in last]
 
     def damping(self, alpha: Exact, beta: Exact) -> tuple[arb, arb]:
         assert isinstance(self.beam, Beam)
@@ -127,19 +135,19 @@ class Local:
     def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
         return self.beam.pencil(P, value, alpha, beta)
 
-    def taylor(self, p: Any, s: Any, orders: Sequence[Order]) -> Taylor:
+    def taylor(self, p: Any, s: Any, orders: Sequence[Any]) -> Taylor:
         """As `Beam.taylor`, up to the second order in each. Raises Unproven outside of the box."""
         if not (self._box[0].contains(p) and self._box[1].contains(s)):
             raise Unproven("a value was asked for outside of the box of a series")
-        top = max(max(order) for order in orders)
+        top = max(max(order[:2]) for order in orders)
         kind: Any = acb if self.is_complex else arb
         u, v = ((kind(x) - c) / unit for x, c, unit in zip((p, s), self._centre, self._units, strict=True))
-        last = self._C.nrows() - 1
+        last = self._C[0].nrows() - 1
         rows = [_powers(u, k, last) for k in range(top + 1)]
         columns = [_powers(v, k, last) for k in range(top + 1)]
         matrix: Any = acb_mat if self.is_complex else arb_mat
-        found = matrix(rows) * self._C * matrix(columns).transpose()
-        return {(i, j): found[i, j] / (self._units[0] ** i * self._units[1] ** j) for i, j in orders}
+        found = [matrix(rows) * C * matrix(columns).transpose() for C in self._C]
+        return {(i, j, *d): found[sum(d)][i, j] / (self._units[0] ** i * self._units[1] ** j) for i, j, *d in orders}
 
 
 def _reach(side: Any) -> arb:

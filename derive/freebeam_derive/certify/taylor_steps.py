@@ -93,6 +93,27 @@ class Jets:
                 flat[(t * rows + i) * size * columns + b * columns + j] = jet[a]
         return self.matrix(size * rows, size * columns, flat)
 
+    def inverted(self, matrix: Any, count: int) -> Any:
+        """The inverse of what `whole` makes of count × count jets, order by order.
+
+        The inverse of balls would blur each order by the widths of all others. Raises ZeroDivisionError.
+        """
+        size = matrix.ncols()
+        flat = matrix.entries()
+        L = [
+            self.matrix(count, count, [flat[(t * count + i) * size + j] for i in range(count) for j in range(count)])
+            for t in range(len(self.orders))
+        ]
+        found = [L[0].inv()]
+        for t in range(1, len(self.orders)):
+            rest = self.matrix(count, count)
+            for a, b, target in self.products:
+                if target == t and b < t:
+                    rest = rest + L[a] * found[b]
+            found.append(-(found[0] * rest))
+        entries = {(i, j): [X[i, j] for X in found] for i in range(count) for j in range(count)}
+        return self.whole(entries, count, count)
+
     def entries(self, matrix: Any, rows: int) -> dict[tuple[int, int], Jet]:
         """The jets of a matrix whose rows are blocks by the orders."""
         columns, flat = matrix.ncols(), matrix.entries()
@@ -204,7 +225,7 @@ class Local:
         self.segment, self.jets, self.place = segment, segment.jets, place
         N, L = self._blocks([factor[0] for factor in self._factors(1)])
         try:
-            self.inverse = L.inv()
+            self.inverse = self.jets.inverted(L, segment.count)
         except ZeroDivisionError:
             raise Unproven(f"the leading coefficients at x = {float(place):.6g} are not known to be regular") from None
         self.weights = self._weights(self.inverse * N)

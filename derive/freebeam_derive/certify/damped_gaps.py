@@ -1,0 +1,215 @@
+"""Which high modes of a column with damping stay away from the imaginary axis, from the gaps between its frequencies.
+
+With C = c_E E + c_M M + R, y = Y e^(λt), p = P/(1 + c_E λ), q = λ/(1 + c_E λ), s = −(λ² + c_M λ)/(1 + c_E λ) it is
+
+    (E + p B + q R) Y = s M Y,
+
+E, B, M as of the column without damping (frequency_gaps.py). R is what damping leaves out or adds: point masses, a
+foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 9
+and 10 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from flint import arb
+
+from freebeam_derive.certify.balls import Exact, exact
+from freebeam_derive.certify.column_forms import ColumnForms, added, over
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.strips import NoStrips
+
+BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of those listed in the tests all take 2
+
+_CUBICS = {
+    (0, True): (Fraction(13, 35), Fraction(6, 5), Fraction(12)),  # 1 − 3x² + 2x³
+    (1, True): (Fraction(1, 105), Fraction(2, 15), Fraction(4)),  # x − 2x² + x³
+    (0, False): (Fraction(33, 140), Fraction(6, 5), Fraction(3)),  # 1 − 3x/2 + x³/2
+}
+"""∫ v², ∫ v'², ∫ v''² over a unit length of a v that vanishes with its slope at the far end, with v⁽ⁱ⁾(0) = 1 and
+whether the other of v(0), v'(0) is nothing."""
+
+
+class LeftOver:
+    """The damping of a column as c_E E + c_M M + R, at the precision in force.
+
+    c_E, c_M: at least 0. low, high: of R over the mass along the beam. at: (place, order) -> the same at masses.
+    turning: C_R with |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part R₁ = ∫ f y'v'. Raises NoStrips.
+    """
+
+    def __init__(self, forms: ColumnForms, kernel: Any, own: Any, alpha: Exact, beta: Exact) -> None:
+        if not isinstance(alpha, Fraction) or not isinstance(beta, Fraction):
+            raise forms.other("has a damping that is no fraction")
+        self.forms = forms
+        stated, at_rest = (kernel.forms(Fraction(1), *of, **own) for of in ((alpha, beta), (Fraction(0), Fraction(0))))
+        if any(stated[part] != at_rest[part] for part in "MK") or len(stated["C"]) != 1:
+            raise forms.other("has a damping that is no form of its own")
+        along, points = forms.read(*stated["C"][0])
+        if any(row != of or f < 0 for (row, of), f in points.items()) or any(
+            p != q or p > 2 or not forms.never_negative(n, f)
+            for n, part in enumerate(along)
+            for (p, q), f in part.items()
+        ):
+            raise forms.other("has a damping that couples motions, or is not known to take energy")
+        bending = {_ratio(part.get((2, 2), []), EI) for part, EI in zip(along, forms.EI, strict=True)}
+        if len(bending) != 1 or None in bending:
+            raise forms.other("has an internal damping that is not the bending stiffness times a number")
+        share = bending.pop()
+        assert share is not None
+        self.c_E = exact(share)
+
+        def less(part: dict[Any, Any], elastic: dict[int, Any], p: int) -> list[Fraction]:
+            return added(part.get((p, p), []), [-share * f for f in elastic.get(p, [])])
+
+        turning, density = ([less(*parts, p) for parts in zip(along, forms.elastic, strict=True)] for p in (1, 0))
+        self.turning = arb(0)
+        if any(map(any, turning)):
+            if any((1, 1) in part for part in along):
+                raise forms.other("has a damping of the slope along the beam")
+            self.turning = forms.size_of([{(1, 1): f} for f in turning])
+        values = [over(density[n], x)[0] / over(forms.m[n], x)[0] for n, x in forms.pieces()]
+        low, high = min((v.lower() for v in values), key=float), max((v.upper() for v in values), key=float)
+        self.c_M = ((low + high) / 2).mid().max(arb(0))
+        self.low, self.high = low - self.c_M, high - self.c_M
+        left = {key: points.get((key, key), Fraction(0)) - share * forms.springs.get(key, Fraction(0))
+                for key in {row for row, _ in points} | {*forms.springs} | {*forms.masses}}  # fmt: skip
+        if any(f and key not in forms.masses for key, f in left.items()):
+            raise forms.other("has a damper, or a spring without internal damping, where no mass is")
+        self.at = {key: exact(left[key] / mass) - self.c_M for key, mass in forms.masses.items()}
+
+    @property
+    def size(self) -> arb:
+        """δ with |R(y, v)| ≤ δ times the roots of the masses of y and v, R₁ apart."""
+        return max((abs(v).upper() for v in (self.low, self.high, *self.at.values())), key=float)
+
+    def share(self, omega: arb) -> arb:
+        """Of the motion's mass at most this is at points, for every mode without load and with a frequency from ω on.
+
+        With v one at the place and no more than a length about it, m φ(e) = a(φ, v)/ω² − ∫ m φ v.
+        """
+        forms, total = self.forms, arb(0)
+        for (place, order), mass in forms.masses.items():
+            near = [abs(place - other) for other in forms.breaks if other != place]
+            beside = [n for n, part in enumerate(pairwise(forms.breaks)) if place in part]
+            m, EI = (max((over(f[n], x)[0].upper() for n, x in forms.pieces() if n in beside), key=float)
+                     for f in (forms.m, forms.EI))  # fmt: skip
+            slope = place, 1
+            turns = len(beside) == 1 and not (slope in forms.masses or slope in forms.springs or forms.is_held(*slope))
+            bumps = [exact(b) for b in _CUBICS[order, not turns]]
+            length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).mid()
+            power = length ** (2 * order)
+            energy = exact(forms.springs.get((place, order), Fraction(0)))
+            energy += len(beside) * EI * bumps[2] * power / length**3
+            for n in beside:
+                for p, f in forms.elastic[n].items():
+                    most = max((abs(over(f, x)[0]).upper() for at, x in forms.pieces() if at == n), key=float)
+                    energy += most * bumps[p] * power * length ** (1 - 2 * p)
+            weight = len(beside) * m * bumps[0] * power * length
+            total += (weight.sqrt() + energy.sqrt() / omega) ** 2 / exact(mass)
+        return total.min(arb(1)).upper()
+
+    def least(self, omega: arb, blur: arb) -> arb:
+        """A lower bound of Re R(u, z)/(z, u), R₁ apart, where u and z are modes from ω on and rests of size `blur`."""
+        share, beam = self.share(omega), abs(self.low).max(abs(self.high))
+        at = [*self.at.values()]
+        points = max((abs(v).upper() for v in at), key=float, default=arb(0))
+        at_mode = self.low + share * min([*at, self.low], key=lambda v: float(v.lower())) - share * self.low
+        felt = (beam**2 + points**2 * share).sqrt()
+        missed = 2 * felt * blur + (self.size + (beam + points * share)) * blur**2
+        found: arb = (at_mode - missed / (1 - blur**2)).lower()
+        return found
+
+
+@dataclass(frozen=True)
+class DampedGaps:
+    """gaps: those of the column without damping. lowest: m, such that for 0 ≤ P ≤ load no eigenvalue λ = iω has
+    Re s ≥ R_m, and none in Re λ ≥ 0 passes the line R_m. reach: a load up to which the lines are free. vanishing: the
+    same to first order in the damping."""
+
+    gaps: FrequencyGaps
+    damping: LeftOver
+    lowest: int
+    reach: arb
+    load: arb
+    vanishing: bool
+
+    @property
+    def top(self) -> arb:
+        """Ω such that no eigenvalue iω with ω ≥ Ω has Re s < R_m, or none is there at all; in the limit R_m itself.
+        Raises NoStrips."""
+        c_E, c_M, R = self.damping.c_E, self.damping.c_M, self.gaps.line(self.lowest)
+        if self.vanishing:
+            return R.upper()
+        if not c_E > 0:
+            return R.sqrt().upper()
+        found = []
+        rest = 1 - c_E * c_M - c_E * c_E * R  # Re s = ω² (1 − c_E c_M) / (1 + c_E² ω²) ≥ R from there on
+        if rest > 0:
+            found.append((R / rest).sqrt().upper())
+        omega = (1 / c_E).upper()
+        while omega < 2**20 / c_E:  # 2 (|s| − Re s) ≥ (2 − √2) ω / (2 c_E) for c_E ω ≥ 1
+            of_energy = (2 * c_E / ((2 - arb(2).sqrt()) * omega)).sqrt()
+            loads = (self.load * self.gaps.size / omega + self.damping.turning) / c_E
+            if loads * of_energy + 2 * self.damping.size / omega < 1:
+                found.append(omega)
+                break
+            omega *= 2
+        if not found:
+            raise NoStrips("no frequency is known beyond which there is no crossing")
+        return min(found, key=float)
+
+
+def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanishing: bool) -> DampedGaps:
+    """The least m that is found; still: the column with no alpha and beta. vanishing: in the limit of this damping
+    times a factor that falls to zero. Raises NoStrips, Unproven."""
+    forms = ColumnForms(still.kernel, still.own)
+    damping = LeftOver(forms, still.kernel, still.own, alpha, beta)
+    if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
+        raise forms.other("has a part without damping")
+    for beyond in BEYOND:
+        gaps = FrequencyGaps(still, 2 * load, beyond)
+        for m in gaps.lines:
+            if _stays(gaps, damping, m, load, vanishing):
+                reach = load * (gaps.gap(m) / _load(gaps, damping, m, load, vanishing))
+                return DampedGaps(gaps, damping, m, reach.lower(), load, vanishing)
+    raise NoStrips("high modes are not known to stay on their side of the boundary")
+
+
+def _load(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> arb:
+    """X of Lemma 10: all of p B + q R on the modes beyond line m, per frequency."""
+    X = load * gaps.size
+    if vanishing:
+        return X
+    if damping.turning > 0:
+        X += damping.turning / damping.c_E
+    return X + damping.size * (1 + gaps.gap(m) / gaps.frequency(m)).sqrt()
+
+
+def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> bool:
+    """The inequality of Lemma 11, for all modes beyond line m."""
+    g, X = gaps.gap(m), _load(gaps, damping, m, load, vanishing)
+    omega = gaps.frequency(m) + g  # at most that of mode m + 1
+    if not 2 * X < g:
+        return False
+    r = g / omega
+    of_rest = ((1 + r) / (g * (2 + r) - X)).max(1 / (g * (2 - r) - X)) * X
+    if not 2 * of_rest**2 < 1:
+        return False
+    blur = of_rest / (1 - of_rest**2).sqrt()
+    grows = 1 / (1 - 2 * of_rest**2)
+    first = damping.c_E * (omega - X - load * gaps.size * grows) - damping.turning * grows
+    if not first >= 0:
+        return False
+    here: arb = damping.least(omega, blur).min(arb(0))
+    return bool(damping.c_M + omega * first + here > 0)
+
+
+def _ratio(f: list[Fraction], g: list[Fraction]) -> Fraction | None:
+    """c with f = c g."""
+    c = f[0] / g[0] if f and g[0] else Fraction(0)
+    return c if not any(added(f, [-c * v for v in g])) else None
