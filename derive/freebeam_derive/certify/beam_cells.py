@@ -27,7 +27,7 @@ MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 
 MOST_CELLS_OF_ANY = 400  # the same where F comes from Taylor steps, whose series cost as much as a hundred cells
 MOST_CUTS = 7
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
-MOST_SERIES_OF_ANY = 150  # the same where each takes a second; Pflüger's column with damping takes 20
+MOST_SERIES_OF_ANY = 60  # the same where each takes a second or two; of four columns with damping one took 30
 
 Say = Callable[[str], None]
 Side = tuple[Fraction, Fraction]  # of a cell: loads, or values of the second unknown, from one to the other
