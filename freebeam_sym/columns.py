@@ -12,7 +12,7 @@ from functools import cache, cached_property, partial
 from importlib import import_module
 from pathlib import Path
 from types import ModuleType
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,6 +36,7 @@ from freebeam_sym.massless import condensed
 __all__ = ["Column", "Parameter", "System", "column", "column_names"]
 
 Array = NDArray[np.float64]
+T = TypeVar("T")
 USUAL = {"modes": 8}
 USUAL_ELSE = 16
 """N in a basis where none is asked for and the column states another basis."""
@@ -140,11 +141,11 @@ class Column:
                 else USUAL.get(self.basis_name, USUAL_ELSE)
             )
         if self.basis_name == "legendre":
+            least, most, hint = 1, _MOST_POLYNOMIALS, "number N of elastic polynomials; 20 give ten digits"
             if self.general:
+                least, most = int(self.kernel.COLUMN["least"]), _MOST_ON_A_SEGMENT
                 hint = "functions a segment and a field; 16 give ten digits"
-                return count("modes", modes, int(self.kernel.COLUMN["least"]), _MOST_ON_A_SEGMENT, hint)
-            hint = "number N of elastic polynomials; 20 give ten digits"
-            return count("modes", modes, 1, _MOST_POLYNOMIALS, hint)
+            return count("modes", modes, least, most, hint)
         # a spectrum takes some twelve matrices of twice the size
         largest = int((memory() / (12 * 4 * 8)) ** 0.5)
         hint = "number N of elastic functions that this machine's memory has room for"
@@ -257,8 +258,7 @@ class Column:
             M, E, H = _sound(found, own)
             return M, E, H
 
-        result: tuple[Array, Array, Array] = self._remembered((modes, rigid, *own.values()), build)
-        return result
+        return self._remembered((modes, rigid, *own.values()), build)
 
     def coefficients(
         self, modes: int | None = None, rigid: bool = False, alpha: float = 0.0, beta: float = 0.0, **parameters: float
@@ -281,14 +281,13 @@ class Column:
                 )
 
         def part(name: str) -> tuple[Array, ...]:
-            found: tuple[Array, ...] = self._remembered(
-                (name, modes, *own.values()), partial(self._built, name, modes, own)
-            )
-            return found
+            return self._remembered((name, modes, *own.values()), partial(self._built, name, modes, own))
 
         shares = {"rate": 1.0, "alpha": alpha, "beta": beta}
         rates = [[share * X for X in part(name)] for name, share in shares.items() if share]
-        C = _without_zeros(tuple(sum(terms[1:], terms[0]) for terms in zip(*rates, strict=True)))
+        C = tuple(sum(terms[1:], terms[0]) for terms in zip(*rates, strict=True))
+        while C and not C[-1].any():
+            C = C[:-1]
         e = slice(None) if rigid else slice(self.rigid_count, None)
         return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (part("mass"), C, part("stiffness"))))
 
@@ -335,12 +334,13 @@ class Column:
         except ValueError as error:
             raise InputError(f"{self.name}: {error}") from None
 
-    def _remembered(self, key: Any, build: Any) -> Any:
+    def _remembered(self, key: Any, build: Callable[[], T]) -> T:
         if key not in self._cache:
             self._cache[key] = build()
             while len(self._cache) > _KEPT:
                 self._cache.popitem(last=False)
-        return self._cache[key]
+        found: T = self._cache[key]
+        return found
 
     def damping_factors(self, alpha: float, beta: float, **parameters: float) -> tuple[float, float]:
         """c_M and c_E of C = c_M M + c_E E, Eq. (12): beta and alpha, unless the column's energies shift them."""
@@ -423,12 +423,6 @@ def _moved(X: Array, T: Array) -> Array:
     return (found + found.T) / 2 if np.array_equal(X, X.T) else found
 
 
-def _without_zeros(terms: tuple[Array, ...]) -> tuple[Array, ...]:
-    """Without the highest powers of the load that are nothing."""
-    count = max((k + 1 for k, X in enumerate(terms) if X.any()), default=0)
-    return terms[:count]
-
-
 @dataclass(frozen=True, eq=False)
 class System:
     """M q̈ + C q̇ + K q = Q F₀(t) of a column at one load: matrices (n, n), nondimensional. Eqs. (10)-(13).
@@ -499,14 +493,14 @@ class System:
         place = positions("x_F", x_F)
         if np.ndim(x_F) or len(place) != 1:
             raise InputError(f"x_F has {len(place)} places: a transversal force acts at one")
-        if self.column.general:
-            force: Array = self.column.kernel.force(self.basis, float(place[0]), **self.parameters)
-            return self._framed(force)
-        at = float(place[0])
-        kept: Array = self.column._remembered(
-            ("force", self.modes, self.rigid, at), lambda: self.column.kernel.force(self.basis, at, self.rigid)
-        )
-        return kept.copy()
+        at, kernel = float(place[0]), self.column.kernel
+
+        def build() -> Array:
+            if self.column.general:
+                return self._framed(kernel.force(self.basis, at, **self.parameters))
+            return np.asarray(kernel.force(self.basis, at, self.rigid))
+
+        return self._kept(build, "force", at)
 
     def _framed(self, values: Array) -> Array:
         """Values of the kernel's functions (n, …) as those of this system's."""
@@ -524,24 +518,24 @@ class System:
         places = reals("x", x)
         positions("x", places.ravel())
         derivative = count("derivative", derivative, 0)
-        fields = self.column.unknowns
+        fields, kernel = self.column.unknowns, self.column.kernel
         field = field or fields[0]
         if field not in fields:
             raise refusal("field", field, f"must be one of {', '.join(fields)}")
-        if self.column.general:
-            own = self.parameters
-            with self.column._sound_places():
-                return self._framed(self.column.kernel.shapes(self.basis, places, field, derivative, side, **own))
 
         def build() -> Array:
-            found: Array = self.column.kernel.shapes(self.basis, places, derivative, self.rigid)
-            return found
+            if not self.column.general:
+                return np.asarray(kernel.shapes(self.basis, places, derivative, self.rigid))
+            with self.column._sound_places():
+                return self._framed(kernel.shapes(self.basis, places, field, derivative, side, **self.parameters))
 
         if places.size > _FEW_PLACES:
             return build()
-        key = "shapes", self.modes, self.rigid, derivative, places.shape, places.tobytes()
-        shapes: Array = self.column._remembered(key, build)
-        return shapes.copy()
+        return self._kept(build, "shapes", field, derivative, side, places.shape, places.tobytes())
+
+    def _kept(self, build: Callable[[], Array], *key: Any) -> Array:
+        """An array of this system's functions, kept for other loads and dampings; a copy."""
+        return self.column._remembered((*key, self.modes, self.rigid, *self.parameters.values()), build).copy()
 
 
 def is_column(value: object) -> Column:

@@ -99,7 +99,8 @@ class Spectrum:
         s = self.system
 
         def ask(column: Column, modes: int) -> Complex:
-            return elastic_values(column.system(modes, s.load, s.alpha, s.beta, False, **s.parameters))[None, :]
+            system = column.system(modes, s.load, s.alpha, s.beta, False, **s.parameters)
+            return elastic_motion(system, vectors=False)[2][None, :]
 
         off = beam_errors(s.column, self.elastic[None, :], s.modes, ask)[0]
         return self._of_all(off + self.rounding[self.places])
@@ -176,31 +177,13 @@ def beam_errors(column: Column, found: Complex, modes: int, ask: Callable[[Colum
     return errors
 
 
-def elastic_motion(system: System) -> tuple[Real, Real, Complex, Complex]:
-    """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates."""
-    E, B, M, C, K = _in_coordinates(system)
-    values, vectors = massless(M, C, K) if without_mass(M) else eigen(C, K)
-    return E, B, values, vectors
-
-
-def elastic_values(system: System) -> Complex:
-    """λ of the elastic motion alone, any order."""
-    _, _, M, C, K = _in_coordinates(system)
-    if without_mass(M):
-        return np.asarray(np.linalg.eigvals(reduced(M, C, K).matrix), complex)
-    if C.any():
-        return np.asarray(np.linalg.eigvals(state_matrix(np.eye(len(K)), C, K)), complex)
-    root = np.sqrt(-np.linalg.eigvals(K).astype(complex))
-    return np.append(root, -root) + 0j  # the sum leaves no negative zeros
-
-
-def _in_coordinates(system: System) -> tuple[Real, Real, Real, Real, Real]:
-    """E and B of `coordinates` for the elastic functions, and M, C and K in these coordinates."""
+def elastic_motion(system: System, vectors: bool = True) -> tuple[Real, Real, Complex, Complex]:
+    """E and B of `coordinates` for the elastic functions, and λ and q̂ in these coordinates, any order. Without
+    `vectors`, which is quicker, q̂ has no columns."""
     e = slice(system.rigid_count, None)
-    M = system.M[e, e]
-    E, B = coordinates(M, system.E[e, e])
-    C, load = (B.T @ X[e, e] @ B for X in (system.C, system.K - system.E))
-    return E, B, B.T @ M @ B, C, E + load
+    E, B = coordinates(system.M[e, e], system.E[e, e])
+    M, C, load = (B.T @ X[e, e] @ B for X in (system.M, system.C, system.K - system.E))
+    return E, B, *(massless(M, C, E + load, vectors) if without_mass(M) else eigen(C, E + load, vectors))
 
 
 def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
@@ -221,24 +204,28 @@ def coordinates(M: Real, E: Real) -> tuple[Real, Real]:
         return B.T @ E @ B, B
 
 
-def eigen(C: NDArray[Any], K: NDArray[Any]) -> tuple[Complex, Complex]:
+def eigen(C: NDArray[Any], K: NDArray[Any], vectors: bool = True) -> tuple[Complex, Complex]:
     """λ (2n,) and q̂ (n, 2n) of q̈ + C q̇ + K q = 0, any order. Without damping from s = −λ², n × n: Re λ of a stable beam
     is then exactly 0, and q̂ are those of s, twice."""
     n = len(K)
     if C.any():
-        values, W = np.linalg.eig(state_matrix(np.eye(n), C, K))
-        return values.astype(complex), W[:n].astype(complex)
-    s, V = np.linalg.eig(K)
-    root = np.sqrt(-s.astype(complex))
-    values = np.append(root, -root) + 0j  # the sum leaves no negative zeros
-    return values, np.hstack([V, V]).astype(complex)
+        values, W = _decomposed(state_matrix(np.eye(n), C, K), vectors)
+        return values, W[:n]
+    s, V = _decomposed(K, vectors)
+    root = np.sqrt(-s)
+    return np.append(root, -root) + 0j, np.hstack([V, V])  # the sum leaves no negative zeros
 
 
-def massless(M: Real, C: Real, K: Real) -> tuple[Complex, Complex]:
+def massless(M: Real, C: Real, K: Real, vectors: bool = True) -> tuple[Complex, Complex]:
     """λ (m,) and q̂ (n, m) where M is singular."""
     found = reduced(M, C, K)
-    values, W = np.linalg.eig(found.matrix)
-    return values.astype(complex), (found.states[: len(M)] @ W).astype(complex)
+    values, W = _decomposed(found.matrix, vectors)
+    return values, found.states[: len(M)] @ W
+
+
+def _decomposed(A: NDArray[Any], vectors: bool) -> tuple[Complex, Complex]:
+    values, V = np.linalg.eig(A) if vectors else (np.linalg.eigvals(A), np.empty((len(A), 0)))
+    return values.astype(complex), V.astype(complex)
 
 
 def inverse(V: Any) -> Any:
@@ -257,7 +244,7 @@ def with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Comp
     coupling = max(float(np.abs(X[r:, :r]).max()) for X in (M, C, K))
     if coupling > 1e-9 * max(float(np.abs(K[r:, r:]).max()), 1.0):  # not block triangular: no theorem to use
         return massless(M, C, K) if without_mass(M) else eigen(np.linalg.solve(M, C), np.linalg.solve(M, K))
-    rigid, shapes = eigen(*(np.linalg.solve(M[:r, :r], X[:r, :r]) for X in (C, K)))
+    rigid, shapes = eigen(np.linalg.solve(M[:r, :r], C[:r, :r]), np.linalg.solve(M[:r, :r], K[:r, :r]))
     order = sorting(rigid)
     full = np.zeros((n, len(elastic) + len(rigid)), dtype=complex)
     full[r:, : len(elastic)] = vectors

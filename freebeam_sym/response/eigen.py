@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.digits import BITS, Double, Fixed, fixed, stacked
+from freebeam_sym.response.digits import Double, Fixed, fixed, stacked
 from freebeam_sym.spectra import inverse, state_matrix
 
 if TYPE_CHECKING:
@@ -27,14 +27,21 @@ rounding of the vectors costs this factor."""
 class Spectrum:
     """The exact eigenvalues (2 n,) of the part of a system that is judged, and their vectors."""
 
-    matrices: tuple[Array, Array, Array]
-    """M, C, K of that part, (n, n)."""
+    whole: tuple[Array, Array, Array]
+    """M, C, K of the system."""
+    rigid_count: int
     part: slice
     """That part of the coordinates: without the rigid ones where these have no share in the elastic spectrum."""
     values: Complex
     vectors: Complex
     decay: float
     """Fastest decay of the part that is not judged."""
+
+    @cached_property
+    def matrices(self) -> tuple[Array, Array, Array]:
+        """M, C, K of the part that is judged, (n, n)."""
+        M, C, K = (X[self.part, self.part] for X in self.whole)
+        return M, C, K
 
     @cached_property
     def half(self) -> NDArray[np.bool_]:
@@ -76,53 +83,49 @@ class Spectrum:
         if m + np.count_nonzero(oscillating) != 2 * n:
             return None
 
-        def with_conjugates(columns: Complex) -> Complex:
-            return np.concatenate([columns, np.conj(columns[:, oscillating])], axis=1)
+        def with_conjugates(V: Complex) -> Complex:
+            X = np.concatenate([V, V * high])
+            return np.concatenate([X, np.conj(X[:, oscillating])], axis=1)
 
         V = self.vectors[:n, self.half]
-        X = np.concatenate([V, V * high])
+        X = with_conjugates(V)
         try:
-            W: Complex = np.linalg.inv(with_conjugates(X)).astype(complex)
+            W: Complex = np.linalg.inv(X).astype(complex)
         except np.linalg.LinAlgError:
             return None
         # G X − X Λ, real parts first: its upper half is exact rounding of V λ, its lower one M⁻¹ (…)
-        a, b, parts = np.diag(high.real), np.diag(high.imag), np.concatenate([X.real, X.imag], axis=1)
+        a, b, parts = np.diag(high.real), np.diag(high.imag), np.concatenate([X.real[:, :m], X.imag[:, :m]], axis=1)
         turned = Double.of(parts) @ np.block([[a, b], [-b, a]])
         states = stacked(Double.of(parts), turned[n:])
         lower = (Double.of(np.concatenate([K, C, M], axis=1)) @ states).high
         residual = -np.concatenate([(turned[:n] - parts[n:]).high, np.linalg.solve(M, lower)])
         E = W @ (residual[:, :m] + 1j * residual[:, m:])
         own = np.arange(m)
-        low, gaps = E[own, own], high - with_conjugates(high[None])[0][:, None]
+        low, gaps = E[own, own], high - np.append(high, np.conj(high[oscillating]))[:, None]
         gaps[own, own] = np.inf
         with np.errstate(divide="ignore", invalid="ignore"):
             moves = E / gaps
         if not np.abs(moves).max() < 1e-8:  # its square would not be rounding
             return None
-        V = V + with_conjugates(X)[:n] @ moves
-        X = with_conjugates(np.concatenate([V, V * high]))
+        X = with_conjugates(V + X[:n] @ moves)
         W = np.linalg.inv(X).astype(complex)
         scale = scale_of(M, K)
         condition = np.linalg.norm(X / scale[:, None], axis=0) * np.linalg.norm(W * scale, axis=1)
-        return Refined(high, low, X, W) if condition.max() < CONDITION else None
+        if not condition.max() < CONDITION:
+            return None
+        pairs = zip(high.tolist(), low.tolist(), strict=True)
+        exact = [(fixed(z.real) + fixed(rest.real), fixed(z.imag) + fixed(rest.imag)) for z, rest in pairs]
+        return Refined(high, exact, X, W)
 
 
 class Refined(NamedTuple):
-    """Eigenvalues λ with Im λ ≥ 0 as sums of two floats, (m,), and the vectors (q, λ q), (2 n, 2 n): theirs, then the
-    conjugates'."""
+    """Eigenvalues λ with Im λ ≥ 0, (m,), as floats and to more digits, and the vectors (q, λ q), (2 n, 2 n): theirs,
+    then the conjugates'."""
 
     high: Complex
-    low: Complex
+    exact: list[Fixed]
     vectors: Complex
     inverse: Complex
-
-    def times(self, h: float) -> list[Fixed]:
-        """h λ."""
-        width = fixed(h)
-        return [
-            ((fixed(z.real) + fixed(rest.real)) * width >> BITS, (fixed(z.imag) + fixed(rest.imag)) * width >> BITS)
-            for z, rest in zip(self.high.tolist(), self.low.tolist(), strict=True)
-        ]
 
 
 def scale_of(M: Array, K: Array) -> Array:
@@ -142,15 +145,15 @@ def spectrum_of(system: System) -> Spectrum:
 
 
 @lru_cache(maxsize=64)
-def _spectrum(size: int, r: int, mass: bytes, damping: bytes, elasticity: bytes) -> Spectrum:
-    M, C, K = (np.frombuffer(part).reshape(size, size) for part in (mass, damping, elasticity))
+def _spectrum(size: int, r: int, *matrices: bytes) -> Spectrum:
+    M, C, K = whole = tuple(np.frombuffer(part).reshape(size, size) for part in matrices)
     decay, part = 0.0, slice(0, None)
     if r and not _coupled(M, C, K, r):
         decay = float(np.abs(np.linalg.eigvals(np.linalg.solve(M[:r, :r], C[:r, :r]))).max())
         part = slice(r, None)
-    M, C, K = (matrix[part, part] for matrix in (M, C, K))
-    values, vectors = (found.astype(complex) for found in np.linalg.eig(state_matrix(M, C, K)))
-    return Spectrum((M, C, K), part, values, vectors, decay)
+    A = state_matrix(*(X[part, part] for X in whole))
+    values, vectors = (found.astype(complex) for found in np.linalg.eig(A))
+    return Spectrum((M, C, K), r, part, values, vectors, decay)
 
 
 def _coupled(M: Array, C: Array, K: Array, r: int) -> bool:

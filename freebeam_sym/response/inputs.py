@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from string import Formatter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -133,7 +135,9 @@ def _evaluate(name: str, function: Function, points: Array) -> Array:
         values = np.asarray(function(points.copy()))
         whole = values.ndim > 0 and values.shape[-1] == points.size
         for k in (0, points.size // 2, points.size - 1) if whole else ():
-            one, here = _single(function, points[k]), values[..., k]
+            one, here = None, values[..., k]
+            with suppress(Exception):  # written for arrays only
+                one = function(float(points[k]))
             whole = whole and (
                 one is None or np.shape(one) != here.shape or np.allclose(one, here, rtol=1e-9, atol=0, equal_nan=True)
             )
@@ -144,13 +148,6 @@ def _evaluate(name: str, function: Function, points: Array) -> Array:
     found = _floats(name, values, points.size)
     check_finite(name, found, points)
     return found
-
-
-def _single(function: Function, point: float) -> Any:
-    try:
-        return function(float(point))
-    except Exception:  # written for arrays only
-        return None
 
 
 def _floats(name: str, values: NDArray[Any], count: int) -> Array:
@@ -300,13 +297,12 @@ Say = Callable[[str, float, str], str]
 
 
 @dataclass(frozen=True)
-class _Quantity:
-    value: float
+class _Told(Formatter):
     say: Say
 
-    def __format__(self, spec: str) -> str:
-        kind, _, digits = spec.partition(" ")
-        return self.say(kind, self.value, digits or ".6g")
+    def format_field(self, value: Any, format_spec: str) -> str:
+        kind, _, digits = format_spec.partition(" ")
+        return self.say(kind, value, digits or ".6g")
 
 
 class Message(str):
@@ -319,14 +315,11 @@ class Message(str):
     quantities: dict[str, float]
 
     def __new__(cls, template: str, **quantities: float) -> Message:
-        text = super().__new__(cls, _told(template, quantities, lambda _, value, digits: format(value, digits)))
+        told = _Told(lambda _, value, digits: format(value, digits)).vformat(template, (), quantities)
+        text = super().__new__(cls, told)
         text.template, text.quantities = template, quantities
         return text
 
     def told(self, say: Say) -> str:
         """The sentence with each quantity as `say` has it: from its kind, its nondimensional value and the format."""
-        return _told(self.template, self.quantities, say)
-
-
-def _told(template: str, quantities: dict[str, float], say: Say) -> str:
-    return template.format(**{name: _Quantity(value, say) for name, value in quantities.items()})
+        return _Told(say).vformat(self.template, (), self.quantities)

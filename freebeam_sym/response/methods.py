@@ -164,14 +164,14 @@ class Newmark:
                 "grows with (ω step)²; choose a step below {limit:time .3g} or fewer modes",
                 h=h, omega=math.sqrt(stiffness), limit=math.sqrt(LOST / noise),
             ))  # fmt: skip
-        exact, roots = spectrum.values, self._roots(spectrum, h)
-        if roots is None or not self._stable(spectrum, h, noise):
+        if not self._stable(spectrum, h, noise):
             raise self._refusal(spectrum, h, noise)
+        roots = self._roots(spectrum, h)
         if not self.modal:  # of the step's roots that of each λ: nearest to the Rayleigh quotient of its vectors
             quotients = np.diag(spectrum.inverse @ self._floats(spectrum, h) @ spectrum.vectors)
             roots = roots[np.argmin(np.abs(roots - quotients[:, None]), axis=1)]
         with np.errstate(divide="ignore"):  # a root may be zero
-            found: Complex = np.log(roots) / h - exact
+            found: Complex = np.log(roots) / h - spectrum.values
         return found
 
     def _floats(self, spectrum: Spectrum, h: float) -> Array:
@@ -179,32 +179,30 @@ class Newmark:
         step = self._advance(spectrum.matrices, h, np.zeros(n), np.asarray, np.linalg.solve)
         return np.asarray(step[:, :-2])
 
-    def _roots(self, spectrum: Spectrum, h: float) -> Complex | None:
-        """Eigenvalues of A; None where there is no step, or one beyond floats."""
+    def _roots(self, spectrum: Spectrum, h: float) -> Complex:
+        """Eigenvalues of A; not finite where there is no step, or one beyond floats."""
         half = spectrum.values * (h / 2)
         if self.modal and (half != 1).all():
             mapped: Complex = (1 + half) / (1 - half)
             return mapped
         try:
             with np.errstate(all="ignore"):
-                found: Complex = np.linalg.eigvals(self._floats(spectrum, h)).astype(complex)
+                return np.linalg.eigvals(self._floats(spectrum, h)).astype(complex)
         except np.linalg.LinAlgError:  # a singular effective matrix, or overflow
-            return None
-        return found if np.isfinite(found).all() else None
+            return np.full(half.size, np.nan, dtype=complex)
 
     def _stable(self, spectrum: Spectrum, h: float, noise: float) -> bool:
-        roots = self._roots(spectrum, h)
         # the rigid part's own decay, β, is one that a step may overshoot where g < 1/2
         antidamped = self.g < 0.5 and not spectrum.matrices[1].any()  # at any step
-        if roots is None or antidamped or (1 - 2 * self.g) * spectrum.decay * h > 2:
+        if antidamped or (1 - 2 * self.g) * spectrum.decay * h > 2:
             return False
         rates = np.sort(np.maximum(spectrum.values.real, 0))[::-1]
-        growth = np.sort(np.log(np.maximum(np.abs(roots), 1e-300)))[::-1]
+        growth = np.sort(np.log(np.maximum(np.abs(self._roots(spectrum, h)), 1e-300)))[::-1]
         return bool((growth <= FOLLOWED * h * rates + ROUNDING + noise * h**2).all())
 
     def _refusal(self, spectrum: Spectrum, h: float, noise: float) -> InputError:
         roots, rate = self._roots(spectrum, h), max(0.0, float(spectrum.values.real.max()))
-        growth, radius = math.exp(min(700.0, h * rate)), math.nan if roots is None else float(np.abs(roots).max())
+        growth, radius = math.exp(min(700.0, h * rate)), float(np.abs(roots).max())
         limit = _largest(lambda h: self._stable(spectrum, h, noise), h)
         if limit is None:
             cure = "no step is stable with these parameters: choose g ≥ 1/2, such as newmark = (0.25, 0.5)"

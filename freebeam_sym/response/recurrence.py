@@ -3,10 +3,8 @@ little to make, or the states over their sizes, which serve every system."""
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +14,6 @@ from freebeam_sym.response.eigen import Spectrum, scale_of
 from freebeam_sym.response.inputs import Load
 from freebeam_sym.response.methods import Exact, Method
 from freebeam_sym.response.propagation import Powers
-
-if TYPE_CHECKING:
-    from freebeam_sym.columns import System
 
 Array = NDArray[np.float64]
 Complex = NDArray[np.complex128]
@@ -48,9 +43,11 @@ class Steps:
     @cached_property
     def exponents(self) -> list[Fixed] | None:
         """hλ of the eigenvalues λ with Im λ ≥ 0, to more digits, where the step has the eigenvectors of the
-        differential equation and these are well conditioned."""
-        refined = self.spectrum.refined if self.method.modal else None
-        return None if refined is None else refined.times(self.step)
+        differential equation, there is no rigid motion and these are well conditioned."""
+        if not self.method.modal or self.spectrum.rigid_count or self.spectrum.refined is None:
+            return None
+        h = fixed(self.step)
+        return [(a * h >> BITS, b * h >> BITS) for a, b in self.spectrum.refined.exact]
 
     @cached_property
     def powers(self) -> Powers:
@@ -99,22 +96,12 @@ class Recurrence:
         return np.hstack([own, wave.real[:, None], -wave.imag[:, None]])
 
 
-def recurrence_of(system: System, steps: Steps, load: Load, duration: float) -> Recurrence:
+def recurrence_of(steps: Steps, load: Load, duration: float) -> Recurrence:
     """The recurrence of a system under a load."""
     wave, Q = load.size is not None, load.Q.tobytes() if load.acts else None
     angle = fixed(load.frequency) * fixed(steps.step) >> BITS if wave else None
-    if not system.rigid_count and steps.exponents is not None:
-        found = _modal(steps, Q, angle, duration if wave else 0.0)
-        if found is not None:
-            return found
-    matrices = (np.asarray(part, dtype=float).tobytes() for part in (system.M, system.C, system.K))
-    powers, before, after = _matrix_powers(steps.method, steps.step, Q, angle, *matrices)
-    scale, spectrum = scale_of(np.asarray(system.M), np.asarray(system.K)), steps.spectrum
-    judged = np.arange(scale.size).reshape(2, -1)[:, spectrum.part].ravel()
-    modes = np.zeros((scale.size + 2 * wave, np.count_nonzero(spectrum.half)), dtype=complex)
-    modes[judged] = scale[judged, None] * _twice(spectrum.values, spectrum.inverse)[spectrum.half].T
-    steady = np.zeros(scale.size, dtype=complex) if wave else None
-    return Recurrence(powers, np.diag(1 / scale), np.diag(scale), modes, before, after, steady)
+    found = None if steps.exponents is None else _modal(steps, Q, angle, duration if wave else 0.0)
+    return found or _of_states(steps, Q, angle)
 
 
 def _twice(values: Complex, inverse: Complex) -> Complex:
@@ -172,13 +159,16 @@ def _steady(steps: Steps, method: Method, drive: Array, angle: int, duration: fl
 
 
 @lru_cache(maxsize=16)
-def _matrix_powers(
-    method: Method, h: float, Q: bytes | None, angle: int | None, *matrices: bytes
-) -> tuple[Powers, Array, Array]:
-    """Powers of the step's matrix and what a force adds, B₀ and B₁, kept by value."""
-    n = math.isqrt(len(matrices[0]) // 8)
-    M, C, K = (np.frombuffer(part).reshape(n, n) for part in matrices)
-    step = method.step((M, C, K), h, None if Q is None else np.frombuffer(Q), angle)
-    if Q is None or angle is not None:
-        return Powers(step), np.zeros(2 * n), np.zeros(2 * n)
-    return Powers(step[: 2 * n, : 2 * n]), step.high[: 2 * n, -2].copy(), step.high[: 2 * n, -1].copy()
+def _of_states(steps: Steps, Q: bytes | None, angle: int | None) -> Recurrence:
+    """In the states over their sizes."""
+    spectrum, wave = steps.spectrum, angle is not None
+    scale = scale_of(spectrum.whole[0], spectrum.whole[2])
+    d, before, after = scale.size, np.zeros(scale.size), np.zeros(scale.size)
+    step = steps.method.step(spectrum.whole, steps.step, None if Q is None else np.frombuffer(Q), angle)
+    if Q is not None and not wave:
+        step, before, after = step[:d, :d], step.high[:d, -2].copy(), step.high[:d, -1].copy()
+    judged = np.arange(d).reshape(2, -1)[:, spectrum.part].ravel()
+    modes = np.zeros((d + 2 * wave, np.count_nonzero(spectrum.half)), dtype=complex)
+    modes[judged] = scale[judged, None] * _twice(spectrum.values, spectrum.inverse)[spectrum.half].T
+    steady = np.zeros(d, dtype=complex) if wave else None
+    return Recurrence(Powers(step), np.diag(1 / scale), np.diag(scale), modes, before, after, steady)

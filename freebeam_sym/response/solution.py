@@ -140,7 +140,7 @@ def respond(
             part[:, 0] = start.states @ rows[name].T + np.multiply.outer(load.first, direct[name])
 
     with np.errstate(over="ignore", invalid="ignore"):
-        recurrence = recurrence_of(system, steps, load, duration)
+        recurrence = recurrence_of(steps, load, duration)
         quality = Quality(steps, recurrence, rows[names[0]], direct[names[0]], load)
         for stretch in _stretches(recurrence, start, load, rows, direct, times):
             quality.see(stretch)

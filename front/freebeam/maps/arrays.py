@@ -21,7 +21,7 @@ from freebeam.maps.surface import FEW, first_crossing, surface_of
 from freebeam_sym.checks import InputError, computable, reals
 from freebeam_sym.columns import Column, is_column
 from freebeam_sym.question import Question
-from freebeam_sym.spectra import coordinates, elastic_values, sorting
+from freebeam_sym.spectra import coordinates, elastic_motion, sorting
 from freebeam_sym.stability.convergence import KINDS, Answers
 from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.pencil import Pencil
@@ -232,7 +232,7 @@ def eigenvalues(
     if column.general:
         each_given: list[dict[str, Any]] = [{name: float(x[k]) for name, x in points.items()} for k in range(n)]
         systems = (column.system(modes, **each) for each in each_given)
-        rows = [elastic_values(system) for system in systems]
+        rows = [elastic_motion(system, vectors=False)[2] for system in systems]
         if len({len(row) for row in rows}) > 1:
             raise InputError(f"{column.name}: at some of these points a coordinate has no mass, and fewer eigenvalues")
         return np.array([row[sorting(row)] for row in rows]).reshape(*shape, -1)
