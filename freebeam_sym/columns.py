@@ -135,11 +135,8 @@ class Column:
         """
         if modes is None:
             stated = self.kernel.COLUMN.get("default", {})
-            modes = int(
-                stated.get("modes")
-                if stated.get("basis") == self.basis_name
-                else USUAL.get(self.basis_name, USUAL_ELSE)
-            )
+            usual = USUAL.get(self.basis_name, USUAL_ELSE)
+            modes = int(stated["modes"] if stated.get("basis") == self.basis_name else usual)
         if self.basis_name == "legendre":
             least, most, hint = 1, _MOST_POLYNOMIALS, "number N of elastic polynomials; 20 give ten digits"
             if self.general:
@@ -594,9 +591,7 @@ def file_of(name: object, basis: object = None, stated: Mapping[str, Path] | Non
         raise refusal("column", name, f"must be a name, such as {known[0]}, or the path of a column's file")
     text = os.fspath(name)
     kernels = import_module("freebeam_kernels").COLUMNS
-    bases = dict.fromkeys(
-        basis for each in ([kernels[text]] if text in kernels else kernels.values()) for basis in each
-    )
+    bases = kernels.get(text) or dict.fromkeys(basis for each in kernels.values() for basis in each)
     if basis not in (None, *bases):
         raise refusal("basis", basis, f"must be one of {', '.join(bases)}")
     if text in known:

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Fixed = tuple[int, int]
 
 SLICES = 4
@@ -103,9 +104,7 @@ def _lifted(value: Any) -> Double:
 
 def stacked(*parts: Double, axis: int = 0) -> Double:
     """Parts one below another, or one beside another along axis 1."""
-    return Double(
-        *(np.concatenate(pair, axis=axis) for pair in zip(*((part.high, part.low) for part in parts), strict=True))
-    )
+    return Double(np.concatenate([x.high for x in parts], axis), np.concatenate([x.low for x in parts], axis))
 
 
 def _two_sum(a: Array, b: Array) -> tuple[Array, Array]:
@@ -211,5 +210,5 @@ class Roots:
         return Roots([square(z) for z in self.numbers])
 
     @property
-    def high(self) -> NDArray[np.complex128]:
+    def high(self) -> Complex:
         return np.array([rounded(z) for z in self.numbers])

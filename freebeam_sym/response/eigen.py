@@ -9,14 +9,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.digits import Double, Fixed, fixed, stacked
+from freebeam_sym.response.digits import Array, Complex, Double, Fixed, fixed, stacked
 from freebeam_sym.spectra import inverse, state_matrix
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import System
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 CONDITION = 100.0
 """Condition of an eigenvalue above which coalescence or rigid motion is near, and powers of the whole matrix are taken:

@@ -14,12 +14,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals, refusal
+from freebeam_sym.response.digits import Array, Complex
 
 if TYPE_CHECKING:
     from freebeam_sym.columns import System
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Function = Callable[[Any], Any]
 
 LOST = 1e-5 / np.finfo(float).eps

@@ -13,15 +13,12 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
-from freebeam_sym.response.digits import ONE, Double, Fixed, expm, exponential, rounded, solve, stacked
+from freebeam_sym.response.digits import ONE, Array, Complex, Double, Fixed, expm, exponential, rounded, solve, stacked
 from freebeam_sym.response.eigen import Spectrum, scale_of
 from freebeam_sym.response.inputs import Message
 
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Matrices = tuple[Array, Array, Array]
 
 QUARTER = np.array([[0.0, -1.0], [1.0, 0.0]])

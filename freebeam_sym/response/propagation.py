@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from freebeam_sym.response.digits import Double, Roots
+from freebeam_sym.response.digits import Array, Double, Roots
 
-Array = NDArray[np.float64]
 Tables = Mapping[str, Array]
 
 LARGEST = 1e100
@@ -143,11 +142,10 @@ class Stretch:
             out[:, whole * self.length :] = last.reshape(cases, self.length, s)[:, :over]
 
     def _blocks(self, name: str, blocks: slice, out: Array) -> None:
-        for k, (numbers, tables) in enumerate(self.terms):
-            if k:
-                out += _product(numbers[:, blocks], tables[name], np.empty(out.shape))
-            else:
-                _product(numbers[:, blocks], tables[name], out)
+        (states, tables), *more = self.terms
+        _product(states[:, blocks], tables[name], out)
+        for numbers, tables in more:
+            out += _product(numbers[:, blocks], tables[name], np.empty(out.shape))
 
     @property
     def finite(self) -> bool:
@@ -205,12 +203,9 @@ def forced(
 
 def _responses(impulse: Array, at_once: Array, length: int) -> Array:
     """What a block's forces give to its outputs: (length, length s), the response to an impulse shifted."""
-    s = len(at_once)
-    impulse = np.concatenate([at_once[None], impulse.reshape(length, s)])
-    table = np.zeros((length, length, s))
-    for k in range(length):
-        table[k, k:] = impulse[: length - k]
-    return table.reshape(length, length * s)
+    impulse = np.concatenate([at_once[None], impulse.reshape(length, -1)])
+    later = np.arange(length) - np.arange(length)[:, None]
+    return np.where(later[..., None] < 0, 0.0, impulse[later]).reshape(length, -1)
 
 
 def _product(a: Array, b: Array, out: Array) -> Array:

@@ -5,13 +5,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from freebeam_sym.response.digits import Array
 from freebeam_sym.response.inputs import Load, Message
 from freebeam_sym.response.propagation import Stretch
 from freebeam_sym.response.recurrence import Recurrence, Steps
-
-Array = NDArray[np.float64]
 
 CARRIES = 0.01
 """Share of the local amplitude from which on a mode carries the motion."""

@@ -7,16 +7,12 @@ from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
-from freebeam_sym.response.digits import BITS, Fixed, Roots, exponential, fixed, rounded
+from freebeam_sym.response.digits import BITS, Array, Complex, Fixed, Roots, exponential, fixed, rounded
 from freebeam_sym.response.eigen import Spectrum, scale_of
 from freebeam_sym.response.inputs import Load
 from freebeam_sym.response.methods import Exact, Method
 from freebeam_sym.response.propagation import Powers
-
-Array = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 RESOLVED = 1e-2
 """Radians that a force and a mode turn apart in a response, from which on the steady state is told from the mode."""

@@ -9,13 +9,11 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, memory, refusal
+from freebeam_sym.response.digits import Array
 from freebeam_sym.response.inputs import Message, moments
 from freebeam_sym.response.propagation import Stretch
-
-Array = NDArray[np.float64]
 
 OUTPUTS = ("y", "dy", "ddy")
 

@@ -10,11 +10,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from freebeam_sym.checks import InputError, positions, positive, refusal
 from freebeam_sym.columns import is_system
 from freebeam_sym.massless import Reduced, accelerated, without_mass
+from freebeam_sym.response.digits import Array
 from freebeam_sym.response.eigen import Spectrum, spectrum_of
 from freebeam_sym.response.inputs import (
     LOST,
@@ -41,7 +42,6 @@ if TYPE_CHECKING:
 
 __all__ = ["respond", "rows_of", "with_masses"]
 
-Array = NDArray[np.float64]
 Rows = dict[str, Array]
 
 
