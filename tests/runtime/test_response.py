@@ -54,7 +54,7 @@ class Beam:
     gamma: Any
     rigid_count: int
 
-    column = SimpleNamespace(kernel=fb.column("free-free").kernel)
+    column = SimpleNamespace(kernel=fb.column("free-free").kernel, unknowns=("y",))
 
     @property
     def modes(self) -> int:
