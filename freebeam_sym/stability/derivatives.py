@@ -46,7 +46,8 @@ def crossing_derivative(
     G, G_P, G_p = (rate * rate * M + rate * C + K for M, C, K in (at, slope, change))
     G_omega = 1j * (2 * rate * at[0] + at[1])
     if omega:  # else the rounding of the stiffest motions hides what light damping does to the others
-        G, G_P, G_omega, G_p = np.linalg.solve(G + 2 * inertia, np.array([G, G_P, G_omega, G_p]))
+        whole = G + 2 * inertia + (0 if light else rate * at[1])  # a motion may have no mass, but then has damping
+        G, G_P, G_omega, G_p = np.linalg.solve(whole, np.array([G, G_P, G_omega, G_p]))
     left, _, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
     a, b, c = (complex(u @ X @ v) for X in (G_P, G_omega, G_p))
