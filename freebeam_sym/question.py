@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
+from freebeam_sym.checks import LARGEST, InputError, Unstable, computable, nonnegative, positive
 from freebeam_sym.columns import Coefficients, Column, System, is_column
 from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil, pencil_of
-from freebeam_sym.stability.problem import Real
 from freebeam_sym.stability.proportional import Proportional
 
 __all__ = ["Question"]
@@ -97,47 +97,40 @@ class Question:
     @cached_property
     def factors(self) -> tuple[float, float, float | None]:
         """c_E and c_M of C = c_E E + c_M M, Eq. (12); in a limit of vanishing damping 0, 0 and the ratio c_M/c_E."""
-        limit = self.kappa is not None
         c_M, c_E = self.column.damping_factors(**self.direction, **self.parameters)
         if not max(c_E, c_M) < LARGEST:  # its square times e must stay a float
             raise InputError(f"alpha = {self.alpha}, beta = {self.beta}: must be below 1e60 to be computed with")
-        return (0.0, 0.0, c_M / c_E if c_E else math.inf) if limit else (c_E, c_M, None)
+        return (c_E, c_M, None) if self.kappa is None else (0.0, 0.0, c_M / c_E if c_E else math.inf)
+
+    def coefficients(self, **values: float) -> Coefficients:
+        """M, C, K of the elastic functions by powers of the load, each (N, N), at other values of some parameters; C of
+        a limit of vanishing damping is its direction. Eqs. (10), (11). Raises InputError."""
+        return self.column.coefficients(self.modes, False, **{**self.values, **self.direction, **values})
 
     @property
     def problem(self) -> Proportional | General:
         """What a search for the first loss of stability sees. Raises InputError."""
         if not self.column.general:
             return Proportional(self.pencil, *self.factors)
-        terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
+        terms = self.coefficients()
         if not terms.C and self.kappa is None and _textbook(terms):
-            pencil = pencil_of(terms.M[0], *terms.K)
-            if pencil.conservative or not pencil.coincident:
-                return Proportional(pencil)
+            with suppress(Unstable):  # it may be stable with a load alone
+                pencil = pencil_of(terms.M[0], *terms.K)
+                if pencil.conservative or not pencil.coincident:
+                    return Proportional(pencil)
         return self.general
 
     @property
     def general(self) -> General:
-        """The same of a column beyond the textbook's, always as a problem of any damping. Raises InputError."""
-        terms = self.column.coefficients(self.modes, False, self.alpha, self.beta, **self.parameters)
-        direction = self._direction
-        C = terms.C if direction is None else direction
-        return General(terms.M, C or (np.zeros_like(terms.M[0]),), terms.K, direction is not None)
-
-    @property
-    def _direction(self) -> tuple[Real, ...] | None:
-        """C of a limit of vanishing damping, whose size does not count. Raises InputError where another C stays."""
-        if self.kappa is None:
-            return None
-        whole, none = (
-            self.column.coefficients(self.modes, False, *d, **self.parameters).C
-            for d in (self.direction.values(), (0.0, 0.0))
-        )
-        if any(X.any() for X in none):
+        """The same of a column beyond the textbook's, always as a problem of any damping. Raises InputError, of a limit
+        of vanishing damping where another C stays."""
+        M, C, K = self.coefficients()
+        if self.kappa is not None and any(X.any() for X in self.coefficients(alpha=0.0, beta=0.0).C):
             raise InputError(
                 f"kappa = {self.kappa}: {self.column.name} has a damper or a gyroscopic term of its own, which stays "
                 "when alpha and beta vanish; give small alpha and beta instead"
             )
-        return whole
+        return General(M, C or (np.zeros_like(M[0]),), K, self.kappa is not None)
 
     def system(self, load: float, rigid: bool = False) -> System:
         """The system at a load, Eqs. (10), (11). Raises InputError."""
@@ -150,12 +143,6 @@ class Question:
 
 
 def _textbook(terms: Coefficients) -> bool:
-    """Whether M and E are symmetric, positive definite, and K = E + P H. Raises InputError where a mass is negative."""
-    M, E, *loaded = (*terms.M, *terms.K)
-    if len(terms.M) != 1 or len(loaded) != 1 or not all(np.array_equal(X, X.T) for X in (M, E)):
-        return False
-    try:
-        np.linalg.cholesky(E)
-    except np.linalg.LinAlgError:
-        return False
-    return not without_mass(M)
+    """Whether M, positive definite, and E are symmetric and K = E + P H. Raises InputError where a mass is negative."""
+    symmetric = all(np.array_equal(X, X.T) for X in (terms.M[0], terms.K[0]))
+    return len(terms.M) == 1 and len(terms.K) == 2 and symmetric and not without_mass(terms.M[0])

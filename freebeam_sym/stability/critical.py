@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError, Unstable
-from freebeam_sym.columns import Coefficients, Column
+from freebeam_sym.columns import Column
 from freebeam_sym.question import Question
 from freebeam_sym.stability.convergence import CONVERGED, KINDS, Answers, BeamLoss, beam_losses, judge
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
@@ -70,9 +70,8 @@ class CriticalLoad:
         def ask(modes: int, _: Any) -> Answers:
             nonlocal known
             asked = self.question.over(polynomials, modes)
-            if asked != self.question:
-                known = known._of(asked) or answer(asked, self.search)
-            return _as_arrays(self if asked == self.question else known)
+            known = self if asked == self.question else known._of(asked) or answer(asked, self.search)
+            return _as_arrays(known)
 
         try:
             found, change = beam_losses(ask, 1)
@@ -128,10 +127,14 @@ class CriticalLoad:
             raise q.column.no_such(parameter)
         if q.kappa is not None and parameter in ("alpha", "beta"):
             return math.nan, math.nan
-        terms = _coefficients(q, {})
-        change = _change(q, parameter, P)
+        low, high = (value := q.values[parameter]), value + 1  # C is linear in alpha and beta
+        if parameter in q.parameters:
+            h = 1e-5 * max(abs(value), 1e-2)  # the crack's place, N = 16: off by 2e-10; by 2e-8 with ten times as much
+            low, high = value - h, value + h
+        terms, *beside = (q.coefficients(**{parameter: x}) for x in (value, low, high))
+        M, C, K = ((b - a) / (high - low) for a, b in zip(*(x.at(P) for x in beside), strict=True))
         try:
-            return crossing_derivative(self.frequency, terms.at(P), terms.slope.at(P), change, q.kappa is not None)
+            return crossing_derivative(self.frequency, terms.at(P), terms.slope.at(P), (M, C, K), q.kappa is not None)
         except InputError:
             return math.nan, math.nan
 
@@ -152,28 +155,6 @@ class CriticalLoad:
         beam = self.beam
         uncertainty = np.array([math.inf if beam is None else beam.uncertainty])
         return judge(_as_arrays(self), _as_arrays(beam or self), uncertainty)
-
-
-def _coefficients(question: Question, values: dict[str, float]) -> Coefficients:
-    """M, C and K of a question by powers of the load, at other values of some of its parameters; C is the direction of
-    a damping that vanishes."""
-    given: dict[str, Any] = {**question.values, **question.direction, **values}
-    return question.column.coefficients(question.modes, False, **given)
-
-
-def _change(question: Question, name: str, load: float) -> tuple[Real, Real, Real]:
-    """Derivatives of M, C and K at a load by a parameter."""
-    value = question.values[name]
-
-    def moved(to: float) -> Any:
-        return _coefficients(question, {name: to}).at(load)
-
-    if name in ("alpha", "beta"):  # C is linear in them
-        M, C, K = (b - a for a, b in zip(moved(value), moved(value + 1), strict=True))
-        return M, C, K
-    h = 1e-5 * max(abs(value), 1e-2)  # the crack's place, N = 16: off by 2e-10; by 2e-8 with ten times as much
-    M, C, K = ((b - a) / (2 * h) for a, b in zip(moved(value - h), moved(value + h), strict=True))
-    return M, C, K
 
 
 def _as_arrays(found: CriticalLoad | BeamLoss) -> Answers:

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability.problem import Complex, Real
+from freebeam_sym.stability.problem import Real
 
 __all__ = ["crossing_derivative"]
 
@@ -17,6 +13,9 @@ Triple = tuple[Real, Real, Real]
 """Of M, C, K at a load, or of their derivatives, each (n, n)."""
 DOUBLE = 1e-7
 """Relative. uᴴ G_λ v below which an eigenvalue is double: it is off by the root of rounding."""
+LIGHT = 1e-5
+"""A damping that stands for one that vanishes, relative to how far other motions are: derivatives are off by its
+square, and by rounding over it. Of Beck's column they are by 1e-10, up to N = 40."""
 
 
 def crossing_derivative(
@@ -27,56 +26,36 @@ def crossing_derivative(
 
     at, slope, change: M, C, K at that load, and their derivatives with respect to P and to p; vanishing: C is the
     direction of a damping that vanishes. With the null vectors u and v of G = K + iωC − ω²M,
-    uᴴ(G_P dP + G_ω dω + G_p dp)v = 0 in both parts. Where damping vanishes or frequencies meet without any, G is real,
-    and beside it uᵀDv stays 0, D = C or M. Raises InputError where frequencies meet and p brings damping, by which
+    uᴴ(G_P dP + G_ω dω + G_p dp)v = 0 in both parts. A damping that vanishes is taken as light; where frequencies meet
+    without any, so is C = M, in whose limit they meet. Raises InputError where they meet and p brings damping, by which
     the load jumps, and where the load is not simple.
     """
-    rate = 1j * omega
-    if omega and (vanishing or not (np.any(at[1]) or np.any(slope[1]))):
-        if not vanishing and np.any(change[1]):
+    damped = bool(np.any(at[1]) or np.any(slope[1]))
+    light = omega > 0 and (vanishing or not damped)
+    rate, inertia = 1j * omega, omega**2 * at[0]
+    if light:
+        if not damped and np.any(change[1]):
             raise InputError("two frequencies meet: with damping the load has no derivative there")
-        return _real(omega, at, slope, change, 1 if vanishing else 0)
-    u, v, _ = _null(_matrix(rate, at))
-    a, c = (complex(u @ _matrix(rate, X) @ v) for X in (slope, change))
-    b = complex(1j * (u @ (2 * rate * at[0] + at[1]) @ v)) if omega else 1j * a
-    if omega and abs(b) * omega <= DOUBLE * _size(rate, at):
+        D = 1 if damped else 0
+        terms = np.linalg.solve(at[2] + inertia, np.array([at[2] - inertia, omega * at[D], omega * slope[D]]))
+        gap = float(np.linalg.svd(terms[0], compute_uv=False)[:-1].min(initial=1.0))
+        if gap <= DOUBLE:
+            raise InputError("two motions have one frequency: the load has no derivative there")
+        size = LIGHT * gap / float(np.linalg.norm(terms[1:]))
+        at, slope, change = ((X[0], size * X[D], X[2]) for X in (at, slope, change))
+    G, G_P, G_p = (rate * rate * M + rate * C + K for M, C, K in (at, slope, change))
+    G_omega = 1j * (2 * rate * at[0] + at[1])
+    if omega:  # else the rounding of the stiffest motions hides what light damping does to the others
+        whole = G + 2 * inertia + (0 if light else rate * at[1])  # a motion may have no mass, but then has damping
+        G, G_P, G_omega, G_p = np.linalg.solve(whole, np.array([G, G_P, G_omega, G_p]))
+    left, _, right = np.linalg.svd(G)
+    u, v = left[:, -1].conj(), right[-1].conj()
+    a, b, c = (complex(u @ X @ v) for X in (G_P, G_omega, G_p))
+    if not omega:
+        b = 1j * a
+    elif not light and abs(b) <= DOUBLE * np.linalg.norm(G_omega):
         raise InputError("two frequencies meet: the load has no derivative there")
     bottom = (b.conjugate() * a).imag
     if abs(bottom) <= DOUBLE**2 * abs(a) * max(abs(a), abs(b)):
         raise InputError("the load is not simple, so it has no derivative")
     return -(b.conjugate() * c).imag / bottom, (a.conjugate() * c).imag / bottom if omega else 0.0
-
-
-def _real(omega: float, at: Triple, slope: Triple, change: Triple, kind: int) -> tuple[float, float]:
-    """The same where G = K − sM is real, s = ω²: uᵀGv = 0 and uᵀDv = 0 of M, C (kind 1) or M (kind 0) for D."""
-    s, D = omega**2, at[kind]
-    u, v, inverse = _null(at[2] - s * at[0])
-    w, z = inverse @ (D @ v), (u @ D) @ inverse
-
-    def both(G: Real, dD: Real) -> list[float]:
-        """What a change of G and of D does to uᵀGv and, as u and v move with it, to uᵀDv."""
-        return [float(u @ G @ v), float(u @ G @ w + z @ G @ v - u @ dD @ v)]
-
-    load, square = both(slope[2] - s * slope[0], slope[kind]), both(-at[0], np.zeros_like(D))
-    if abs(load[0] * square[1] - load[1] * square[0]) <= DOUBLE**2 * math.hypot(*load) * math.hypot(*square):
-        raise InputError("the load is not simple, so it has no derivative")
-    right = both(change[2] - s * change[0], change[kind])
-    moved = np.linalg.solve(np.array([load, square]).T, -np.array(right))
-    return float(moved[0]), float(moved[1]) / (2 * omega)
-
-
-def _matrix(rate: complex, at: Triple) -> Complex:
-    M, C, K = at
-    return np.asarray(rate * rate * M + rate * C + K, dtype=complex)
-
-
-def _null(G: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
-    """Left null vector, conjugated, right null vector, and the pseudoinverse of all else."""
-    left, sizes, right = np.linalg.svd(G)
-    inverse = (right[:-1].conj().T / sizes[:-1]) @ left[:, :-1].conj().T
-    return left[:, -1].conj(), right[-1].conj(), inverse
-
-
-def _size(rate: complex, at: Triple) -> float:
-    """Of λ G_λ: the norms of its terms."""
-    return float(abs(2 * rate**2) * np.linalg.norm(at[0]) + abs(rate) * np.linalg.norm(at[1]))

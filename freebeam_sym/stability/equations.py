@@ -35,9 +35,7 @@ def value(X: Real, P: float) -> Real:
 
 def slope(X: Real) -> Real:
     """Derivative by the load, by powers of it."""
-    if len(X) <= 2:
-        return X[1:] if len(X) == 2 else np.zeros_like(X)
-    return X[1:] * np.arange(1, len(X))[:, None, None]
+    return np.asarray(X[1:] * np.arange(1, len(X))[:, None, None]) if len(X) > 1 else np.zeros_like(X)
 
 
 def shifted(X: Real, P: float, unit: float = 1.0) -> Real:

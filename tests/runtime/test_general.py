@@ -213,6 +213,24 @@ def test_derivative_where_frequencies_meet_or_damping_vanishes(vanishing: bool) 
             crossing_derivative(omega, at, slope, (zero, spring, zero))
 
 
+def test_derivatives_of_one_motion_and_of_weakly_coupled_ones() -> None:
+    """Of q̈ + ε(3 − P + p)q̇ + (4 + p)q = 0, lost at P = 3 + p with ω² = 4 + p; and of ω² = 4, 5 − P − p coupled by ±k,
+    which meet at P = 1 − p − 2k with ω² = 4 + k; and of λ = P − 1 − p ± i, without mass. Two motions of one frequency,
+    not coupled, are refused."""
+    one = np.ones((1, 1))
+    found = crossing_derivative(2.0, (one, 0 * one, 4 * one), (0 * one, -one, 0 * one), (0 * one, one, one), True)
+    assert found == pytest.approx((1, 0.25), rel=1e-9)
+    zero, last, turn = np.zeros((2, 2)), np.diag([0.0, -1]), np.array([[0.0, 1], [-1, 0]])
+    for k in (1e-1, 1e-3, 1e-5):
+        at = np.eye(2), zero, np.diag([4.0, 4 + 2 * k]) + k * turn
+        found = crossing_derivative(math.sqrt(4 + k), at, (zero, zero, last), (zero, zero, turn + last))
+        assert found == pytest.approx((-3, 0.25 / math.sqrt(1 + k / 4)), rel=1e-6)
+    found = crossing_derivative(1.0, (zero, np.eye(2), turn), (zero, zero, -np.eye(2)), (zero, zero, np.eye(2)))
+    assert found == pytest.approx((1, 0), abs=1e-12)
+    with pytest.raises(InputError, match="one frequency"):
+        crossing_derivative(2.0, (np.eye(2), zero, 4 * np.eye(2)), (zero, zero, turn), (zero, zero, last))
+
+
 def test_gyroscopic_stabilisation_is_lost_as_flutter() -> None:
     """K = −(1 + P), C = 4J: (λ² − 1 − P)² + 16 λ² = 0 has its roots on the axis up to 1 + P = 4."""
     J = np.array([[0.0, -1], [1, 0]])

@@ -74,6 +74,19 @@ def test_frequencies_move_as_their_derivatives_say(
         assert math.isnan(found.gradient["alpha"])
 
 
+def test_light_damping_of_a_long_series_moves_the_load_by_its_square() -> None:
+    """P = P₀ + kα²: dP/dα = 2kα, though the stiffness of 40 polynomials ranges over many orders; k from loads. By a
+    parameter a long series tells what a short one does, with damping that is light or vanishes and without."""
+    beck = fb.column("beck")
+    P, twice = (fb.critical_load(beck, 40, alpha, eta=0.8).load for alpha in (5e-4, 1e-3))
+    assert P is not None and twice is not None
+    light = fb.critical_load(beck, 40, 1e-5, eta=0.8)
+    assert light.derivative("alpha")[0] == pytest.approx(2 * (twice - P) / 7.5e-7 * 1e-5, rel=1e-3)
+    for damping in ({"alpha": 1e-5}, {"kappa": 0.5}, {}):
+        short, long = (fb.critical_load(beck, modes, eta=0.8, **damping).derivative("eta") for modes in (16, 40))
+        assert long == pytest.approx(short, rel=2e-10)
+
+
 def test_what_has_no_derivative_is_refused() -> None:
     beck = fb.column("beck")
     with pytest.raises(fb.InputError, match="load_max = 3: no load is found up to there"):
