@@ -142,4 +142,4 @@ def test_the_command_reads_a_coordinate_and_a_slope(cracked: fb.Column, capsys: 
     assert capsys.readouterr().out.startswith("t,dy'(0.1)\n")
     in_si = "beck --derivative 1 --bending-stiffness 1 --mass-per-length 1 --length 1".split()
     assert cli.main([*words, *in_si]) == 2
-    assert "--derivative: what is read is nondimensional" in capsys.readouterr().err
+    assert "y': is read in nondimensional units" in capsys.readouterr().err
