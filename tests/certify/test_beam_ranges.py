@@ -142,7 +142,7 @@ def test_internal_damping_that_may_be_nothing_is_refused() -> None:
     with precision(128), pytest.raises(OpenStep, match="where the load jumps"):
         damping_factors(Beam(beck), Range(F(0), F(1, 100)), F(0), None)
     with precision(128), pytest.raises(OpenStep, match="not known to be positive"):
-        damping_factors(Beam(beck), F(1, 100), Range(F(-1, 100), F(1, 100)), None)
+        damping_factors(Beam(beck), F(0), Range(F(-1, 100), F(1, 100)), None)
 
 
 # ------------------------------------------------------------ what stands for each value

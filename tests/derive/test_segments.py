@@ -42,6 +42,7 @@ class Facts:
     basis: str = "segments"
     modes: int = 12
     ends: Any = ("clamped", "free")
+    load_unit: str = "N"
 
     def supports(self, name: str) -> tuple[str, str]:
         return self.ends
