@@ -589,3 +589,18 @@ def test_roots_beside_the_one_near_an_asymptote_are_told() -> None:
         balls._isolated.cache_clear()
         with pytest.raises(Unproven, match="root 1 is not known to be the only one"):
             balls._isolated(three, 1)
+
+
+@pytest.mark.parametrize("curvature", [-1, 1])
+@pytest.mark.parametrize("factor", [-7, 0, 7])
+def test_the_growth_rate_of_a_limit_rises_where_its_branch_bends_upwards(curvature: int, factor: int) -> None:
+    """F = (s − f(p)) (1 + c (s − s₀)), whose zero is s = f(p) whatever c: an onset where f″ > 0, and only there."""
+    slope = 3
+    t = {(1, 0): -slope, (0, 1): 1, (2, 0): Fraction(-curvature, 2), (1, 1): -factor * slope, (0, 2): factor}
+    limit = beam_itself.VanishingDamping(Beam(beck), Fraction(0))
+    taylor = {order: arb(balls.exact(Fraction(value))) for order, value in t.items()}
+    if curvature > 0:
+        limit.onset([arb(1), arb(1)], taylor)
+    else:
+        with pytest.raises(Unproven, match="a restabilisation"):
+            limit.onset([arb(1), arb(1)], taylor)

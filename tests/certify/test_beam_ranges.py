@@ -314,6 +314,7 @@ def test_a_range_of_one_end_alone_would_put_a_line_too_low(monkeypatch: pytest.M
         ("beck-self-weight", "g", "in one condition alone, linearly"),
         ("step", "s", "in one condition alone, linearly"),
         ("point-mass", "a", "where a stands is not known"),
+        ("feedback", "a", "in one condition alone, linearly"),  # the place of a sensor
         ("tip-damper", "c", "dampers or gyroscopic terms"),
     ],
 )

@@ -85,6 +85,14 @@ def test_the_load_is_no_larger_than_its_bound(name: str) -> None:
     assert size * (1 - 1e-12) <= bound < 2 * size  # rounding of the series
 
 
+def test_the_size_of_a_form_of_slopes_is_above_that_of_a_quarter_wave() -> None:
+    """|∫ y' v| ≤ ‖y'‖ ‖v‖, and ‖y'‖ / ‖y''‖ = 2/π for y' = sin(π x/2), the largest of a cantilever."""
+    it = system("pflueger", {})
+    with precision(BITS):
+        bound = float(ColumnForms(it.kernel, it.own).size_of([{(0, 1): [Fraction(1)]}]))
+    assert 2 / np.pi <= bound < 4 / np.pi
+
+
 @pytest.mark.parametrize("kinds", [("clamped", "free"), ("pinned", "pinned"), ("sliding", "free")])
 @pytest.mark.parametrize("k", [4, 20])
 def test_the_constants_of_lemma_7_are_above_what_they_bound(kinds: tuple[str, str], k: int) -> None:
