@@ -35,7 +35,6 @@ BITS = 64
 CASES: dict[str, tuple[str, dict[str, str], str, str, float]] = {
     "mass undamped": ("pflueger", {}, "0", "0.5", 16.13),
     "rotary inertia": ("pflueger", {"J": "0.1"}, "0.01", "0.1", 8.0),
-    "mass along the beam": ("point-mass", {}, "0.02", "0.1", 12.0),
     "weight undamped": ("beck-self-weight", {"g": "2"}, "0.01", "0.1", 12.0),
     "mass per length": ("step", {"s": "1", "r": "1.5"}, "0.01", "0.5", 12.0),
 }
