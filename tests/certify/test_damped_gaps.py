@@ -8,7 +8,6 @@ proves the table in docs/theorem.md again, in a minute and a half.
 from __future__ import annotations
 
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -27,6 +26,7 @@ from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.taylor_steps import Jets
+from tests.certify.test_frequency_gaps import table
 from tests.reference import elements
 from tests.reference.systems import At, Beam, Segment, energy, follower, uniform
 
@@ -267,20 +267,5 @@ def test_a_damping_that_is_no_fraction_is_refused() -> None:
         LeftOver(forms, it.kernel, it.own, Range(Fraction(0), Fraction(1)), Fraction(0))
 
 
-def table() -> None:
-    """The rows of "Damping of these columns"."""
-    page = (Path(__file__).parents[2] / "docs" / "theorem.md").read_text(encoding="utf-8")
-    part = page[page.index("## Damping of these columns") :]
-    for line in part[: part.index("## Theorem 4")].splitlines():
-        if line.startswith("| `"):
-            said, load, kind, lowest, cells = [cell.strip(" `") for cell in line.split("|")[1:6]]
-            name, *own = said.split()
-            found = fb.exact_load(fb.column(name), digits=12, **dict(item.split("=") for item in own))  # type: ignore[arg-type]
-            assert all(found.proof.values()) and found.load is not None and found.evidence is not None
-            numbers = found.evidence["lowest"], found.evidence["cells"]
-            assert found.load[0].startswith(load) and (found.kind, *numbers) == (kind, int(lowest), int(cells))
-            print(said, found.load[0])
-
-
 if __name__ == "__main__":
-    table()
+    table("## Damping of these columns", "## Theorem 4", 12, "cells")

@@ -352,19 +352,19 @@ def test_gaps_that_are_too_narrow_are_not_taken(monkeypatch: pytest.MonkeyPatch)
         FrequencyGaps(system("pflueger", {}), arb(100))
 
 
-def table() -> None:
-    """The rows of Lemma 8."""
+def table(head: str, end: str, digits: int, counted: str) -> None:
+    """Compute the rows of a table of docs/theorem.md again: those of columns between two of its heads."""
     page = (Path(__file__).parents[2] / "docs" / "theorem.md").read_text(encoding="utf-8")
-    for line in page[: page.index("## Damping of these columns")].splitlines():
+    for line in page[page.index(head) : page.index(end)].splitlines():
         if line.startswith("| `"):
-            said, load, kind, lowest, stretches = [cell.strip(" `") for cell in line.split("|")[1:6]]
+            said, load, kind, lowest, count = [cell.strip(" `") for cell in line.split("|")[1:6]]
             name, *own = said.split()
-            found = fb.exact_load(fb.column(name), digits=20, **dict(item.split("=") for item in own))  # type: ignore[arg-type]
+            found = fb.exact_load(fb.column(name), digits=digits, **dict(item.split("=") for item in own))  # type: ignore[arg-type]
             assert all(found.proof.values()) and found.load is not None and found.evidence is not None
-            numbers = found.evidence["lowest"], found.evidence["stretches"]
-            assert found.load[0].startswith(load) and (found.kind, *numbers) == (kind, int(lowest), int(stretches))
+            numbers = found.evidence["lowest"], found.evidence[counted]
+            assert found.load[0].startswith(load) and (found.kind, *numbers) == (kind, int(lowest), int(count))
             print(said, found.load[0])
 
 
 if __name__ == "__main__":
-    table()
+    table("## Variable sections", "## Damping of these columns", 20, "stretches")

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from itertools import combinations
 from math import factorial, perm
 from typing import Any
 
@@ -149,19 +148,6 @@ class OfPieces(Whole):
             rows, self.rest = F.levels[0] if F.levels else [arb_poly([0])], F.rest
             K = max(row.length() for row in rows)
             self.levels = [arb_mat([[row[k] for k in range(K)] for row in rows])]
-
-    def _determinant(self) -> Part:
-        total = NOTHING
-        for a, b in combinations(range(4), 2):
-            c, d = (k for k in range(4) if k not in (a, b))
-            upper = self._minor(0, 1, a, b)
-            if not upper.size.is_zero():
-                total = total.plus(self._times(upper, self._minor(2, 3, c, d)), (-1) ** (a + b + 1))
-        return total
-
-    def _minor(self, i: int, j: int, a: int, b: int) -> Part:
-        one, other = (self._times(self._on(i, x), self._on(j, y)) for x, y in ((a, b), (b, a)))
-        return one.plus(other, -1)
 
     def _times(self, one: Part, other: Part) -> Part:
         return one.times(other, 2000).short()

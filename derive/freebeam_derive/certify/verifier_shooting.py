@@ -223,12 +223,15 @@ class Whole:
             c, d = (k for k in range(4) if k not in (a, b))
             upper = self._minor(0, 1, a, b)
             if not upper.size.is_zero():
-                total = total.plus(upper.times(self._minor(2, 3, c, d), self._most), (-1) ** (a + b + 1))
+                total = total.plus(self._times(upper, self._minor(2, 3, c, d)), (-1) ** (a + b + 1))
         return total
 
     def _minor(self, i: int, j: int, a: int, b: int) -> Part:
-        one, other = (self._on(i, x).times(self._on(j, y), self._most) for x, y in ((a, b), (b, a)))
+        one, other = (self._times(self._on(i, x), self._on(j, y)) for x, y in ((a, b), (b, a)))
         return one.plus(other, -1)
+
+    def _times(self, one: Part, other: Part) -> Part:
+        return one.times(other, self._most)
 
     def _on(self, condition: int, r: int) -> Part:
         """A condition on the solution x^r + …"""
@@ -239,7 +242,7 @@ class Whole:
             value = self._at_one(r)[d] if e else Part([[arb_poly([factorial(d)])]], arb(factorial(d)))
             f = [*map(ball, parts)]
             factor = Part([[arb_poly([a, b * self.P])] for a, b in zip(f[::2], f[1::2], strict=True)], self._norm(f))
-            total = total.plus(value.times(factor.short(self._share), self._most))
+            total = total.plus(self._times(value, factor.short(self._share)))
         return total
 
     def _at_one(self, r: int) -> list[Part]:
