@@ -5,8 +5,8 @@ With C = c_E E + c_M M + R, y = Y e^(λt), p = P/(1 + c_E λ), q = λ/(1 + c_E �
     (E + p B + q R) Y = s M Y,
 
 E, B, M as of the column without damping (frequency_gaps.py). R is what damping leaves out or adds: point masses, a
-foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 9
-and 10 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
+foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 10
+and 11 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
 """
 
 from __future__ import annotations
