@@ -493,8 +493,8 @@ def _refuse_strength(column: Column, works: dict[str, Functional], name: str) ->
         raise StatementError(
             f"a derivative of order {highest} of {name}: a beam takes a force or a moment, nothing higher"
         )
-    inert = any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density))
-    if not inert and (name == "y" or _loaded(works, name)):
+    moves = any(int(j.args[2]) and name_of(j.args[0]) == name for j in jets(works["T"].density))
+    if not moves and (name == "y" or _loaded(works, name)):
         raise StatementError(
             f"T: holds no {name}.diff(t)**2 under an integral; a beam without mass along the beam is not supported, "
             "but for a field other than y that the load multiplies in no product with itself: give "
@@ -505,7 +505,7 @@ def _refuse_strength(column: Column, works: dict[str, Functional], name: str) ->
         what = "bending stiffness" if name == "y" else "stiffness"
         raise StatementError(f"V: holds no {wanted} under an integral; a beam without {what} is not supported")
     stiffness = "bending stiffness" if order == 2 else "stiffness"
-    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0))[not inert :]:
+    for work, what, p, rate in (("T", "mass", 0, 1), ("V", stiffness, order, 0))[not moves :]:
         for segment, place in enumerate(column.energies.beam.segments):
             factor = 2 * _square(works[work].density, name, p, rate, place)
             if factor != 0 or work == "V" or not _turns(works["T"].density, name, place):
