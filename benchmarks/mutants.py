@@ -4,9 +4,9 @@ with more words, such as `beam strips gaps`, of files alone whose names hold one
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
 the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
-run, the quickest first, until one fails; all tests of its part where it runs on import. Those that survive are listed
-in build/mutants.json, with what was changed. A change that docs/mutants.md lists as equivalent, with the reason, is
-passed over and the next one drawn: it tells nothing of the tests.
+run, the quickest first, until one fails or half a minute has passed; all tests of its part where it runs on import.
+Those that survive are listed in build/mutants.json, with what was changed. A change that docs/mutants.md lists as
+equivalent, with the reason, is passed over and the next one drawn: it tells nothing of the tests.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from collections.abc import Generator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from difflib import unified_diff
+from itertools import accumulate
 from pathlib import Path
 from queue import Queue
 
@@ -72,6 +73,9 @@ OPERATORS = (
 LIMIT = 120.0, 6.0
 """Seconds, and multiples of the tests' own time, after which tests that do not end have seen the change: a search that
 no longer stops. Generous, for a machine with other work."""
+
+MOST = 30.0
+"""Seconds of tests that a change is given: one that lives through them is a survivor, whatever slower tests see."""
 
 KEPT = 0.3
 """Seconds: a test that takes longer is taken to have computed what it sees."""
@@ -127,9 +131,9 @@ class Reach:
     @pytest.hookimpl(wrapper=True)
     def pytest_runtest_protocol(self, item: pytest.Item) -> Generator[None, object, object]:
         self.coverage.switch_context(item.nodeid)
-        start = time.monotonic()
+        start = time.process_time()
         done = yield
-        self.seconds[item.nodeid] = time.monotonic() - start
+        self.seconds[item.nodeid] = time.process_time() - start
         return done
 
     def record(self) -> dict[str, object]:
@@ -208,8 +212,8 @@ def statement(source: str, line: int) -> range:
 
 
 def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str, dict[str, object]]]) -> list[str]:
-    """The tests that reach what is changed, the quickest first, then those that see it in what is kept; of what runs
-    on import the part's files."""
+    """The tests that reach what is changed, the quickest first, then those that see it in what is kept, as many as fit
+    into `MOST`, one at least; of what runs on import the part's files."""
     pairs = zip(before.split("\n"), after.split("\n"), strict=False)
     changed = next(number for number, (old, new) in enumerate(pairs, 1) if old != new)
     lines = reach[mutant.part]["lines"][mutant.file]
@@ -221,7 +225,9 @@ def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str,
     holding = {test.split("::")[0] for test in found}
     # what is computed once and kept is reached by the first test that asks alone; others that see it take no time
     kept = {test for test, time in seconds.items() if time < KEPT and test.split("::")[0] in holding} - found
-    return [*sorted(found, key=seconds.__getitem__), *sorted(kept)]
+    tests = [*sorted(found, key=seconds.__getitem__), *sorted(kept)]
+    sums = accumulate(seconds[test] for test in tests)
+    return [test for test, total in zip(tests, sums, strict=True) if total <= MOST] or tests[:1]
 
 
 def survives(
