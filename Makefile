@@ -14,6 +14,8 @@ unexport PYTHONDONTWRITEBYTECODE
 
 # Of the tests: on two cores a third fills the time in which one waits for a browser (7 min 4 s, two take 7 min 45 s or more).
 JOBS ?= 3
+# Threads of BLAS in more processes than there are cores wait for one another: a minute of tests took more than ten.
+export OMP_NUM_THREADS ?= 1
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check --constraint constraints.txt \
     --no-build-isolation --editable
