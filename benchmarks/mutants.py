@@ -4,7 +4,7 @@ with more words, such as `beam strips gaps`, of files alone whose names hold one
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
 the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
-run, the quickest first, until one fails or half a minute has passed; all tests of its part where it runs on import.
+run, the quickest first, until one fails or half a minute has passed; those that reach the file where it runs on import.
 Those that survive are listed in build/mutants.json, with what was changed. A change that docs/mutants.md lists as
 equivalent, with the reason, is passed over and the next one drawn: it tells nothing of the tests.
 """
@@ -213,13 +213,13 @@ def statement(source: str, line: int) -> range:
 
 def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str, dict[str, object]]]) -> list[str]:
     """The tests that reach what is changed, the quickest first, then those that see it in what is kept, as many as fit
-    into `MOST`, one at least; of what runs on import the part's files."""
+    into `MOST`, one at least; of what runs on import those that reach anything of the file."""
     pairs = zip(before.split("\n"), after.split("\n"), strict=False)
     changed = next(number for number, (old, new) in enumerate(pairs, 1) if old != new)
     lines = reach[mutant.part]["lines"][mutant.file]
     reached = [lines[str(line)] for line in statement(before, changed) if str(line) in lines]
     if None in reached:
-        return [*PARTS[mutant.part], mutant.file]
+        reached = [tests for tests in lines.values() if tests is not None]
     seconds = reach[mutant.part]["seconds"]
     found = {test for tests in reached for test in tests}
     holding = {test.split("::")[0] for test in found}
@@ -295,6 +295,8 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
         for number in range(jobs):
             copies.put(copy_tree(Path(folder) / str(number)))
         reach = dict(zip(PARTS, pool.map(lambda part: reach_of(part, copies), PARTS), strict=True))
+        (ROOT / "build").mkdir(exist_ok=True)
+        (ROOT / "build" / "reach.json").write_text(json.dumps(reach), encoding="utf-8")
         results = pool.map(lambda mutant: survives(mutant, copies, reach), chosen)
         for number, (mutant, (left, change, what)) in enumerate(zip(chosen, results, strict=True), 1):
             state = "survives" if left else "killed"
@@ -302,7 +304,6 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
             if left:
                 alive.append({"file": mutant.file, "operator": mutant.operator, "change": change})
                 print(change, flush=True)
-    (ROOT / "build").mkdir(exist_ok=True)
     record = {"count": count, "seed": seed, "killed": count - len(alive), "survivors": alive}
     (ROOT / "build" / "mutants.json").write_text(json.dumps(record, indent=1, ensure_ascii=False), encoding="utf-8")
     print(f"{count - len(alive)} of {count} killed, seed {seed}; survivors in build/mutants.json")
