@@ -153,8 +153,8 @@ class Energies:
 
     T: Expr
     V: Expr
-    W_c: Expr
-    dW_nc: Expr
+    W_c: Expr = S.Zero
+    dW_nc: Expr = S.Zero
     length: Expr = S.One
     cuts: tuple[Expr, ...] = ()
     scaling: Mapping[Expr, Expr] = field(default_factory=dict)
@@ -180,11 +180,12 @@ class Column:
 
     name: lower case with hyphens. title: one line. T, V, W_c, dW_nc: nondimensional, in `y`, `delta(y)`, `x`,
     `t`, the load `P`, `alpha`, `beta`, the force `F_0` at `x_F`, the column's own parameters, and further fields and
-    coordinates. ends: kinds at x = 0 and x = 1, each free, pinned, sliding or clamped, of all fields; or of each field,
-    {y: ("clamped", "free"), psi: ("clamped", "free")}; left out where there is no field. dimensional: the same in SI
-    quantities, if given; then the nondimensional one is derived from it and compared (scaling.py). basis, modes: the
-    trial functions where none are asked for, and their number. releases: hinges inside the beam. family: of the columns
-    that it is listed with. references: critical loads to compare with.
+    coordinates; W_c and dW_nc are left out where they are nothing. ends: kinds at x = 0 and x = 1, each free, pinned,
+    sliding or clamped, of all fields; or of each field, {y: ("clamped", "free"), psi: ("clamped", "free")}; left out
+    where there is no field. dimensional: the same in SI quantities, if given; then the nondimensional one is derived
+    from it and compared (scaling.py). basis, modes: the trial functions where none are asked for, and their number.
+    releases: hinges inside the beam. family: of the columns that it is listed with. references: critical loads to
+    compare with.
 
     Raises StatementError where the statement makes no sense.
     """
@@ -193,8 +194,8 @@ class Column:
     title: str
     T: Expr
     V: Expr
-    W_c: Expr
-    dW_nc: Expr
+    W_c: Expr = S.Zero
+    dW_nc: Expr = S.Zero
     ends: Any = ()  # a pair of kinds, or {field: pair}
     parameters: tuple[Parameter, ...] = ()
     dimensional: Energies | None = None

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy import optimize
 
 import freebeam as fb
 from freebeam import cli
 from freebeam.ledger.reference_values import statements
 from freebeam_derive.references import Reference
+from freebeam_sym.checks import Unstable
 from freebeam_sym.question import Question
 from freebeam_sym.stability.critical import answer
 from freebeam_sym.stability.crossings import FirstLoss, first_loss
@@ -155,21 +158,75 @@ def test_a_load_has_the_unit_that_its_work_gives_it(name: str, unit: str) -> Non
     assert sizes[0] / sizes[1] == pytest.approx({"N": 4, "N/m": 8}[unit])
 
 
-def test_a_torque_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Nicolai's shaft under a torque that turns with its tip: EI/L times a number."""
-    (tmp_path / "torque.py").write_text(
-        PLANES.replace("+ z.diff(x, 2) ** 2)", "+ 2 * z.diff(x, 2) ** 2)")
-        .replace("P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2", "0")
-        .replace(
-            "-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))",
-            "P * integral(z.diff(x) * delta(y.diff(x, 2)) - y.diff(x) * delta(z.diff(x, 2)))",
-        )
+TORQUE = (
+    PLANES.replace("+ z.diff(x, 2) ** 2)", "+ (1 + e) * z.diff(x, 2) ** 2)")
+    .replace("    W_c=P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2,\n", "")
+    .replace(
+        "-P * (at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1))",
+        "P * integral(z.diff(x) * delta(y.diff(x, 2)) - y.diff(x) * delta(z.diff(x, 2)))",
     )
+    .replace("z, s = Field", 'e = Symbol("e", real=True)\nz, s = Field')
+    .replace("parameters=(", 'parameters=(Parameter(e, "bending stiffness that the second plane has more", 0, 0, 2), ')
+)
+"""Nicolai's shaft: a torque that turns with its tip."""
+
+
+def test_a_torque_bears_what_sets_the_two_planes_apart(tmp_path: Path) -> None:
+    """Nicolai's paradox: two equal planes bear no torque. With stiffness 1 and 1 + e they bear e ω² / (2 ∫φ′φ″), which
+    is e (ω / φ′(1))² of the lowest mode φ of the cantilever with ∫φ² = 1; what it lacks is of second order."""
+    (tmp_path / "torque.py").write_text(TORQUE)
+    column = fb.column(str(tmp_path / "torque.py"))
+    with pytest.raises(Unstable):
+        fb.critical_load(column, 8)
+    gamma = optimize.brentq(lambda g: math.cos(g) * math.cosh(g) + 1, 1.5, 2)  # ω = γ², φ′(1) = 2 γ σ
+    sigma = (math.sinh(gamma) - math.sin(gamma)) / (math.cosh(gamma) + math.cos(gamma))
+    off = []
+    for e in (0.02, 0.01):
+        found = fb.critical_load(column, 8, e=e)
+        assert found.kind == "flutter" and found.load is not None
+        off.append(found.load / e / (gamma / (2 * sigma)) ** 2 - 1)
+    assert abs(off[0]) < 1e-4 and off[0] / off[1] == pytest.approx(4, rel=0.05)
+
+
+CHAIN = """
+from sympy import Rational
+
+from freebeam_derive.notation import P, t
+from freebeam_derive.statement import Column, Coordinate, delta
+
+h = Rational(1, {links})
+q = [Coordinate(f"q{{i}}", f"q_{{i}}") for i in range({links})]
+middle = [h * (sum((one.diff(t) for one in q[:i]), 0) + q[i].diff(t) / 2) for i in range({links})]
+column = Column(
+    name="chain",
+    title="Chain of uniform links with springs between them under a follower force",
+    T=sum(h * v**2 / 2 + h**3 * one.diff(t) ** 2 / 24 for v, one in zip(middle, q)),
+    V=(2 * q[0] ** 2 + sum((one - other) ** 2 for one, other in zip(q, q[1:]))) / (2 * h),
+    dW_nc=P * h * sum((one - q[-1]) * delta(one) for one in q),
+)
+"""
+
+
+def test_a_chain_of_links_tends_to_becks_column(tmp_path: Path) -> None:
+    """With the second order of a link's length: Ziegler's pendulum of ever more links."""
+    beck, off = fb.critical_load(fb.column("beck")).load, []
+    assert beck is not None
+    for links in (3, 6):
+        (tmp_path / f"chain{links}.py").write_text(CHAIN.format(links=links))
+        found = fb.critical_load(fb.column(str(tmp_path / f"chain{links}.py")))
+        assert found.kind == "flutter" and found.load is not None
+        off.append(1 - found.load / beck)
+    assert 1.7 < math.log2(off[0] / off[1]) < 2
+
+
+def test_a_torque_is_told_as_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """EI/L times a number."""
+    (tmp_path / "torque.py").write_text(TORQUE)
     column = fb.column(str(tmp_path / "torque.py"))
     assert column.load_unit == "N m" and column.scales(6.0, 5.0, 3.0)["load"] == pytest.approx(2.0)
     asked = ["critical", "--column", str(tmp_path / "torque.py"), "--bending-stiffness", "6", "--mass-per-length", "5"]
-    assert cli.main([*asked, "--length", "3"]) == 0
-    load = fb.critical_load(column).load
+    assert cli.main([*asked, "--length", "3", "--set", "e=1"]) == 0
+    load = fb.critical_load(column, e=1.0).load
     assert load is not None and f"{2 * load:.10g} N m" in capsys.readouterr().out
 
 

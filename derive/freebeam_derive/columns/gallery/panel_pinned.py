@@ -13,7 +13,6 @@ column = Column(
     family="Flow",
     T=integral(y.diff(t) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2) / 2,
-    W_c=0,
     dW_nc=-integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
     - P * integral(y.diff(x) * delta(y))
     + F_0 * at(delta(y), x_F),

@@ -14,7 +14,6 @@ column = Column(
     family="Flow",
     T=integral(y.diff(t) ** 2) / 2,
     V=integral(y.diff(x, 2) ** 2) / 2 + k * integral(y**2) / 2,
-    W_c=0,
     dW_nc=-integral(beta * y.diff(t) * delta(y) + alpha * y.diff(x, 2, t) * delta(y.diff(x, 2)))
     - P**2 * integral(y.diff(x, 2) * delta(y))
     - 2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))
