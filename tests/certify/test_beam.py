@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from fractions import Fraction
 from types import ModuleType, SimpleNamespace
@@ -10,7 +11,7 @@ from typing import Any
 import mpmath as mp
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, arb_mat
 
 import freebeam_kernels.beck as beck
 import freebeam_kernels.euler_pinned as euler
@@ -256,6 +257,16 @@ def test_the_tail_bound_covers_the_derivatives_of_what_is_cut_off(monkeypatch: p
             for m in range(1, 6):
                 assert t[0, m].contains(arb(-4) ** m / (2 * arb(4 * m).fac()))
         assert t[0, 5].rel_accuracy_bits() > 100
+
+
+def test_the_tail_bound_is_little_more_than_the_largest_tail() -> None:
+    """That of |aₘ| = T 2^(N − m), which is all that is known of them."""
+    N, T = 30, 3
+    with precision(100):
+        terms = [arb_mat([[T * arb(N).fac()] * 2])] * (N - 2)  # n! aₙ of two solutions, of which the last counts
+        for j, error in enumerate(beam._tail({(3, 0): arb(1)}, terms, 1, (0, 1, 2, 3))):
+            rest = sum(Fraction(math.perm(m, j) * T, 2 ** (m - N)) for m in range(N + 1, N + 200))
+            assert (1 - 1e-25) * float(rest) <= float(error) < 1.3 * float(rest)
 
 
 def mirrored(kernel: Any) -> Any:
