@@ -99,7 +99,8 @@ class ExactSpectrum:
     lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
     other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. complete_to: every
     eigenvalue with |λ| up to it is among these, proven, as decimal text; None where that is not proven, and missing
-    says why. inputs: what each input was taken for.
+    says why. inputs: what each input was taken for. certificate: the data that prove that those up to there are all,
+    for a file; None where complete_to is, and where missing says why.
     """
 
     lower: tuple[tuple[str, str], ...]
@@ -109,6 +110,7 @@ class ExactSpectrum:
     inputs: Mapping[str, str]
     complete_to: str | None = None
     missing: str = ""
+    certificate: Mapping[str, Any] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True)
@@ -684,7 +686,8 @@ def exact_spectrum(
     from freebeam_derive.certify import beam_stability
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
-    from freebeam_derive.certify.decimals import outward
+    from freebeam_derive.certify.certificate import MOST_COUNTED, write_spectrum
+    from freebeam_derive.certify.decimals import outward, read
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, alpha=alpha, beta=beta, load=load)
@@ -695,6 +698,7 @@ def exact_spectrum(
         beam = asked.itself
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
+    narrow = max(digits, 15) + 2  # two that are near one another are told apart, however few digits are asked for
     balls: list[Any] = []
     found: list[tuple[complex, tuple[str, str], tuple[str, str]]] = []
     unproven: list[complex] = []
@@ -705,7 +709,7 @@ def exact_spectrum(
         try:
             if abs(start) > MOST:
                 raise Unproven("takes too long")
-            (ball,) = beams.frequencies(beam, *values, [start], digits + 2)
+            (ball,) = beams.frequencies(beam, *values, [start], narrow)
             if any(ball.overlaps(other) for other in balls):
                 raise Unproven("two starts lead to one eigenvalue")
         except Unproven:
@@ -719,14 +723,21 @@ def exact_spectrum(
     found.sort(key=lambda item: (round(abs(item[0].imag), 9), item[0].real))
     pairs = [value for ball in balls for value in ([ball, ball.conjugate()] if ball.imag > 0 else [ball])]
     top, missing = beam_stability.complete_to(beam, *values, pairs)
+    complete_to = None if top is None else outward(*ends(top), 8)[0]
+    bound, certificate = None if complete_to is None else read(complete_to), None
+    if bound is not None and bound <= MOST_COUNTED:
+        certificate = write_spectrum(asked.column.kernel, asked.certified, values[0], balls, bound, narrow)
+    elif bound is not None:
+        missing = f"the verifier counts eigenvalues up to |λ| = {MOST_COUNTED}; ask for those of fewer modes"
     return ExactSpectrum(
         tuple(low for _, low, _ in found),
         tuple(high for _, _, high in found),
         tuple(unproven),
         digits,
         asked.inputs,
-        None if top is None else outward(*ends(top), 8)[0],
+        complete_to,
         missing,
+        certificate,
     )
 
 
@@ -798,11 +809,11 @@ def verify_certificate(path: str) -> Statement:
     theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
     prove what it claims.
     """
-    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections
+    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections, verifier_spectrum
     from freebeam_derive.certify.verifier import verify_file
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS)
+        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS | verifier_spectrum.FORMATS)
     except Refused as error:
         raise InputError(str(error)) from error

@@ -321,7 +321,7 @@ def test_a_zero_next_to_s_or_frequency_zero_is_left_out_with_damping_alone(real:
 
 def _ranged(one: tuple[list[str], Form, Form], other: tuple[list[str], Form, Form]) -> Shooting:
     """F between two columns, t from −1 to 1."""
-    E, H, *moved = (verifier_of_beam._sum(one[k], other[k], f, F(1, 2)) for f in (F(1, 2), F(-1, 2)) for k in (1, 2))
+    E, H, *moved = (verifier_of_beam.added(one[k], other[k], f, F(1, 2)) for f in (F(1, 2), F(-1, 2)) for k in (1, 2))
     return Shooting(one[0], E, H, tuple(moved))
 
 

@@ -7,13 +7,14 @@ it need not trust the emitted kernels, nor the program that wrote it.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
-from flint import fmpq
+from flint import acb, arb, fmpq
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.all_crossings import Crossing
@@ -21,14 +22,15 @@ from freebeam_derive.certify.balls import Exact, Unproven, ends, parameters, pre
 from freebeam_derive.certify.beam_crossings import Survey
 from freebeam_derive.certify.beam_itself import ExactCrossing
 from freebeam_derive.certify.beam_ranges import Piece
-from freebeam_derive.certify.beam_stability import Evidence
+from freebeam_derive.certify.beam_stability import BITS, Evidence
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 from freebeam_derive.certify.parts import Part
 
-FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS = (f"freebeam certificate {n}" for n in (1, 2, 3, 4, 5, 6))
+FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM = (f"freebeam certificate {n}" for n in range(1, 8))
 Open = tuple[Fraction, Fraction, str]
+MOST_COUNTED = 10_000  # the bound of |λ| up to which the verifier counts eigenvalues
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
@@ -199,6 +201,33 @@ def write_range(
     }
 
 
+def write_spectrum(
+    kernel: ModuleType, question: Question, load: Fraction, found: Sequence[acb], complete_to: Fraction, digits: int
+) -> dict[str, Any]:
+    """The certificate of all eigenvalues of the beam itself up to a bound of |λ|, as a JSON object.
+
+    found: enclosures, relative to |λ| narrower than 10^-digits; of a conjugate pair that with Im λ > 0. Those beyond
+    the bound are left out.
+    """
+    with precision(BITS):
+        within = [value for value in found if abs(value) < arb(fmpq(complete_to.numerator, complete_to.denominator))]
+    return {
+        "format": SPECTRUM,
+        **_itself(kernel, question),
+        "load": written(load),
+        "complete_to": written(complete_to),
+        "eigenvalues": [_square(value, digits) for value in within],
+    }
+
+
+def _square(value: acb, digits: int) -> dict[str, str]:
+    """A square about an enclosure of such a relative width, with room for the rounding of what is computed of it."""
+    (re, im), size = (map(ends, (value.real, value.imag))), float(abs(value).mid())
+    unit = Fraction(10) ** (math.floor(math.log10(size)) - digits)
+    middle = (round(sum(part) / 2 / unit * 8) * unit / 8 for part in (re, im))
+    return dict(zip(("re", "im", "radius"), map(written, (*middle, 2 * unit)), strict=True))
+
+
 def _itself(kernel: ModuleType, question: Question) -> dict[str, Any]:
     """A column of which the beam itself is meant, at one value of everything."""
     own = parameters(kernel, question.own)
@@ -359,8 +388,10 @@ __all__ = [
     "LIST",
     "RANGE",
     "SECTIONS",
+    "SPECTRUM",
     "write",
     "write_list",
     "write_of_beam",
     "write_range",
+    "write_spectrum",
 ]

@@ -49,8 +49,10 @@ class OfBeamItself(v.OfBeam):
             "it is the first over all modes, and stable is every load from 0 up to it"
         )
 
-    def record(self) -> dict[str, Any]:
-        return super().record() | {"of": "the beam itself: " + super().record()["of"]}
+    @property
+    def of_column(self) -> dict[str, Any]:
+        given = super().of_column
+        return given | {"of": f"the beam itself: {given['of']}"}
 
 
 def _where(claim: OfBeamItself | Piece) -> str:
@@ -213,7 +215,7 @@ def column(data: dict[str, Any], of: type[OfBeamItself] = OfBeamItself, **claims
     return stated, forms
 
 
-def _listed(given: Any, most: int, what: str) -> list[Any]:
+def listed(given: Any, most: int, what: str) -> list[Any]:
     require(type(given) is list and len(given) <= most, f"there is no list of {what}, or there are too many")
     assert isinstance(given, list)
     return given
@@ -227,7 +229,7 @@ def lowest(data: dict[str, Any]) -> int:
 
 
 def stretches_of(data: dict[str, Any], m: int) -> tuple[Stretch, ...]:
-    return tuple(_stretch(s, m) for s in _listed(data["stretches"], MOST_STRETCHES, "stretches"))
+    return tuple(_stretch(s, m) for s in listed(data["stretches"], MOST_STRETCHES, "stretches"))
 
 
 def _stretch(data: dict[str, Any], m: int) -> Stretch:
@@ -262,7 +264,7 @@ def crossings(data: dict[str, Any]) -> tuple[OfAllCrossings, Forms, int, Stretch
     fields(data, OF_LIST)
     load_max, m = v.number(data["load_max"]), lowest(data)
     require(0 < load_max < HIGHEST, "the loads end where they begin, or go on for too long")
-    found = tuple(_passing(c) for c in _listed(data["crossings"], MOST_CROSSINGS, "crossings"))
+    found = tuple(_passing(c) for c in listed(data["crossings"], MOST_CROSSINGS, "crossings"))
     unstable, reached = 0, Fraction(0)
     for c in found:
         require(reached < c.load[0], "the crossings do not ascend, or lie on one another")
@@ -289,11 +291,11 @@ def over_range(data: dict[str, Any]) -> tuple[OverRange, tuple[Forms, Forms]]:
     """
     fields(data, OF_RANGE)
     name = data["range"]
-    pieces = tuple(_piece(p) for p in _listed(data["pieces"], MOST_PIECES, "pieces"))
+    pieces = tuple(_piece(p) for p in listed(data["pieces"], MOST_PIECES, "pieces"))
     require(bool(pieces), "nothing is said of any value")
     (one, forms), (other, others) = (column(_at_end(data, name, k, pieces), kind="range") for k in (0, 1))
     low, high = (_value(stated, name) for stated in (one, other))
-    left = tuple((v.number(a), v.number(b)) for a, b in _listed(data["open"], MOST_PIECES, "open parts"))
+    left = tuple((v.number(a), v.number(b)) for a, b in listed(data["open"], MOST_PIECES, "open parts"))
     reached = low
     for a, b in sorted([*((p.low, p.high) for p in pieces), *left]):
         require(a == reached < b, "the pieces leave a gap, or lie on one another")

@@ -100,9 +100,9 @@ def power(n: int) -> arb:
 
 def _about(middle: Any, unit: arb, count: int, kind: Any) -> Any:
     """Rows by the powers of x, columns by those of u, of x = middle + unit u."""
-    powers, units = [kind(1)], [arb(1)]
-    for _ in range(count - 1):
-        powers.append(powers[-1] * middle)
-        units.append(units[-1] * unit)
-    flat = [comb(j, a) * powers[j - a] * units[a] if a <= j else 0 for j in range(count) for a in range(count)]
+    line: Any = (acb_poly if kind is acb else arb_poly)([middle, unit])
+    row, flat = line**0, list[Any]()
+    for j in range(count):
+        flat += row.coeffs() + [0] * (count - 1 - j)
+        row *= line
     return (acb_mat if kind is acb else arb_mat)(count, count, flat)

@@ -150,13 +150,18 @@ class OfBeam(Statement):
         return self.proven(f"{what}, {self.damped}", self.damping is not None)
 
     def record(self) -> dict[str, Any]:
+        return super().record() | {"basis": self.basis} | self.of_column
+
+    @property
+    def of_column(self) -> dict[str, Any]:
+        """Which column it is of, as a JSON object."""
         ours, factors = self.ours, None
         if self.damping is not None:
             of_M, of_E = said(self.damping.of_M), said(self.damping.of_E)
             factors = {"of_M": of_M, "of_E": of_E, "vanishing": self.damping.vanishing}
-        return super().record() | {
+        return {
             "of": f"the column {self.column}" if ours else "the forms in this file",
-            "ends": list(self.ends), "basis": self.basis,
+            "ends": list(self.ends),
             "parameters": {name: said(value) for name, value in self.parameters.items()} if ours else None,
             "alpha": said(self.alpha) if ours else None, "beta": said(self.beta) if ours else None,
             "kappa": _said(self.kappa) if ours else None, "damping": factors,

@@ -107,11 +107,11 @@ def _softening(T: Form) -> Form:
     return along, tuple(t for t in T[1] if t[:2] != t[2:4] or t[4] < 0)
 
 
-def _rigid(stated: OfBeamItself, forms: Forms) -> int:
+def rigid(stated: OfBeamItself, forms: Forms) -> int:
     return check_rigid(list(stated.ends), _unbent(forms["E"]), forms["H"])
 
 
-def _shooting(stated: OfBeamItself, forms: Forms) -> Shooting:
+def shooting(stated: OfBeamItself, forms: Forms) -> Shooting:
     return Shooting(list(stated.ends), forms["E"], forms["H"])
 
 
@@ -182,7 +182,7 @@ def verify_first(data: dict[str, Any]) -> OfBeamItself:
     stated, forms, m, stretches = claims.first(data)
     assert stated.load is not None
     with flint.ctx.workprec(BITS):
-        equations = Equations(_shooting(stated, forms), _rigid(stated, forms), *_damping(stated, stated, ALONE))
+        equations = Equations(shooting(stated, forms), rigid(stated, forms), *_damping(stated, stated, ALONE))
         high = High(Bounds(stated.ends), stated.modes, [forms], m)
     First(equations, high, stated, ranged=False).check(stretches)
     return stated
@@ -197,14 +197,14 @@ def verify_range(data: dict[str, Any]) -> OverRange:
     low, high = stated.low, stated.high
     moves = forms[0] != forms[1]
     with flint.ctx.workprec(BITS):
-        R, bounds = _rigid(stated, forms[0]), Bounds(stated.ends)
+        R, bounds = rigid(stated, forms[0]), Bounds(stated.ends)
         require(R == 0 or not moves, "forms of a column with rigid motions change with the parameter")
-    F = _shooting(stated, forms[0])
+    F = shooting(stated, forms[0])
     for piece in stated.pieces:
         shares = (piece.low - low) / (high - low), (piece.high - low) / (high - low)
-        each = [{name: _sum(forms[0][name], forms[1][name], 1 - t, t) for name in "EH"} for t in shares]
+        each = [{name: added(forms[0][name], forms[1][name], 1 - t, t) for name in "EH"} for t in shares]
         if moves:
-            E, H, *moved = (_sum(each[0][name], each[1][name], f, HALF) for f in (HALF, -HALF) for name in "EH")
+            E, H, *moved = (added(each[0][name], each[1][name], f, HALF) for f in (HALF, -HALF) for name in "EH")
             F = Shooting(list(stated.ends), E, H, tuple(moved))
         equations = Equations(F, R, *_damping(stated, stated.other, shares))
         with flint.ctx.workprec(BITS):
@@ -213,7 +213,7 @@ def verify_range(data: dict[str, Any]) -> OverRange:
     return stated
 
 
-def _sum(one: Form, other: Form, *weights: Fraction) -> Form:
+def added(one: Form, other: Form, *weights: Fraction) -> Form:
     """One form times a weight and another times another."""
     found: list[dict[Any, Fraction]] = []
     for parts in zip(one, other, strict=True):
@@ -235,8 +235,8 @@ def verify_list(data: dict[str, Any]) -> OfAllCrossings:
     load = stated.load_max
     assert load is not None
     with flint.ctx.workprec(BITS):
-        F = _shooting(stated, forms)
-        equations = Equations(F, _rigid(stated, forms), *_damping(stated, stated, ALONE))
+        F = shooting(stated, forms)
+        equations = Equations(F, rigid(stated, forms), *_damping(stated, stated, ALONE))
         high = High(Bounds(stated.ends), stated.modes, [forms], m)
         high.check(load, equations)
         signs = Signs(equations, high.top)

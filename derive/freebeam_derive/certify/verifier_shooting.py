@@ -125,7 +125,7 @@ class Shooting:
 
         for which, (along, points) in enumerate((E, H, *moved)):
             for k, i, j, f in along:
-                if (which, k, i, j) == (0, 0, 2, 2):
+                if (which, k, i, j) == (0, 0, 2, 2) and f == 1:
                     continue
                 require(i < 2 and j < 2, "a form acts on curvatures")
                 if i == 0:

@@ -56,8 +56,27 @@ USUAL_DIGITS = 15
 """Of a proof where none are named."""
 
 
+@dataclass(frozen=True, kw_only=True)
+class ProofOptions(FileOptions):
+    """Of every command that writes a certificate."""
+
+    certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
+
+    def keep(self, certificate: Mapping[str, Any] | None) -> None:
+        """Write a certificate to its file."""
+        assert self.certificate is not None
+        with written(self.certificate, self.force) as file:
+            file.write((json.dumps(certificate, indent=1) + "\n").encode())
+
+    def check_free(self) -> None:
+        """Refuse a file that is there already, before the work is begun. Raises InputError."""
+        file = self.certificate
+        there = file and file.exists() and not self.force
+        refuse(there, f"{file} exists; choose another file, or --force to replace it")
+
+
 @command("freebeam critical --column beck --set eta=0.7 --alpha 1e-3")
-class Critical(FileOptions, CaseOptions, SearchOptions):
+class Critical(ProofOptions, CaseOptions, SearchOptions):
     """Find the lowest load at which the column loses stability, by flutter or by divergence."""
 
     alpha: Number = option(
@@ -75,7 +94,6 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
     )
     every: bool = flag("Prove all loads up to --load-max at which an eigenvalue crosses the imaginary axis.", "--all")
     truncation: bool = flag("Prove the error of the series: its load minus the load of the beam itself.")
-    certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
     plot: Path | None = option("FILE.svg|.png|.pdf", "Draw the eigenvalues over the load; of a limit its tangent.")
 
     def run(self) -> None:
@@ -106,17 +124,6 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
             title = f"All crossings{of} up to {record['load_max']:.10g}{load}: proven that there is no other"
             print_table([_crossing_row(crossing) for crossing in found.crossings], header, title)
 
-    def keep(self, certificate: Mapping[str, Any] | None) -> None:
-        """Write a certificate to its file."""
-        assert self.certificate is not None
-        with written(self.certificate, self.force) as file:
-            file.write((json.dumps(certificate, indent=1) + "\n").encode())
-
-    def check_free(self, file: Path | None) -> None:
-        """Refuse a file that is there already, before the work is begun. Raises InputError."""
-        there = file and file.exists() and not self.force
-        refuse(there, f"{file} exists; choose another file, or --force to replace it")
-
     @property
     def places(self) -> int | None:
         """Digits of the proof that is asked for; None where none is."""
@@ -138,7 +145,7 @@ class Critical(FileOptions, CaseOptions, SearchOptions):
         refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
         listed = self.exact and self.every
         refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
-        self.check_free(file)
+        self.check_free()
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
 
     @property
@@ -355,7 +362,7 @@ def _digits(value: float, error: float) -> str:
 class Verify(Options):
     """Check a certificate by a program that shares no code with the one that wrote it."""
 
-    file: Path = argument("FILE", "A certificate of `freebeam critical --certificate`.", default=REQUIRED)
+    file: Path = argument("FILE", "A certificate that --certificate of another command wrote.", default=REQUIRED)
 
     def run(self) -> None:
         import freebeam as fb
@@ -372,7 +379,7 @@ class Verify(Options):
 
 
 @command("freebeam spectrum --load 50 --alpha 1e-3 --beta 0.1")
-class Spectrum(FileOptions, CaseOptions):
+class Spectrum(ProofOptions, CaseOptions):
     """Compute the eigenvalues at a load, sorted by |Im|, then by Re, with their damping ratios -Re/|lambda|.
 
     A pair has one line, that of Im > 0.
@@ -387,6 +394,8 @@ class Spectrum(FileOptions, CaseOptions):
     def run(self) -> None:
         digits = self.digits
         refuse(digits is not None and not self.exact, f"--digits {digits}: is for the beam itself; give --exact too")
+        refuse(self.certificate and not self.exact, "--certificate: is of the beam itself; give --exact too")
+        self.check_free()
         refuse(self.exact and self.rigid, "--rigid: leave it out with --exact, which proves the elastic spectrum alone")
         refuse(self.exact and self.beam, "SI units: leave them out with --exact, which is nondimensional")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
@@ -447,7 +456,11 @@ class Spectrum(FileOptions, CaseOptions):
         with working("proof"):
             found = fb.exact_spectrum(self.chosen, *values, modes=self.question.modes, digits=digits, **own)
         boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
-        complete = {"complete_to": found.complete_to, "missing": found.missing or None}
+        if self.certificate:
+            why = "" if found.complete_to else ", for it is not proven up to which |λ| none is missing"
+            refuse(found.certificate is None, f"{self.certificate}: is not written{why}: {found.missing}")
+            self.keep(found.certificate)
+        complete = {"complete_to": found.complete_to, "missing": found.missing or None, "certificate": self.certificate}
         record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven, **complete)
         boxes_of = zip(found.lower, found.upper, strict=True)
         rows = [[_interval(ends) for ends in zip(low, high, strict=True)] for low, high in boxes_of]

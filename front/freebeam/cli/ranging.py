@@ -31,7 +31,7 @@ def prove(asked: Any) -> None:
     refuse(not asked.exact, f"{said}: over a range the beam itself is proven, not a series; give --exact too")
     for option, there in (("--all", asked.every), ("--truncation", asked.truncation)):
         refuse(there, f"{option}: is for one value of {name}, not for the range {interval}; leave it out")
-    asked.check_free(asked.certificate)
+    asked.check_free()
     refuse(asked.beam, f"{said}: a range is nondimensional; leave out the beam in SI units")
     asked.check_limit()
     more = {} if asked.digits is None else {"digits": asked.digits}
