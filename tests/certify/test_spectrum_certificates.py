@@ -98,6 +98,17 @@ def test_a_certificate_is_accepted_and_holds_what_a_long_series_has(case: str) -
     assert len(record["eigenvalues_lower"]) == len(stated.eigenvalues)
 
 
+def test_squares_of_many_digits_are_as_wide_as_the_verifier_takes() -> None:
+    proven = fb.exact_spectrum(fb.column("beck"), 10, modes=2, digits=1100)
+    assert proven.certificate is not None
+    square = proven.certificate["eigenvalues"][0]
+    middle, radius = F(square["im"]), F(square["radius"])
+    assert (
+        middle - radius < F(proven.lower[0][1]) < F(proven.upper[0][1]) < middle + radius < middle * (1 + F(1, 10**999))
+    )
+    assert verifier_spectrum._enclosed(square).radius == radius
+
+
 def test_what_is_on_an_axis_is_said_to_be_on_it() -> None:
     """A zero that is alone in a square about a point of the real axis; without damping of the imaginary one too."""
     stated = verify(certificate("beyond divergence"))
@@ -248,7 +259,7 @@ def test_hostile_files_are_refused_before_anything_is_computed(monkeypatch: pyte
         *(data | {"eigenvalues": given} for given in (None, {}, "", [first] * 501, [first] * 100, [[]], [{}], [None])),
         *(data | {"eigenvalues": [first | {part: value}]} for part in ("re", "im", "radius")
           for value in ("1e299", "nan", "-1e9", 1, None, [])),
-        *(data | {"eigenvalues": [first | {"radius": value}]} for value in ("0", "-1", "1e-11000", "1e9")),
+        *(data | {"eigenvalues": [first | {"radius": value}]} for value in ("0", "-1", "1e-1020", "1e9")),
         data | {"eigenvalues": [first | {"im": "1e-30"}]},
         data | {"eigenvalues": [first | {"more": "1"}]},
         data | {"modes": 8},

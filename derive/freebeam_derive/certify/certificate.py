@@ -30,7 +30,7 @@ from freebeam_derive.certify.parts import Part
 
 FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM = (f"freebeam certificate {n}" for n in range(1, 8))
 Open = tuple[Fraction, Fraction, str]
-MOST_COUNTED = 10_000  # the bound of |λ| up to which the verifier counts eigenvalues
+MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the bound of |λ|, and digits of an eigenvalue
 
 
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
@@ -223,7 +223,7 @@ def write_spectrum(
 def _square(value: acb, digits: int) -> dict[str, str]:
     """A square about an enclosure of such a relative width, with room for the rounding of what is computed of it."""
     (re, im), size = (map(ends, (value.real, value.imag))), float(abs(value).mid())
-    unit = Fraction(10) ** (math.floor(math.log10(size)) - digits)
+    unit = Fraction(10) ** (math.floor(math.log10(size)) - min(digits, MOST_PLACES))
     middle = (round(sum(part) / 2 / unit * 8) * unit / 8 for part in (re, im))
     return dict(zip(("re", "im", "radius"), map(written, (*middle, 2 * unit)), strict=True))
 

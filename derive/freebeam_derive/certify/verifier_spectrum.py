@@ -30,7 +30,7 @@ from freebeam_derive.certify.verifier_signs import BITS
 SPECTRUM = "freebeam certificate 7"
 OF_SPECTRUM = claims.COLUMN | {"load", "complete_to", "eigenvalues"}
 LARGEST, FARTHEST = 10_000, 10**9  # bounds of |λ|, some 15 s, and of |s|
-MOST_EIGENVALUES = 500
+MOST_EIGENVALUES, NARROWEST = 500, Fraction(1, 10**1010)  # radius of a square, in parts of its centre: 2 s
 FIRST, MOST_ARCS = 16, 2000  # of the half circle
 SHORTEST = Fraction(1, 2**14)  # of them: two |λ| 1e-4 apart leave room between for a circle
 PARTS = 8  # of an arc, on each of which f must stay in a half-plane
@@ -122,7 +122,7 @@ def _enclosed(data: dict[str, Any]) -> Enclosed:
     claims.fields(data, {"re", "im", "radius"})
     re, im, radius = (v.number(data[k]) for k in ("re", "im", "radius"))
     require(0 < radius <= LARGEST and max(abs(re), abs(im)) <= LARGEST, "an eigenvalue is nowhere")
-    require(radius > max(abs(re), abs(im)) * v.NARROWEST, "an enclosure is narrower than any that is written")
+    require(radius > max(abs(re), abs(im)) * NARROWEST, "an enclosure is narrower than any that is written")
     require(im == 0 or im > radius, "an eigenvalue is neither real nor above the real axis")
     return Enclosed(re, im, radius)
 
