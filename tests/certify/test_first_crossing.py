@@ -249,3 +249,5 @@ def test_a_factor_that_is_no_fraction_is_not_proven() -> None:
     rounded.forms = lambda one=1, **own: {"M": ({(0, 0, 0): 2**0.5}, {})}  # type: ignore[attr-defined]
     with balls.precision(100), pytest.raises(Unproven, match="no fraction"):
         balls.matrices(rounded, 3)
+    rounded.forms = lambda one=1, **own: {"M": ({(0, 0, 0): 0.75}, {})}  # type: ignore[attr-defined]
+    balls.stated_exactly(rounded, {})  # a float that is a fraction for all that one can tell

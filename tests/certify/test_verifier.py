@@ -718,3 +718,19 @@ def test_a_mass_that_vanishes_within_the_interval_is_refused(leading: list[int],
         return
     with pytest.raises(verifier.Refused, match=told):
         verifier.Series.check_crossing(series, *interval, None)
+
+
+@pytest.mark.parametrize(("power", "told"), [(1, ""), (3, "not known to be simple and alone")])
+def test_a_crossing_without_a_speed_is_refused(power: int, told: str) -> None:
+    """g = x − P, and h = (P − 1)^power + P − x is (P − 1)^power along its root: of the third power it changes sign, but
+    how many cross there is not told."""
+    series: Any = object.__new__(verifier.Series)
+    series.system = verifier.System([], [], [], False)
+    series.h = [arb_poly([-1, 1]) ** power + arb_poly([0, 1]), arb_poly([-1])]
+    series.g, series.odd = [arb_poly([0, -1]), arb_poly([1])], False
+    loads, square = (Fraction(99, 100), Fraction(101, 100)), (Fraction(98, 100), Fraction(102, 100))
+    if not told:
+        verifier.Series.check_crossing(series, *loads, square)
+        return
+    with pytest.raises(verifier.Refused, match=told):
+        verifier.Series.check_crossing(series, *loads, square)
