@@ -25,7 +25,7 @@ from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, sections
-from freebeam_derive.certify.verifier_waves import Apart
+from freebeam_derive.certify.verifier_waves import Apart, _norm
 from tests.certify.test_frequency_gaps import frequencies, matrices, system
 from tests.front.test_proofs import run
 
@@ -315,3 +315,14 @@ def test_a_gap_that_is_too_wide_is_not_claimed() -> None:
         fewer = {wave: B for wave, B in apart.stages[-1].items() if wave[0] == wave[1]}
         apart.stages[-1] = fewer
         assert apart._cells_apart(epsilon, G, arb("0.9") * arb.pi() / 2 / apart.whole)
+
+
+def test_the_norm_of_a_matrix_is_no_less_than_it_makes_a_vector_larger() -> None:
+    """And no more than Frobenius's norm, and than the mean of those of its rows and its columns."""
+    random = np.random.default_rng(1)
+    for size in (1e-3, 1.0, 1e3):
+        X = random.normal(0, size, (6, 6)) + 1j * random.normal(0, size, (6, 6))
+        X[0] *= random.choice([1, 100])
+        bound = float(_norm([[acb(v) for v in row] for row in X]))
+        rows, columns = (np.abs(X).sum(axis=k).max() for k in (1, 0))
+        assert np.linalg.norm(X, 2) <= bound <= (1 + 1e-6) * min(np.linalg.norm(X), np.sqrt(rows * columns))
