@@ -9,7 +9,8 @@ in P and x prove. A stretch that fails is searched for a crossing by Newton's me
 box as large as can be had it is shown to be alone, and the strips leave that box out. What remains is cut in half.
 
 How many eigenvalues are unstable is counted from none at P = 0: the sign of the Jacobian of (h, g) says which way an
-eigenvalue crosses.
+eigenvalue crosses. Motions that leave each other alone (`parts`) have lists of their own, merged by load: where
+frequencies of two pass through one another there is nothing to tell.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify.balls import Unproven, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of
 from freebeam_derive.certify.first_crossing import (
     LOWEST_BITS,
     Stretch,
@@ -47,8 +48,8 @@ HALVINGS = 5  # of a strip
 class Crossing:
     """One or two eigenvalues on the imaginary axis: an interval of loads, one of ω² (None for a divergence).
 
-    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, 0
-    where one touches zero (of the beam itself alone).
+    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, so
+    many times that as parts are the same; 0 where one touches zero (of the beam itself alone).
     unstable: how many are below it.
     """
 
@@ -70,7 +71,7 @@ class Crossing:
 
 @dataclass
 class _Found:
-    """A crossing with the box about it, of loads and of x, in which there is no other."""
+    """A crossing with the box about it, of loads and of x, in which there is no other of its part."""
 
     load: arb
     square: arb | None
@@ -79,6 +80,7 @@ class _Found:
     bottom: Fraction
     top: Fraction
     change: int
+    part: int = 0
 
 
 class Inseparable(Unproven):
@@ -87,6 +89,7 @@ class Inseparable(Unproven):
     def __init__(self, low: Fraction, high: Fraction, settled: list[_Found]) -> None:
         self.low, self.high = low, high
         below = ", ".join(f"{v:.10g}" for v in sorted(float(c.load.mid()) for c in settled) if v < low) or "none"
+        self.settled = settled
         super().__init__(
             f"between the loads {float(low):.15g} and {float(high):.15g} crossings could not be told apart: two may "
             f"lie closer together than {FINEST} halvings at {MOST_BITS} bits resolve, or meet. Established: up to "
@@ -111,25 +114,59 @@ def survey(
     while True:
         with precision(bits):
             try:
-                found = _Survey(boundary(kernel, question, bits), load_max, say).run()
+                parts = boundaries(kernel, question, bits)
+                found = _merged(parts, load_max, say)
                 break
             except Unproven:
                 if 2 * bits > MOST_BITS:
                     raise
         bits *= 2
-    return _refined(kernel, question, found, digits, max(bits, bits_for(functions, digits)))
+    return _refined(kernel, question, found, parts, digits, max(bits, bits_for(functions, digits)))
 
 
-def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, bits: int) -> list[Crossing]:
+def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None]) -> list[_Found]:
+    """The crossings of all parts, ascending; of those that are the same the first has them, with the change of all."""
+    found: list[_Found] = []
+    left: list[Inseparable] = []
+    for k, of in enumerate(parts):
+        same = [j for j, other in enumerate(parts) if j == k or (of.part and other.part and of.part.same(other.part))]
+        if same[0] < k:
+            continue
+        try:
+            own = _Survey(of, load_max, say).run()
+        except Inseparable as error:
+            left.append(error)
+            own = error.settled
+        for c in own:
+            c.part, c.change = k, c.change * len(same)
+        found += own
+    if left:
+        lowest = min(left, key=lambda error: error.low)
+        raise Inseparable(lowest.low, lowest.high, found)
+    found.sort(key=lambda c: c.load.mid())
+    for one, following in pairwise(found):
+        if not one.load < following.load:
+            raise Unproven(
+                f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
+            )
+    return found
+
+
+def _refined(
+    kernel: ModuleType, question: Question, found: list[_Found], parts: list[Boundary], digits: int, bits: int
+) -> list[Crossing]:
     """The crossings of a survey to the digits asked for."""
     result, unstable = [], 0
     with precision(bits):
-        fine = boundary(kernel, question, bits)
+        fine = boundaries(kernel, question, bits)
         for crossing in found:
+            of, before = fine[crossing.part], parts[crossing.part]
             z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
-            P, *squares = refined(fine, z, bits, 40)
+            P, *squares = refined(of, z, bits, 40)
             inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in squares)
-            if not (inside and exact(crossing.low) < P < exact(crossing.high)):
+            pairs = zip(of.h.rows, before.h.rows, strict=True)
+            again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
+            if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
                 raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
             square = _interval(squares[0], digits - 1) if squares else None
             kind = "flutter" if squares else "divergence"
@@ -167,13 +204,7 @@ class _Survey:
             self._flutter(zero, open_.low)  # what there is below, so that it can be told
             raise Inseparable(open_.low, open_.high, self.crossings) from None
         self._flutter(zero, self.load_max)
-        found = sorted(self.crossings, key=lambda c: c.load.mid())
-        for one, following in pairwise(found):
-            if not one.load < following.load:
-                raise Unproven(
-                    f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
-                )
-        return found
+        return self.crossings
 
     def _first_stable(self) -> Fraction:
         """The load from which on crossings are looked for: 0, or one up to which there is none where motions rest
