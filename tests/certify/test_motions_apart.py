@@ -5,6 +5,7 @@ random with 200 bits; certificates of these are forged."""
 from __future__ import annotations
 
 import copy
+import itertools
 import json
 import tempfile
 from dataclasses import replace
@@ -19,7 +20,15 @@ from flint import acb, acb_mat, arb, arb_mat, ctx, fmpq, fmpq_mat
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import certificate, commutant, first_crossing, verifier, verifier_motions, verifier_parts
+from freebeam_derive.certify import (
+    all_crossings,
+    certificate,
+    commutant,
+    first_crossing,
+    verifier,
+    verifier_motions,
+    verifier_parts,
+)
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.boundary_polynomials import Question, _of_any
 from freebeam_derive.certify.parts import Part, split
@@ -288,8 +297,8 @@ def determinant(X: Any) -> arb:
     return arb_mat([[arb(v) for v in row] for row in X.tolist()]).det()
 
 
-def growth(terms: Terms, P: Fraction) -> float:
-    """The largest Re λ, from the exact characteristic polynomial by its factors, with 200 bits."""
+def growths(terms: Terms, P: Fraction) -> list[float]:
+    """All Re λ, from the exact characteristic polynomial by its factors, with 200 bits."""
     load, n = fmpq(P.numerator, P.denominator), len(terms[0][0])
     M, C, K = (sum((X * load**k for k, X in enumerate(of)), 0 * of[0]) for of in terms)
     inverse = fmpq_mat(M.tolist()).inv()
@@ -297,7 +306,12 @@ def growth(terms: Terms, P: Fraction) -> float:
     one = np.array([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
     whole = fmpq_mat(np.block([[0 * one, one], lower]).tolist()).charpoly()
     with ctx.workprec(200):
-        return max(float(z.real.mid()) for f, _ in whole.factor()[1] for z, _ in f.numer().complex_roots())
+        return [float(z.real.mid()) for f, power in whole.factor()[1] for z, _ in f.numer().complex_roots() * power]
+
+
+def growth(terms: Terms, P: Fraction) -> float:
+    """The largest Re λ."""
+    return max(growths(terms, P))
 
 
 def first_float(terms: Terms, top: int) -> tuple[float, float] | None:
@@ -348,6 +362,48 @@ def test_what_is_proven_of_random_systems_is_so_at_200_bits(seed: int, kind: str
     if found.load:
         assert growth(terms, found.load[1] * F(1000001, 1000000)) > 1e-9
     assert len(found.parts) >= (len(TIES.get(kind, ONE)) if kind != "whirls" else 1) or not terms[1][0].any()
+
+
+def listed(terms: Terms, names: list[str], top: int) -> list[all_crossings.Crossing]:
+    bits = 2 * first_crossing.bits_for(len(names), 12)
+    with precision(bits):
+        for rest in (True, None):
+            of = split(*terms, names, False, rest)
+            parts = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in of]
+            if all(all_crossings.turns_fast(part, F(top)) for part in parts):
+                break
+        found = all_crossings._merged(parts, F(top), lambda _: None)
+        return all_crossings._refined(parts, found, parts, 12, bits)
+
+
+@pytest.mark.parametrize("kind", [*TIES, "whirls", "tied whirls"])
+def test_between_all_crossings_as_many_eigenvalues_are_unstable_as_is_said(kind: str) -> None:
+    """At 200 bits; of parts that are the same, two planes that whirl, and frequencies that pass through one another."""
+    told = 0
+    for seed in (1, 4, 5):
+        terms, names = drawn(seed, kind)
+        found = listed(terms, names, 12)
+        edges = [F(0), *(v for c in found for v in c.load), F(12)]
+        between = [c.unstable for c in found] + [sum(c.change for c in found)]
+        for low, high, unstable in zip(edges[::2], edges[1::2], between, strict=True):
+            for share in (F(1, 100), F(1, 2), F(99, 100)):
+                assert sum(value > 1e-30 for value in growths(terms, low + share * (high - low))) == unstable
+        told += len(found)
+    assert told
+
+
+def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
+    """Of what the disc couples two by two, forward and backward whirl pass each other below."""
+    for name in ("two planes and a spring between", "a disc that spins", "three planes in a ring"):
+        load, times = proven(name).load, 2 if name == "three planes in a ring" else 1
+        found = fb.certified_crossings(column(name), COLUMNS[name][1], load_max=30, digits=10)
+        assert load is not None and F(found[0].load[0]) < F(load[1]) and F(load[0]) < F(found[0].load[1])
+        assert found[0].stability == "lost" and len(found) > 1
+        for one, following in itertools.pairwise(found):
+            middle = (F(one.load[1]) + F(following.load[0])) / 2
+            values = rates(name, float(middle))
+            assert (values.real > 1e-4 * abs(values).max()).sum() == one.unstable_above == following.unstable_below
+        assert found[0].unstable_above == (times if found[0].kind == "divergence" else 2 * times)
 
 
 def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:

@@ -38,10 +38,12 @@ from freebeam_derive.certify.first_crossing import (
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
+from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
 FINEST = 80  # halvings of the load axis
 HALVINGS = 5  # of a strip
+PIECES = 16  # of the loads, on each of which signs of factors are told
 
 
 @dataclass(frozen=True)
@@ -114,14 +116,36 @@ def survey(
     while True:
         with precision(bits):
             try:
-                parts = boundaries(kernel, question, bits)
+                rest = _frames(kernel, question, bits, load_max)
+                parts = boundaries(kernel, question, bits, rest)
                 found = _merged(parts, load_max, say)
                 break
             except Unproven:
                 if 2 * bits > MOST_BITS:
                     raise
         bits *= 2
-    return _refined(kernel, question, found, parts, digits, max(bits, bits_for(functions, digits)))
+    bits = max(bits, bits_for(functions, digits))
+    with precision(bits):
+        return _refined(boundaries(kernel, question, bits, rest), found, parts, digits, bits)
+
+
+def _frames(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> bool | None:
+    """How planes that whirl are seen, as `boundaries` takes it: not from a frame where that leaves something open."""
+    try:
+        parts = boundaries(kernel, question, bits, True)
+    except Unproven:
+        return None
+    return True if all(turns_fast(of, load_max) for of in parts) else None
+
+
+def turns_fast(of: Boundary, load_max: Fraction) -> bool:
+    """Whether no ω + turn of two planes that whirl is real and 0 or less at any load, so that all x are positive: where
+    (−1)^k times the factor of x^k in h has the same sign for all k."""
+    if not (of.part and of.part.whirls):
+        return True
+    rows = [arb_poly([(-1) ** k * row[k] for row in of.h.rows]) for k in range(of.N + 1)]
+    pieces = pairwise(load_max * k / PIECES for k in range(PIECES + 1))
+    return {sign for piece in pieces for sign in signs_on(rows, *piece)} in ({1}, {-1})
 
 
 def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None]) -> list[_Found]:
@@ -153,26 +177,41 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
 
 
 def _refined(
-    kernel: ModuleType, question: Question, found: list[_Found], parts: list[Boundary], digits: int, bits: int
+    fine: list[Boundary], found: list[_Found], parts: list[Boundary], digits: int, bits: int
 ) -> list[Crossing]:
-    """The crossings of a survey to the digits asked for."""
+    """The crossings of a survey to the digits asked for; fine: the same parts."""
     result, unstable = [], 0
-    with precision(bits):
-        fine = boundaries(kernel, question, bits)
-        for crossing in found:
-            of, before = fine[crossing.part], parts[crossing.part]
-            z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
-            P, *squares = refined(of, z, bits, 40)
-            inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in squares)
-            pairs = zip(of.h.rows, before.h.rows, strict=True)
-            again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
-            if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
-                raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
-            square = _interval(squares[0], digits - 1) if squares else None
-            kind = "flutter" if squares else "divergence"
-            result.append(Crossing(kind, _interval(P, digits), square, crossing.change, unstable))
-            unstable += crossing.change
+    for crossing in found:
+        of, before = fine[crossing.part], parts[crossing.part]
+        z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
+        P, *places = refined(of, z, bits, 40)
+        inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in places)
+        pairs = zip(of.h.rows, before.h.rows, strict=True)
+        again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
+        if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
+            raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
+        for square, times in _squares(of.part, places):
+            if square is not None and not square > 0:
+                raise Unproven(f"whether the frequency at the load {float(P.mid()):.10g} is zero is not known")
+            told = None if square is None else _interval(square, digits - 1)
+            kind, change = "divergence" if square is None else "flutter", times * crossing.change
+            result.append(Crossing(kind, _interval(P, digits), told, change, unstable))
+            unstable += change
     return result
+
+
+def _squares(part: Part | None, places: list[arb]) -> list[tuple[arb | None, int]]:
+    """ω² of a crossing at x, of none where it is 0, each with how many times the change of x it stands for.
+
+    In a frame that turns x = (ω + turn)² is of two ω, and each of ω and −ω, those of the other sense of whirl.
+    """
+    x = places[0] if places else None
+    if part is None or part.turn == 0:
+        return [(x, 1)]
+    turn = exact(part.turn)
+    if x is None:
+        return [(turn**2, 2)]
+    return [((x - turn) ** 2, 1)] if part.whirls else [((x.sqrt() + side * turn) ** 2, 1) for side in (-1, 1)]
 
 
 def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:
@@ -297,7 +336,7 @@ class _Survey:
                     # strips about as wide as the pair is far away
                     more |= {x for x in (z.real - abs(z.imag), z.real + abs(z.imag)) if x > 0}
         marks.sort()
-        top = Fraction(2 * max((abs(z) for group in every for z in group), default=1.0))
+        top = Fraction(2 * max((abs(z) for group in every for z in group if abs(z) > 0), default=1.0))
         # upper end of a strip, and whose zeros it holds
         cuts = [(Fraction((x + y) / 2), which) for (x, which), (y, other) in pairwise(marks) if which != other]
         cuts.append((top, marks[-1][1] if marks else 1))
