@@ -62,22 +62,24 @@ def planes(names: str, tied: str, spring: str) -> dict[str, str]:
     }
 
 
-COLUMNS: dict[str, tuple[dict[str, str], int, int]] = {  # changes, N, the number of parts
-    "two planes": (PLANES, 3, 2),
+SPINS = {
+    "T": f"{PLANES['T']} + ({TILTED}) / 40", "dW_nc": PLANES["dW_nc"] + WHIRLS, "parameters": "(own(c, 0.02),)",
+}  # fmt: skip
+PINNED = "{y: ('pinned', 'pinned'), psi: ('pinned', 'pinned')}"
+COLUMNS: dict[str, tuple[dict[str, str], int, int, int]] = {  # changes, N, parts, those lost at once
+    "two planes": (PLANES, 3, 2, 2),
+    "two planes, one heavy": (PLANES | {"T": "integral(y.diff(t) ** 2 + 4 * psi.diff(t) ** 2) / 2"}, 3, 2, 2),
     "two planes and a spring between": (
-        PLANES | {"V": PLANES["V"] + " + k * (at(y, 1) - at(psi, 1)) ** 2 / 2", "parameters": "(own(k, 5.0),)"}, 3, 2,
+        PLANES | {"V": PLANES["V"] + " + k * (at(y, 1) - at(psi, 1)) ** 2 / 2", "parameters": "(own(k, 5.0),)"}, 3, 2, 1,
     ),
-    "a disc that spins": (
-        PLANES
-        | {"T": f"{PLANES['T']} + ({TILTED}) / 40", "dW_nc": PLANES["dW_nc"] + WHIRLS, "parameters": "(own(c, 0.02),)"},
-        2, 1,
-    ),
-    "four planes in a row": (planes("y u v w", "yu uv vw", "- half"), 2, 4),
-    "three planes in a ring": (planes("y u v", "yu uv vy", "- half"), 2, 3),
+    "a disc that spins": (PLANES | SPINS, 2, 1, 1),
+    "a disc where it does not tilt": (PLANES | SPINS | {"dW_nc": "0" + WHIRLS, "ends": PINNED}, 3, 3, 2),
+    "four planes in a row": (planes("y u v w", "yu uv vw", "- half"), 2, 4, 1),
+    "three planes in a ring": (planes("y u v", "yu uv vy", "- half"), 2, 3, 2),
     "a spring at mid-span": (
         {"dW_nc": "0", "V": "V + k * at(y, half) ** 2 / 2", "ends": '("pinned", "pinned")',
          "parameters": "(own(k, 600.0),)"},
-        3, 3,
+        3, 3, 1,
     ),
 }  # fmt: skip
 
@@ -117,8 +119,8 @@ def test_frequencies_pass_and_the_first_loss_is_that_of_a_dense_scan(name: str) 
     assert above.real.max() > 1e-3
     if found.kind == "flutter":
         assert abs(above[above.real.argmax()].imag) == pytest.approx(float(found.frequency[0]), rel=1e-2)
-    assert len(said.parts) == (COLUMNS[name][2] if COLUMNS[name][2] > 1 else 1) and said.load is not None
-    assert said.times == (2 if name in ("two planes", "three planes in a ring") else 1) == said.record()["times"]
+    assert (len(said.parts), said.times) == COLUMNS[name][2:] and said.load is not None
+    assert said.record()["times"] == said.times
     assert said.whirls == (name == "a disc that spins")
     if said.frequency is not None:
         assert float(said.frequency[0]) == pytest.approx(float(found.frequency[0]), rel=1e-9)
@@ -131,6 +133,36 @@ def test_two_planes_are_lost_where_one_is_and_a_spring_between_them_leaves_their
     for name in ("two planes", "two planes and a spring between"):
         load = proven(name).load
         assert load is not None and max(F(load[0]), F(alone[0])) < min(F(load[1]), F(alone[1]))
+
+
+def test_two_planes_of_other_mass_are_lost_at_one_load_with_other_frequencies() -> None:
+    """The second is 4 times as heavy, and half as fast."""
+    name = "two planes, one heavy"
+    load, other = proven(name).load, proven("two planes").load
+    assert load is not None and other is not None and max(F(load[0]), F(other[0])) < min(F(load[1]), F(other[1]))
+    said = verifier.verify(written(name))
+    assert isinstance(said, verifier.OfForms) and said.times == 2 and said.rescaled and "unit of time" in str(said)
+    found = fb.certified_crossings(column(name), 3, load_max=21, digits=10)
+    assert [(c.unstable_below, c.unstable_above) for c in found] == [(0, 2), (2, 4)]
+    slow, fast = (float(c.frequency[0]) for c in found)
+    assert fast == pytest.approx(2 * slow, rel=1e-9)
+    data = written(name)
+    for letter, k in (("M", 0), ("K", 0), ("K", 1)):
+        for n, term in enumerate(data["forms"][letter][k]["along"]):
+            unlike = copy.deepcopy(data)
+            unlike["forms"][letter][k]["along"][n][5] = [str(-F(term[5][0]))]
+            refused(unlike)
+            unlike["forms"][letter][k]["along"][n][5] = ["1", "1/1000000"]
+            refused(unlike)
+
+
+def test_a_shaft_buckles_in_both_planes_where_its_disc_does_not_tilt() -> None:
+    """Even about the disc no rates act: a divergence at Euler's load, π² but for the series, of both planes at once."""
+    found = proven("a disc where it does not tilt")
+    assert found.kind == "divergence" and found.load is not None and found.frequency == ("0", "0")
+    assert np.pi**2 < float(found.load[0]) < np.pi**2 * 1.0002
+    listed = fb.certified_crossings(column("a disc where it does not tilt"), 3, load_max=20, digits=10)
+    assert [(c.kind, c.unstable_above) for c in listed] == [("divergence", 2)]
 
 
 def test_in_a_disc_that_spins_forward_and_backward_whirl_pass_each_other() -> None:
@@ -395,7 +427,7 @@ def test_between_all_crossings_as_many_eigenvalues_are_unstable_as_is_said(kind:
 def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
     """Of what the disc couples two by two, forward and backward whirl pass each other below."""
     for name in ("two planes and a spring between", "a disc that spins", "three planes in a ring"):
-        load, times = proven(name).load, 2 if name == "three planes in a ring" else 1
+        load, times = proven(name).load, COLUMNS[name][3]
         found = fb.certified_crossings(column(name), COLUMNS[name][1], load_max=30, digits=10)
         assert load is not None and F(found[0].load[0]) < F(load[1]) and F(load[0]) < F(found[0].load[1])
         assert found[0].stability == "lost" and len(found) > 1
@@ -524,16 +556,21 @@ def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
     assert len(split(of_M, of_C, [np.diag(np.diag(X)) for X in of_K], ["p", "q"], False, True)) == 2
 
 
-def test_parts_are_the_same_but_for_one_factor() -> None:
+def test_parts_are_the_same_but_for_factors() -> None:
+    """One factor of all; without rates one of M and one of K, which is a change of the unit of time."""
     terms, _ = drawn(1, "whirls")
-    one = Part(("a",), *terms)
-    for factor, again in ((fmpq(3), True), (fmpq(-1, 2), True)):
-        assert one.same(Part(("b",), *([factor * X for X in of] for of in terms))) == again
-    for k in range(3):
+    one, still = Part(("a",), *terms), Part(("a",), terms[0], [0 * X for X in terms[1]], terms[2])
+    for factor in (fmpq(3), fmpq(-1, 2)):
+        assert one.scale(Part(("b",), *([factor * X for X in of] for of in terms))) == 1
+    for k, scale in enumerate((fmpq(1, 2), fmpq(1), fmpq(2))):
         other = [[2 * X for X in of] if j == k else of for j, of in enumerate(terms)]
-        assert one.same(Part(("b",), *other)) == (not any(X.any() for X in terms[k]))
-    assert not one.same(Part(("b",), terms[0], terms[1], terms[2][:1]))
-    assert not one.same(Part(("b",), *([X[:1, :1] for X in of] for of in terms)))
+        assert one.scale(Part(("b",), *other)) == (None if any(X.any() for X in terms[k]) else 1)
+        if k != 1:
+            assert still.scale(Part(("b",), other[0], still.C, other[2])) == scale
+            negative = [[-X for X in of] if j == k else of for j, of in enumerate(terms)]
+            assert still.scale(Part(("b",), negative[0], still.C, negative[2])) is None
+    assert one.scale(Part(("b",), terms[0], terms[1], terms[2][:1])) is None
+    assert one.scale(Part(("b",), *([X[:1, :1] for X in of] for of in terms))) is None
 
 
 # --- factors that are no fractions ------------------------------------------------------------------------------------

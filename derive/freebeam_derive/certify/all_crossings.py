@@ -16,12 +16,12 @@ frequencies of two pass through one another there is nothing to tell.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from types import ModuleType
 
-from flint import arb, arb_poly
+from flint import arb, arb_poly, fmpq
 
 from freebeam_derive.certify.balls import Unproven, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
@@ -83,6 +83,7 @@ class _Found:
     top: Fraction
     change: int
     part: int = 0
+    scales: list[fmpq] = field(default_factory=lambda: [fmpq(1)])
 
 
 class Inseparable(Unproven):
@@ -149,12 +150,12 @@ def turns_fast(of: Boundary, load_max: Fraction) -> bool:
 
 
 def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None]) -> list[_Found]:
-    """The crossings of all parts, ascending; of those that are the same the first has them, with the change of all."""
+    """The crossings of all parts, ascending; of those that are the same but for the unit of time the first has them."""
     found: list[_Found] = []
     left: list[Inseparable] = []
     for k, of in enumerate(parts):
-        same = [j for j, other in enumerate(parts) if j == k or (of.part and other.part and of.part.same(other.part))]
-        if same[0] < k:
+        scales = {j: _scale(of.part, other.part) for j, other in enumerate(parts) if j != k}
+        if any(scale is not None and j < k for j, scale in scales.items()):
             continue
         try:
             own = _Survey(of, load_max, say).run()
@@ -162,7 +163,7 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
             left.append(error)
             own = error.settled
         for c in own:
-            c.part, c.change = k, c.change * len(same)
+            c.part, c.scales = k, [fmpq(1), *(scale for scale in scales.values() if scale is not None)]
         found += own
     if left:
         lowest = min(left, key=lambda error: error.low)
@@ -190,7 +191,7 @@ def _refined(
         again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
         if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
             raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
-        for square, times in _squares(of.part, places):
+        for square, times in _told(of.part, places, crossing.scales):
             if square is not None and not square > 0:
                 raise Unproven(f"whether the frequency at the load {float(P.mid()):.10g} is zero is not known")
             told = None if square is None else _interval(square, digits - 1)
@@ -200,18 +201,24 @@ def _refined(
     return result
 
 
-def _squares(part: Part | None, places: list[arb]) -> list[tuple[arb | None, int]]:
-    """ω² of a crossing at x, of none where it is 0, each with how many times the change of x it stands for.
+def _told(part: Part | None, places: list[arb], scales: list[fmpq]) -> list[tuple[arb | None, int]]:
+    """ω² of a crossing at x, None where it is 0, each with how many times the change of x it stands for.
+
+    scales: of ω² in all parts that are this one but for the unit of time.
 
     In a frame that turns x = (ω + turn)² is of two ω, and each of ω and −ω, those of the other sense of whirl.
     """
-    x = places[0] if places else None
-    if part is None or part.turn == 0:
-        return [(x, 1)]
-    turn = exact(part.turn)
+    x, turn = places[0] if places else None, exact(part.turn) if part else arb(0)
     if x is None:
-        return [(turn**2, 2)]
-    return [((x - turn) ** 2, 1)] if part.whirls else [((x.sqrt() + side * turn) ** 2, 1) for side in (-1, 1)]
+        return [(None, len(scales))] if turn == 0 else [(turn**2, 2 * len(scales))]
+    if turn == 0:
+        return [(scale * x, scales.count(scale)) for scale in sorted(set(scales))]
+    whirls = [x - turn] if part and part.whirls else [x.sqrt() - turn, x.sqrt() + turn]
+    return [(omega**2, len(scales)) for omega in whirls]
+
+
+def _scale(part: Part | None, other: Part | None) -> fmpq | None:
+    return part.scale(other) if part and other else None
 
 
 def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:

@@ -50,16 +50,32 @@ class Part:
     kind: int = -1
     known: Structure | None = None
 
-    def same(self, other: Part) -> bool:
-        """Whether it is another part again: the same motions, or the same matrices but for one factor."""
+    def scale(self, other: Part) -> fmpq | None:
+        """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
+        matrices but for one factor; the quotient of two factors where M and K have one each, without C."""
         if self.names == other.names and self.kind == other.kind >= 0:
-            return True
-        pairs = [(self.M, other.M), (self.C, other.C), (self.K, other.K)]
-        if self.turn != other.turn or any([X.shape for X in a] != [X.shape for X in b] for a, b in pairs):
-            return False
-        one, two = (np.concatenate([X.ravel() for pair in pairs for X in pair[side]]) for side in (0, 1))
-        k = int(np.flatnonzero(one != 0)[0])
-        return bool(two[k] != 0 and (one * two[k] == two * one[k]).all())
+            return fmpq(1)
+        if self.turn != other.turn:
+            return None
+        factors = [_factor(a, b) for a, b in ((self.M, other.M), (self.C, other.C), (self.K, other.K))]
+        of_M, of_C, of_K = factors
+        if of_M is None or of_K is None or of_C is None:
+            return None
+        if any(held(X).any() for X in self.C):
+            return fmpq(1) if of_M == of_C == of_K else None
+        return of_K / of_M if of_K == of_M or (of_K / of_M > 0 and self.turn == 0) else None
+
+
+def _factor(one: Powers, other: Powers) -> Any:
+    """What some matrices are times others, 0 where all are nothing; None where there is no one factor."""
+    if [X.shape for X in one] != [X.shape for X in other]:
+        return None
+    a, b = (np.concatenate([np.array([fmpq(0)]), *(X.ravel() for X in each)]) for each in (one, other))
+    first = np.flatnonzero(held(a))
+    if not len(first):
+        return None if held(b).any() else fmpq(0)
+    factor = b[first[0]] / a[first[0]]
+    return factor if factor != 0 and (a * factor == b).all() else None
 
 
 def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool | None) -> list[Part]:

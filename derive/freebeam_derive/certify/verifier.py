@@ -43,10 +43,11 @@ They are interpolated here from determinants of balls, and checked:
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
 (v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
-    is lost, to high of the others, but for those that are the first again (`alike`), which lose it with that; (ii) to
-    (iv) are of the first. Of two planes that are alike and that rates alone couple, x is (ω + turn)² or ω + turn
-    (`seen`): as seen from rest where a frame couples them which turns at that rate, so that two pairs meet at P*; else
-    of one sense of whirl, and of the other at −ω. Frequencies of different parts, or senses, may be one.
+    is lost, to high of the others, but for those that are the first again (`alike`), or are so in another unit of time
+    (`rescaled`), which lose it with that; (ii) to (iv) are of the first. Of two planes that are alike and that rates
+    alone couple, x is (ω + turn)² or ω + turn (`seen`): as seen from rest where a frame couples them which turns at
+    that rate, so that two pairs meet at P*; else of one sense of whirl, and of the other at −ω. Frequencies of
+    different parts, or senses, may be one.
 (vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
     of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
@@ -94,7 +95,7 @@ from freebeam_derive.certify.verifier_claims import (
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
 from freebeam_derive.certify.verifier_motions import Motion, motions
-from freebeam_derive.certify.verifier_parts import alike, seen, taken
+from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
@@ -518,16 +519,20 @@ def _of_forms(data: dict[str, Any]) -> Read:
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
     first, damped = each[0], any(part.damped for part in each)
     again = [lines is None for lines in beside]
-    fits = all(part.same(first) for part, same in zip(each[1:], again, strict=True) if same)
+    those = [part for part, same in zip(each[1:], again, strict=True) if same]
+    fits = all(part.same(first) or part.rescaled(first) for part in those)
     require(fits, "a part without stretches is not the first again")
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
         motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
         above_zero=any(part.above_zero for part in each),
-        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + sum(again),
+        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + len(those),
+        rescaled=not all(part.same(first) for part in those),
         turn=first.turn, whirls=first.whirls,
     )  # fmt: skip
     require(first.turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
+    turns = stated.frequency is None or not first.whirls or stated.frequency[0] > 0
+    require(turns, "the frequency of a whirl may be zero")
     others = [
         (part.system, part.stretches(lines, stated.top))
         for part, lines in zip(each[1:], beside, strict=True)
@@ -583,9 +588,16 @@ class Part:
         """Whether it is another again: the same motions, or the same matrices but for one factor."""
         if self.names == other.names and self.motion.kind == other.motion.kind >= 0:
             return True
-        return self.motion.count == other.motion.count == 1 and alike(
-            [self.M, self.C, self.K], [other.M, other.C, other.K]
-        )
+        return self.motion.count == other.motion.count == 1 and alike(self._terms, other._terms)
+
+    def rescaled(self, other: Part) -> bool:
+        """Whether it is another but for the unit of time."""
+        fractions = self.motion.count == other.motion.count == 1 and self.turn is None is other.turn
+        return fractions and rescaled(self._terms, other._terms)
+
+    @property
+    def _terms(self) -> list[list[fmpq_mat]]:
+        return [self.M, self.C, self.K]
 
     @property
     def damped(self) -> bool:

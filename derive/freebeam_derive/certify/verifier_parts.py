@@ -31,6 +31,23 @@ def alike(one: Terms, other: Terms) -> bool:
     return bool(those[k] != 0) and all(a * those[k] == b * these[k] for a, b in zip(these, those, strict=True))
 
 
+def rescaled(one: Terms, other: Terms) -> bool:
+    """Whether M and K are those of another but for a positive factor each, and there is no C: λ of the one are those of
+    the other but for a positive factor."""
+    if any(not _nothing(X) for terms in (one[1], other[1]) for X in terms):
+        return False
+    factors = []
+    for k in (0, 2):
+        if [(X.nrows(), X.ncols()) for X in one[k]] != [(X.nrows(), X.ncols()) for X in other[k]]:
+            return False
+        a, b = ([v for X in of[k] for v in X.entries()] for of in (one, other))
+        first = next(i for i, v in enumerate(a) if v != 0)
+        factors.append(b[first] / a[first])
+        if any(u * factors[-1] != v for u, v in zip(a, b, strict=True)):
+            return False
+    return all(factor > 0 for factor in factors)
+
+
 # --- two planes that rates couple ---------------------------------------------------------------------------------
 
 
