@@ -7,6 +7,7 @@ from __future__ import annotations
 import copy
 import itertools
 import json
+import sys
 import tempfile
 from dataclasses import replace
 from fractions import Fraction
@@ -70,7 +71,8 @@ COLUMNS: dict[str, tuple[dict[str, str], int, int, int]] = {  # changes, N, part
     "two planes": (PLANES, 3, 2, 2),
     "two planes, one heavy": (PLANES | {"T": "integral(y.diff(t) ** 2 + 4 * psi.diff(t) ** 2) / 2"}, 3, 2, 2),
     "two planes and a spring between": (
-        PLANES | {"V": PLANES["V"] + " + k * (at(y, 1) - at(psi, 1)) ** 2 / 2", "parameters": "(own(k, 5.0),)"}, 3, 2, 1,
+        PLANES | {"V": PLANES["V"] + " + k * (at(y, 1) - at(psi, 1)) ** 2 / 2", "parameters": "(own(k, 5.0),)"},
+        3, 2, 1,
     ),
     "a disc that spins": (PLANES | SPINS, 2, 1, 1),
     "a disc where it does not tilt": (PLANES | SPINS | {"dW_nc": "0" + WHIRLS, "ends": PINNED}, 3, 3, 2),
@@ -411,17 +413,19 @@ def listed(terms: Terms, names: list[str], top: int) -> list[all_crossings.Cross
 @pytest.mark.parametrize("kind", [*TIES, "whirls", "tied whirls"])
 def test_between_all_crossings_as_many_eigenvalues_are_unstable_as_is_said(kind: str) -> None:
     """At 200 bits; of parts that are the same, two planes that whirl, and frequencies that pass through one another."""
-    told = 0
-    for seed in (1, 4, 5):
-        terms, names = drawn(seed, kind)
-        found = listed(terms, names, 12)
-        edges = [F(0), *(v for c in found for v in c.load), F(12)]
-        between = [c.unstable for c in found] + [sum(c.change for c in found)]
-        for low, high, unstable in zip(edges[::2], edges[1::2], between, strict=True):
-            for share in (F(1, 100), F(1, 2), F(99, 100)):
-                assert sum(value > 1e-30 for value in growths(terms, low + share * (high - low))) == unstable
-        told += len(found)
-    assert told
+    assert sum(counted(seed, kind) for seed in (1, 4, 5))
+
+
+def counted(seed: int, kind: str) -> int:
+    """How many crossings are listed, with the eigenvalues between counted."""
+    terms, names = drawn(seed, kind)
+    found = listed(terms, names, 12)
+    edges = [F(0), *(v for c in found for v in c.load), F(12)]
+    between = [c.unstable for c in found] + [sum(c.change for c in found)]
+    for low, high, unstable in zip(edges[::2], edges[1::2], between, strict=True):
+        for share in (F(1, 100), F(1, 2), F(99, 100)):
+            assert sum(value > 1e-30 for value in growths(terms, low + share * (high - low))) == unstable
+    return len(found)
 
 
 def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
@@ -459,28 +463,32 @@ def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:
 
 @pytest.mark.parametrize("kind", [*TIES, "whirls", "tied whirls"])
 def test_certificates_of_random_systems_are_accepted_and_with_another_entry_refused_or_true(kind: str) -> None:
-    dice = np.random.default_rng(7)
     for seed in range(3 if len(TIES.get(kind, ())) < 4 else 2):
-        terms, _ = drawn(seed, kind)
-        found = first(terms, [f"q{i}" for i in range(len(terms[0][0]))], first_float(terms, 12), 12)
-        data = certificate_of(terms, found)
-        said = verifier.verify(data)
-        assert said.load == found.load and said.end == (found.load or (F(12),))[0]
-        for letter, k, of in (("M", 0, 0), ("K", 0, 2), ("K", 1, 2), ("C_1", 0, 1)):
-            points = data["forms"][letter][k]["points"]
-            if not points:
-                continue
-            n = int(dice.integers(len(points)))
-            unlike, other = copy.deepcopy(data), copy.deepcopy(terms)
-            (row, *_), (column_, *_), value = points[n]
-            changed = F(value) * F(int(dice.integers(800, 1200)), 1000)
-            unlike["forms"][letter][k]["points"][n][2] = str(changed)
-            other[of][k][int(row[1:]), int(column_[1:])] = fmpq(changed.numerator, changed.denominator)
-            try:
-                end = verifier.verify(unlike).end
-            except verifier.Refused:
-                continue
-            assert all(growth(other, end * F(share, 10)) < 1e-40 for share in range(10))
+        forged(seed, kind)
+
+
+def forged(seed: int, kind: str) -> None:
+    dice = np.random.default_rng(seed + 7)
+    terms, _ = drawn(seed, kind)
+    found = first(terms, [f"q{i}" for i in range(len(terms[0][0]))], first_float(terms, 12), 12)
+    data = certificate_of(terms, found)
+    said = verifier.verify(data)
+    assert said.load == found.load and said.end == (found.load or (F(12),))[0]
+    for letter, k, of in (("M", 0, 0), ("K", 0, 2), ("K", 1, 2), ("C_1", 0, 1)):
+        points = data["forms"][letter][k]["points"]
+        if not points:
+            continue
+        n = int(dice.integers(len(points)))
+        unlike, other = copy.deepcopy(data), copy.deepcopy(terms)
+        (row, *_), (column_, *_), value = points[n]
+        changed = F(value) * F(int(dice.integers(800, 1200)), 1000)
+        unlike["forms"][letter][k]["points"][n][2] = str(changed)
+        other[of][k][int(row[1:]), int(column_[1:])] = fmpq(changed.numerator, changed.denominator)
+        try:
+            end = verifier.verify(unlike).end
+        except verifier.Refused:
+            continue
+        assert all(growth(other, end * F(share, 10)) < 1e-40 for share in range(10))
 
 
 @pytest.mark.parametrize("kind", TIES)
@@ -591,3 +599,16 @@ def test_refusals_name_what_is_not_supported(tmp_path: Path) -> None:
         found = fb.exact_load(fb.column(file_of(tmp_path, "sample", changes)), digits=6)
         assert not found.proof["first"] and "no fraction" in found.missing
         assert not any(word in found.missing for word in ("module", "attribute", "ufunc", "callable"))
+
+
+if __name__ == "__main__":  # python -m tests.certify.test_motions_apart 100: so many systems of each kind
+    for kind in (*TIES, "whirls", "tied whirls"):
+        open_: list[int] = []
+        for seed in range(int(sys.argv[1])):
+            try:
+                test_what_is_proven_of_random_systems_is_so_at_200_bits(seed, kind)
+                forged(seed, kind)
+                counted(seed, kind)
+            except Unproven:
+                open_.append(seed)
+        print(f"{kind}: {sys.argv[1]} systems, not proven {open_}", flush=True)

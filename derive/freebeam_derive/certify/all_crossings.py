@@ -117,8 +117,7 @@ def survey(
     while True:
         with precision(bits):
             try:
-                rest = _frames(kernel, question, bits, load_max)
-                parts = boundaries(kernel, question, bits, rest)
+                parts, rest = _parts(kernel, question, bits, load_max)
                 found = _merged(parts, load_max, say)
                 break
             except Unproven:
@@ -130,13 +129,15 @@ def survey(
         return _refined(boundaries(kernel, question, bits, rest), found, parts, digits, bits)
 
 
-def _frames(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> bool | None:
-    """How planes that whirl are seen, as `boundaries` takes it: not from a frame where that leaves something open."""
+def _parts(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> tuple[list[Boundary], bool | None]:
+    """All parts, and how planes that whirl are seen: not from a frame where that leaves something open."""
     try:
         parts = boundaries(kernel, question, bits, True)
+        if all(turns_fast(of, load_max) for of in parts):
+            return parts, True
     except Unproven:
-        return None
-    return True if all(turns_fast(of, load_max) for of in parts) else None
+        pass
+    return boundaries(kernel, question, bits), None
 
 
 def turns_fast(of: Boundary, load_max: Fraction) -> bool:
