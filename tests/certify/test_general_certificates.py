@@ -750,6 +750,11 @@ def test_frequencies_may_pass_through_one_another(changes: dict[str, str], turn:
     said = verifier.verify(json.loads(json.dumps(found.certificate)))
     assert ("seen from rest" in str(said)) == bool(turn) == ("leaving each other alone" not in str(said))
     assert isinstance(said, verifier.OfForms) and said.times == 1
+    listed = fb.certified_crossings(column_, 3, load_max=21, digits=10)
+    assert [c.kind for c in listed] == ["flutter"] * (1 + turn) and listed[-1].unstable_above == 2 + 2 * turn
+    for c, side in zip(listed, (-1, 1), strict=False):  # in the frame both at one load
+        assert F(c.load[0]) < F(found.load[1]) and F(found.load[0]) < F(c.load[1])
+        assert float(c.frequency[0]) == pytest.approx(float(alone.square[0]) ** 0.5 + side * turn, rel=1e-9)
     with pytest.raises(Unproven, match=r"could not be shown|not known to be stable"):  # of all in one
         whole = boundary(column_.kernel, Question(3, own=parameters(column_.kernel)), 300)
         first_crossing.cover(whole, F(0), alone.load[0], 40)

@@ -9,22 +9,23 @@ in P and x prove. A stretch that fails is searched for a crossing by Newton's me
 box as large as can be had it is shown to be alone, and the strips leave that box out. What remains is cut in half.
 
 How many eigenvalues are unstable is counted from none at P = 0: the sign of the Jacobian of (h, g) says which way an
-eigenvalue crosses.
+eigenvalue crosses. Motions that leave each other alone (`parts`) have lists of their own, merged by load: where
+frequencies of two pass through one another there is nothing to tell.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import pairwise
 from types import ModuleType
 
-from flint import arb, arb_poly
+from flint import arb, arb_poly, fmpq
 
 from freebeam_derive.certify.balls import Unproven, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundary, functions_of
+from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of
 from freebeam_derive.certify.first_crossing import (
     LOWEST_BITS,
     Stretch,
@@ -37,18 +38,20 @@ from freebeam_derive.certify.first_crossing import (
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
+from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
 FINEST = 80  # halvings of the load axis
 HALVINGS = 5  # of a strip
+PIECES = 16  # of the loads, on each of which signs of factors are told
 
 
 @dataclass(frozen=True)
 class Crossing:
     """One or two eigenvalues on the imaginary axis: an interval of loads, one of ω² (None for a divergence).
 
-    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, 0
-    where one touches zero (of the beam itself alone).
+    change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, so
+    many times that as parts are the same; 0 where one touches zero (of the beam itself alone).
     unstable: how many are below it.
     """
 
@@ -70,7 +73,7 @@ class Crossing:
 
 @dataclass
 class _Found:
-    """A crossing with the box about it, of loads and of x, in which there is no other."""
+    """A crossing with the box about it, of loads and of x, in which there is no other of its part."""
 
     load: arb
     square: arb | None
@@ -79,6 +82,8 @@ class _Found:
     bottom: Fraction
     top: Fraction
     change: int
+    part: int = 0
+    scales: list[fmpq] = field(default_factory=lambda: [fmpq(1)])
 
 
 class Inseparable(Unproven):
@@ -87,6 +92,7 @@ class Inseparable(Unproven):
     def __init__(self, low: Fraction, high: Fraction, settled: list[_Found]) -> None:
         self.low, self.high = low, high
         below = ", ".join(f"{v:.10g}" for v in sorted(float(c.load.mid()) for c in settled) if v < low) or "none"
+        self.settled = settled
         super().__init__(
             f"between the loads {float(low):.15g} and {float(high):.15g} crossings could not be told apart: two may "
             f"lie closer together than {FINEST} halvings at {MOST_BITS} bits resolve, or meet. Established: up to "
@@ -111,31 +117,109 @@ def survey(
     while True:
         with precision(bits):
             try:
-                found = _Survey(boundary(kernel, question, bits), load_max, say).run()
+                parts, rest = _parts(kernel, question, bits, load_max)
+                found = _merged(parts, load_max, say)
                 break
             except Unproven:
                 if 2 * bits > MOST_BITS:
                     raise
         bits *= 2
-    return _refined(kernel, question, found, digits, max(bits, bits_for(functions, digits)))
-
-
-def _refined(kernel: ModuleType, question: Question, found: list[_Found], digits: int, bits: int) -> list[Crossing]:
-    """The crossings of a survey to the digits asked for."""
-    result, unstable = [], 0
+    bits = max(bits, bits_for(functions, digits))
     with precision(bits):
-        fine = boundary(kernel, question, bits)
-        for crossing in found:
-            z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
-            P, *squares = refined(fine, z, bits, 40)
-            inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in squares)
-            if not (inside and exact(crossing.low) < P < exact(crossing.high)):
-                raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
-            square = _interval(squares[0], digits - 1) if squares else None
-            kind = "flutter" if squares else "divergence"
-            result.append(Crossing(kind, _interval(P, digits), square, crossing.change, unstable))
-            unstable += crossing.change
+        return _refined(boundaries(kernel, question, bits, rest), found, parts, digits, bits)
+
+
+def _parts(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> tuple[list[Boundary], bool | None]:
+    """All parts, and how planes that whirl are seen: not from a frame where that leaves something open."""
+    try:
+        parts = boundaries(kernel, question, bits, True)
+        if all(turns_fast(of, load_max) for of in parts):
+            return parts, True
+    except Unproven:
+        pass
+    return boundaries(kernel, question, bits), None
+
+
+def turns_fast(of: Boundary, load_max: Fraction) -> bool:
+    """Whether no ω + turn of two planes that whirl is real and 0 or less at any load, so that all x are positive: where
+    (−1)^k times the factor of x^k in h has the same sign for all k."""
+    if not (of.part and of.part.whirls):
+        return True
+    rows = [arb_poly([(-1) ** k * row[k] for row in of.h.rows]) for k in range(of.N + 1)]
+    pieces = pairwise(load_max * k / PIECES for k in range(PIECES + 1))
+    return {sign for piece in pieces for sign in signs_on(rows, *piece)} in ({1}, {-1})
+
+
+def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None]) -> list[_Found]:
+    """The crossings of all parts, ascending; of those that are the same but for the unit of time the first has them."""
+    found: list[_Found] = []
+    left: list[Inseparable] = []
+    for k, of in enumerate(parts):
+        scales = {j: _scale(of.part, other.part) for j, other in enumerate(parts) if j != k}
+        if any(scale is not None and j < k for j, scale in scales.items()):
+            continue
+        try:
+            own = _Survey(of, load_max, say).run()
+        except Inseparable as error:
+            left.append(error)
+            own = error.settled
+        for c in own:
+            c.part, c.scales = k, [fmpq(1), *(scale for scale in scales.values() if scale is not None)]
+        found += own
+    if left:
+        lowest = min(left, key=lambda error: error.low)
+        raise Inseparable(lowest.low, lowest.high, found)
+    found.sort(key=lambda c: c.load.mid())
+    for one, following in pairwise(found):
+        if not one.load < following.load:
+            raise Unproven(
+                f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
+            )
+    return found
+
+
+def _refined(
+    fine: list[Boundary], found: list[_Found], parts: list[Boundary], digits: int, bits: int
+) -> list[Crossing]:
+    """The crossings of a survey to the digits asked for; fine: the same parts."""
+    result, unstable = [], 0
+    for crossing in found:
+        of, before = fine[crossing.part], parts[crossing.part]
+        z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
+        P, *places = refined(of, z, bits, 40)
+        inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in places)
+        pairs = zip(of.h.rows, before.h.rows, strict=True)
+        again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
+        if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
+            raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
+        for square, times in _told(of.part, places, crossing.scales):
+            if square is not None and not square > 0:
+                raise Unproven(f"whether the frequency at the load {float(P.mid()):.10g} is zero is not known")
+            told = None if square is None else _interval(square, digits - 1)
+            kind, change = "divergence" if square is None else "flutter", times * crossing.change
+            result.append(Crossing(kind, _interval(P, digits), told, change, unstable))
+            unstable += change
     return result
+
+
+def _told(part: Part | None, places: list[arb], scales: list[fmpq]) -> list[tuple[arb | None, int]]:
+    """ω² of a crossing at x, None where it is 0, each with how many times the change of x it stands for.
+
+    scales: of ω² in all parts that are this one but for the unit of time.
+
+    In a frame that turns x = (ω + turn)² is of two ω, and each of ω and −ω, those of the other sense of whirl.
+    """
+    x, turn = places[0] if places else None, exact(part.turn) if part else arb(0)
+    if x is None:
+        return [(None, len(scales))] if turn == 0 else [(turn**2, 2 * len(scales))]
+    if turn == 0:
+        return [(scale * x, scales.count(scale)) for scale in sorted(set(scales))]
+    whirls = [x - turn] if part and part.whirls else [x.sqrt() - turn, x.sqrt() + turn]
+    return [(omega**2, len(scales)) for omega in whirls]
+
+
+def _scale(part: Part | None, other: Part | None) -> fmpq | None:
+    return part.scale(other) if part and other else None
 
 
 def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:
@@ -167,13 +251,7 @@ class _Survey:
             self._flutter(zero, open_.low)  # what there is below, so that it can be told
             raise Inseparable(open_.low, open_.high, self.crossings) from None
         self._flutter(zero, self.load_max)
-        found = sorted(self.crossings, key=lambda c: c.load.mid())
-        for one, following in pairwise(found):
-            if not one.load < following.load:
-                raise Unproven(
-                    f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
-                )
-        return found
+        return self.crossings
 
     def _first_stable(self) -> Fraction:
         """The load from which on crossings are looked for: 0, or one up to which there is none where motions rest
@@ -266,7 +344,7 @@ class _Survey:
                     # strips about as wide as the pair is far away
                     more |= {x for x in (z.real - abs(z.imag), z.real + abs(z.imag)) if x > 0}
         marks.sort()
-        top = Fraction(2 * max((abs(z) for group in every for z in group), default=1.0))
+        top = Fraction(2 * max((abs(z) for group in every for z in group if abs(z) > 0), default=1.0))
         # upper end of a strip, and whose zeros it holds
         cuts = [(Fraction((x + y) / 2), which) for (x, which), (y, other) in pairwise(marks) if which != other]
         cuts.append((top, marks[-1][1] if marks else 1))

@@ -167,7 +167,7 @@ def expansion(
     h = _in_square(even, [d // 2 + 1 for d in degrees], scale, known, 0)
     if not damped:
         return Boundary(N, h, h.by_x, False, False, known.rests)
-    none = next(k for k, X in enumerate(C) if any(v != 0 for v in X.entries()))
+    none = next(k for k, X in enumerate(C) if any(not v == 0 for v in X.entries()))
     g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
     return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none, known.tangent)
 
@@ -319,13 +319,13 @@ def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
         return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
 
 
-def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool) -> list[Boundary]:
+def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool | None = None) -> list[Boundary]:
     """The same of each part that leaves the others alone, as `parts.split` gives them. Raises Unproven."""
     if not kernel.COLUMN.get("general"):
         return [boundary(kernel, question, bits)]
     with precision(bits):
         parts = _parts(kernel, question, rest)
-        found = [replace(_of_any(p.M, p.C, p.K, question.kappa is not None), part=p) for p in parts]
+        found = [replace(_of_any(p.M, p.C, p.K, question.kappa is not None, p.known), part=p) for p in parts]
     if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
     return found
@@ -337,15 +337,15 @@ def from_rest(kernel: ModuleType, question: Question) -> bool:
     return any(part.turn and not part.whirls for part in parts)
 
 
-def _parts(kernel: ModuleType, question: Question, rest: bool) -> list[Part]:
+def _parts(kernel: ModuleType, question: Question, rest: bool | None) -> list[Part]:
     limit = question.kappa is not None
     own = parameters(kernel, question.own)
     return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, rest)
 
 
-def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool) -> Boundary:
-    """h and g of matrices of fractions or balls. Raises Unproven."""
-    known, fast = _structure((M, C, K), limit)
+def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool, exactly: Structure | None = None) -> Boundary:
+    """h and g of matrices of fractions or balls; exactly: what is known of these. Raises Unproven."""
+    known, fast = (exactly, 0) if exactly else _structure((M, C, K), limit)
     of_M, of_C, of_K = ball_matrices(M, C, K)
     if limit and not of_C:
         raise Unproven("kappa: something has no damping that could vanish")

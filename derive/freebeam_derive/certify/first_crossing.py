@@ -62,8 +62,8 @@ class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
     parts: motions that leave the others alone, first those that lose stability; beside: stretches of the others, up to
-    the upper end of load, None for one that is the first again. From a frame that turns square is an interval of
-    (ω + turn)², or of ω + turn of what whirls.
+    the upper end of load, None for one that is the first again, but for the unit of time. From a frame that turns
+    square is an interval of (ω + turn)², or of ω + turn of what whirls.
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
     no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
     motion rests, or nothing is damped.
@@ -361,8 +361,8 @@ def _certify(
         return found
     every = [of.part for of in (first, *others) if of.part]
     try:
-        # what is the first again loses stability with it
-        beside = tuple(None if every[0].same(of.part) else _stable(of, end) for of in others if of.part)
+        # what is the first again, or is so in another unit of time, loses stability with it
+        beside = tuple(_stable(of, end) if every[0].scale(of.part) is None else None for of in others if of.part)
     except Unproven as error:
         raise Unproven(f"{error}; of motions that others leave alone") from error
     return replace(found, above_zero=any(of.above_zero for of in parts), parts=tuple(every), beside=beside)
@@ -450,6 +450,8 @@ def _certify_near(
         square = point - spread, point + spread
         if not exact(square[0]) < squares[0] < exact(square[1]):
             raise Unproven("the frequency could not be enclosed to the digits asked for")
+        if found.part and found.part.whirls and square[0] <= found.part.turn <= square[1]:
+            raise Unproven(f"whether the frequency of the whirl at the load {there} is zero is not known")
         single = alone(local, middle * tolerance / 2, spread)
     if not single:
         raise Unproven(

@@ -16,18 +16,19 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from functools import cmp_to_key
 from itertools import combinations, permutations, zip_longest
 from typing import Any
 
 import numpy as np
-from flint import arb, fmpq, fmpq_mat, fmpq_poly, nmod_mat
+from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from freebeam_derive.certify.structure import held, is_even, null_space
+from freebeam_derive.certify.commutant import splits
+from freebeam_derive.certify.structure import Structure, held, is_even, structure
 
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
 Planes = tuple[tuple[str, ...], tuple[str, ...]]
-PRIMES = (1_000_003, 1_000_033, 1_000_037, 1_000_039, 1_000_081, 1_000_099, 1_000_117, 1_000_121, 1_000_133, 1_000_151)
 MOST_PLANES = 6  # names among which two planes are looked for; the ways to pair them are counted in hundreds then
 
 
@@ -35,7 +36,8 @@ MOST_PLANES = 6  # names among which two planes are looked for; the ways to pair
 class Part:
     """names of its fields and coordinates; M, C, K. motion: which one it is of those that share these names, in the
     order of `_place`. planes: two that are alike, of which M and K are one's as seen from a frame that turns at the
-    rate turn; whirls: as a problem in s = ω + turn, else in its square."""
+    rate turn; whirls: as a problem in s = ω + turn, else in its square. kind: shared by those of the same names that
+    are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls."""
 
     names: tuple[str, ...]
     M: Powers
@@ -45,23 +47,44 @@ class Part:
     planes: Planes | None = None
     turn: Fraction = Fraction(0)
     whirls: bool = False
+    kind: int = -1
+    known: Structure | None = None
 
-    def same(self, other: Part) -> bool:
-        """Whether it is another part again: the same matrices, but for one factor."""
-        pairs = [(self.M, other.M), (self.C, other.C), (self.K, other.K)]
-        if self.turn != other.turn or any([X.shape for X in a] != [X.shape for X in b] for a, b in pairs):
-            return False
-        one, two = (np.concatenate([X.ravel() for pair in pairs for X in pair[side]]) for side in (0, 1))
-        k = int(np.flatnonzero(one != 0)[0])
-        return bool(two[k] != 0 and (one * two[k] == two * one[k]).all())
+    def scale(self, other: Part) -> fmpq | None:
+        """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
+        matrices but for one factor; the quotient of two factors where M and K have one each, without C."""
+        if self.names == other.names and self.kind == other.kind >= 0:
+            return fmpq(1)
+        if self.turn != other.turn:
+            return None
+        factors = [_factor(a, b) for a, b in ((self.M, other.M), (self.C, other.C), (self.K, other.K))]
+        of_M, of_C, of_K = factors
+        if of_M is None or of_K is None or of_C is None:
+            return None
+        if any(held(X).any() for X in self.C):
+            return fmpq(1) if of_M == of_C == of_K else None
+        return of_K / of_M if of_K == of_M or (of_K / of_M > 0 and self.turn == 0) else None
 
 
-def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool) -> list[Part]:
+def _factor(one: Powers, other: Powers) -> Any:
+    """What some matrices are times others, 0 where all are nothing; None where there is no one factor."""
+    if [X.shape for X in one] != [X.shape for X in other]:
+        return None
+    a, b = (np.concatenate([np.array([fmpq(0)]), *(X.ravel() for X in each)]) for each in (one, other))
+    first = np.flatnonzero(held(a))
+    if not len(first):
+        return None if held(b).any() else fmpq(0)
+    factor = b[first[0]] / a[first[0]]
+    return factor if factor != 0 and (a * factor == b).all() else None
+
+
+def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool | None) -> list[Part]:
     """The parts, in the order of their names; one where damping is finite, with which frequencies may cross as they
     are, and where a part had no mass. Where not all is exact parts are those of names alone.
 
     names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. rest: two
-    planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl.
+    planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl; None:
+    as they are.
     """
     every = [*M, *C, *K]
     whole = Part(tuple(dict.fromkeys(names)), M, C, K)
@@ -83,7 +106,7 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
             parts.append(part)
             continue
         for motion, each in _motions(part, [names[int(i)] for i in rows], limit):
-            parts.append(motion if limit else _seen_from_frame(motion, each, rest))
+            parts.append(motion if limit or rest is None else _seen_from_frame(motion, each, rest))
     massless = any(not any(held(X).any() for X in part.M) for part in parts)
     return [whole] if massless else parts
 
@@ -92,87 +115,49 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
 
 
 def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, list[str]]]:
-    """The parts within a part, each with the names of its rows; the part alone where there are none.
-
-    Subspaces that all matrices leave to themselves are among sums of the null spaces of f(A), f the factors over the
-    fractions of the characteristic polynomial of A = G⁻¹Y, with G and Y sums of all matrices times numbers.
-    """
-    terms = (part.M, part.C, part.K)
-    still, every = [*part.M, *part.K], [X for powers in terms for X in powers]
-    G = sum(X * fmpq(1, k + 1) for k, X in enumerate(still))
-    Y = sum(X * fmpq(1, k * k + 2) for k, X in enumerate(every))
-    if _irreducible(G, Y) or fmpq_mat(G.tolist()).det() == 0:
-        return [(part, list(names))]
-    G, Y = fmpq_mat(G.tolist()), fmpq_mat(Y.tolist())
-    A = G.solve(Y)
-    factors = [f**power for f, power in A.charpoly().factor()[1]]
-    groups = [[f] for f in factors]
-    while True:
-        spaces = [_spaces(G, A, group) for group in groups]
-        linked = next(
-            ((i, j) for i, (left, _) in enumerate(spaces) for j, (_, right) in enumerate(spaces)
-             if i != j and any((left.T @ X @ right != 0).any() for X in every)), None,
-        )  # fmt: skip
-        if linked is None:
-            break
-        groups = [g for k, g in enumerate(groups) if k not in linked] + [groups[linked[0]] + groups[linked[1]]]
-    if len(groups) == 1:
-        return [(part, list(names))]
+    """The parts within a part, each with the names of its rows; the part alone where there are none."""
+    alone, terms, every = [(part, list(names))], (part.M, part.C, part.K), [*part.M, *part.C, *part.K]
+    G = fmpq_mat(sum(X * fmpq(1, k + 1) for k, X in enumerate([*part.M, *part.K])).tolist())
+    rates = not limit and any((X != 0).any() for X in part.C)
+    symmetric = all((X == X.T).all() for X in (*part.M, *part.K)) and all(
+        (X == side * X.T).all() for side in [-1 if rates else 1] for X in part.C
+    )
+    if G.det() == 0:
+        return alone
     found = []
-    for left, right in spaces:
-        M, C, K = ([left.T @ X @ right for X in powers] for powers in terms)
-        if not (limit or is_even(M, C, K)):
-            return [(part, list(names))]
-        last = [int(np.flatnonzero(column != 0)[-1]) for column in right.T]  # of each the unit that it stands for
-        found.append((replace(part, M=M, C=C, K=K), [names[i] for i in last]))
-    found.sort(key=lambda item: _place(item[0]))
-    return [(replace(each, motion=k), of) for k, (each, of) in enumerate(found)]
+    for of in splits(G, [fmpq_mat(X.tolist()) for X in every], symmetric):
+        M, C, K = ([of.U @ X @ of.V for X in powers] for powers in terms)
+        last = [int(np.flatnonzero(column != 0)[-1]) for column in of.V.T]  # of each the unit that it stands for
+        if len(of.roots) < 2:
+            if not (limit or is_even(M, C, K)):
+                return alone
+            found.append((replace(part, M=M, C=C, K=K, kind=of.kinds[0]), [names[i] for i in last]))
+            continue
+        known = replace(structure(M, C, K), even=not limit)
+        if (rates and not symmetric) or (limit and structure(M, [], K).degree != known.degree):
+            return alone
+        shared = known.shared(len(of.roots))
+        for k, kind in enumerate(of.kinds):
+            M_r, C_r, K_r = ([of.at(k, X) for X in powers] for powers in (M, C, K))
+            found.append((replace(part, M=M_r, C=C_r, K=K_r, kind=kind, known=shared), []))
+    ordered = sorted(((_place(each), each, of) for each, of in found), key=cmp_to_key(_compared))
+    return [(replace(each, motion=k), of) for k, (_, each, of) in enumerate(ordered)] or alone
 
 
-def _irreducible(G: Any, Y: Any) -> bool:
-    """Whether the characteristic polynomial of G⁻¹Y is known to have no factors: of no degree modulo all the primes.
-    In fractions it takes as long as the proof at 70 functions."""
-    degrees = set(range(1, len(G)))
-    for p in PRIMES:
-        try:
-            of_G, of_Y = (
-                nmod_mat(len(X), len(X), [int(v.p) * pow(int(v.q), -1, p) for v in X.flat], p) for X in (G, Y)
-            )
-            factors = of_G.solve(of_Y).charpoly().factor()[1]
-        except (ValueError, ZeroDivisionError):
-            continue  # a denominator, or det G, is a multiple of p
-        sums = {0}
-        for f, power in factors:
-            for _ in range(power):
-                sums |= {size + f.degree() for size in sums}
-        degrees &= sums
-        if not degrees:
-            return True
-    return False
-
-
-def _spaces(G: fmpq_mat, A: fmpq_mat, factors: Sequence[fmpq_poly]) -> tuple[Any, Any]:
-    """Left and right null space of G f(A), f the product of some factors, as columns."""
-    n = A.nrows()
-    one = fmpq_mat([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
-    total, f = 0 * A, fmpq_poly([1])
-    for factor in factors:
-        f *= factor
-    for k in range(f.degree(), -1, -1):
-        total = total * A + f[k] * one
-    whole = np.array((G * total).tolist())
-    return null_space(whole.T), null_space(whole)
-
-
-def _place(part: Part) -> tuple[Any, ...]:
+def _place(part: Part) -> list[arb]:
     """By which parts of the same names are sorted: their size, then det(x (M_0 + K_0) − M_0) as a monic polynomial, by
     its factors from the lowest power on, then the same with K_0 + K_1 + … for K_0."""
-    M = fmpq_mat(part.M[0].tolist())
-    polynomials = []
+    found = [arb(len(part.M[0]))]
     for K in (part.K[0], np.sum(part.K, axis=0)):
-        whole = fmpq_mat(K.tolist()) + M
-        polynomials += [[]] if whole.det() == 0 else [[*whole.solve(M).charpoly()]]
-    return M.nrows(), *polynomials
+        M, whole = (arb_mat([[arb(v) for v in row] for row in X.tolist()]) for X in (part.M[0], part.M[0] + K))
+        found += [] if whole.det().contains(0) else [*whole.solve(M).charpoly()]
+    return found
+
+
+def _compared(one: tuple[list[arb], Any, Any], other: tuple[list[arb], Any, Any]) -> int:
+    """By the first numbers that are known to differ."""
+    signs = ((a > b) - (a < b) for a, b in zip(one[0], other[0], strict=False))
+    return next((sign for sign in signs if sign), 0)
 
 
 # --- two planes that rates couple -------------------------------------------------------------------------------------

@@ -12,7 +12,7 @@ its matrices are those of −λ.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -35,6 +35,10 @@ class Structure:
     rests: int = 0
     left_alone: bool = False
     tangent: bool = False
+
+    def shared(self, count: int) -> Structure:
+        """That of each of so many parts of which it holds exactly alike, those of the roots of one polynomial."""
+        return replace(self, degree=self.degree // count, rests=self.rests // count)
 
     def vanishes(self, a: int, power: int) -> bool:
         """Whether P^a λ^power has no part in the determinant, because of the motions that rest at P = 0.

@@ -43,10 +43,11 @@ They are interpolated here from determinants of balls, and checked:
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
 (v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
-    is lost, to high of the others, but for those that are the first again (`alike`), which lose it with that; (ii) to
-    (iv) are of the first. Of two planes that are alike and that rates alone couple, x is (ω + turn)² or ω + turn
-    (`seen`): as seen from rest where a frame couples them which turns at that rate, so that two pairs meet at P*; else
-    of one sense of whirl, and of the other at −ω. Frequencies of different parts, or senses, may be one.
+    is lost, to high of the others, but for those that are the first again (`alike`), or are so in another unit of time
+    (`rescaled`), which lose it with that; (ii) to (iv) are of the first. Of two planes that are alike and that rates
+    alone couple, x is (ω + turn)² or ω + turn (`seen`): as seen from rest where a frame couples them which turns at
+    that rate, so that two pairs meet at P*; else of one sense of whirl, and of the other at −ω. Frequencies of
+    different parts, or senses, may be one.
 (vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
     of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
@@ -93,7 +94,8 @@ from freebeam_derive.certify.verifier_claims import (
     require,
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
-from freebeam_derive.certify.verifier_parts import alike, motions, seen, taken
+from freebeam_derive.certify.verifier_motions import Motion, motions
+from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
@@ -472,14 +474,13 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         alone = not others or nothing(*(Y for powers in terms for Y in taken(powers, own, others)))
         require(bool(own) and alone, f"{' and '.join(group)} and the others do not leave each other alone")
         mine = [k for k, each in enumerate(names) if each == group]
-        each = [([taken(powers, own, own) for powers in terms], list(range(len(own))))]
-        if len(mine) > 1:
-            each = motions(each[0][0])
+        inner = [taken(powers, own, own) for powers in terms]
+        each = motions(inner, limit) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
         order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
-            inner, stands = each[parts[k]["motion"]]
-            found[k] = Part.of(inner, limit, parts[k]["frame"], [held[own[n]][-1] for n in stands])
+            motion = each[parts[k]["motion"]]
+            found[k] = Part.of(motion, limit, parts[k]["frame"], [held[own[n]][-1] for n in motion.stands], group)
     return [part for part in found if part]
 
 
@@ -513,21 +514,25 @@ def _of_forms(data: dict[str, Any]) -> Read:
     split, limit, rates = "parts" in data, kappa is not None, whole[1]
     require(bool(rates) or not limit, "there is no damping that could vanish")
     require(not split or limit or degrees(*whole).even, "what is damped is not to be taken apart")
-    each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(whole, limit)]
+    each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(Motion(whole, []), limit)]
     beside = _list(data.get("beside", []), MOST_NAMES)
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
     first, damped = each[0], any(part.damped for part in each)
     again = [lines is None for lines in beside]
-    fits = all(alike(first.terms, part.terms) for part, same in zip(each[1:], again, strict=True) if same)
+    those = [part for part, same in zip(each[1:], again, strict=True) if same]
+    fits = all(part.same(first) or part.rescaled(first) for part in those)
     require(fits, "a part without stretches is not the first again")
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
         motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
         above_zero=any(part.above_zero for part in each),
-        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + sum(again),
+        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + len(those),
+        rescaled=not all(part.same(first) for part in those),
         turn=first.turn, whirls=first.whirls,
     )  # fmt: skip
     require(first.turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
+    turns = stated.frequency is None or not first.whirls or stated.frequency[0] > 0
+    require(turns, "the frequency of a whirl may be zero")
     others = [
         (part.system, part.stretches(lines, stated.top))
         for part, lines in zip(each[1:], beside, strict=True)
@@ -538,43 +543,60 @@ def _of_forms(data: dict[str, Any]) -> Read:
 
 @dataclass(frozen=True)
 class Part:
-    """Motions that leave all others alone: M, C and K by powers of the load, exact. limit: of vanishing damping. turn:
-    the rate of a frame from which one of two planes is seen that rates couple; whirls: with ω + turn in place of ω²."""
+    """Motions that leave all others alone: M, C and K by powers of the load, exact. motion: where they are those of all
+    roots of a polynomial, which one is meant. limit: of vanishing damping. turn: the rate of a frame from which one of
+    two planes is seen that rates couple; whirls: with ω + turn in place of ω². names: of fields and coordinates."""
 
     M: list[fmpq_mat]
     C: list[fmpq_mat]
     K: list[fmpq_mat]
+    motion: Motion
     limit: bool
     known: Degrees
     fast: Fast | None
     turn: fmpq | None = None
     whirls: bool = False
+    names: Sequence[str] = ()
 
     @staticmethod
-    def of(terms: list[list[fmpq_mat]], limit: bool, frame: Any = None, names: Sequence[str] = ()) -> Part:
-        """frame: of a file, or none; names: the field or coordinate that each row stands for."""
-        M, C, K = terms
+    def of(motion: Motion, limit: bool, frame: Any = None, rows: Sequence[str] = (), names: Sequence[str] = ()) -> Part:
+        """frame: of a file, or none; rows: the field or coordinate that each row stands for."""
+        M, C, K = motion.terms
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
         if frame is not None:
             require(set(frame) == {"planes", "turn"} and not limit and bool(C), "a frame is none of rates")
+            require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
             planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
             turn = exact(number(frame["turn"]))
             require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
-            rows = [[n for name in plane for n, of in enumerate(names) if of == name] for plane in planes]
-            (M, C, K), whirls = seen([M, C, K], rows, turn)
+            each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
+            (M, C, K), whirls = seen([M, C, K], each, turn)
         known = degrees(M, C, K)
         if limit:
             require(bool(C), "there is no damping that could vanish")
             still = degrees(M, [], K).highest
             if known.highest > still:
+                require(motion.count == 1, "damping acts on what has no mass, where roots tell motions apart")
                 fast = Fast.of(M, C, K, still, known.highest - still)
             known = replace(known, highest=still + (fast is not None))
+        known = known.each(motion.count, not limit and (known.even or motion.even))
         require(known.highest > 1, "no motion has a frequency")
-        return Part(M, C, K, limit, known, fast, turn, whirls)
+        return Part(M, C, K, motion, limit, known, fast, turn, whirls, names)
+
+    def same(self, other: Part) -> bool:
+        """Whether it is another again: the same motions, or the same matrices but for one factor."""
+        if self.names == other.names and self.motion.kind == other.motion.kind >= 0:
+            return True
+        return self.motion.count == other.motion.count == 1 and alike(self._terms, other._terms)
+
+    def rescaled(self, other: Part) -> bool:
+        """Whether it is another but for the unit of time."""
+        fractions = self.motion.count == other.motion.count == 1 and self.turn is None is other.turn
+        return fractions and rescaled(self._terms, other._terms)
 
     @property
-    def terms(self) -> list[list[fmpq_mat]]:
+    def _terms(self) -> list[list[fmpq_mat]]:
         return [self.M, self.C, self.K]
 
     @property
@@ -587,8 +609,12 @@ class Part:
 
     def system(self) -> System:
         """At the precision in hand."""
-        M, C, K = ([arb_mat(X) for X in powers] for powers in (self.M, self.C, self.K))
-        return System(M, C, K, self.limit, self.known, self.fast)
+        terms = [self.M, self.C, self.K]
+        M, C, K = (
+            [[arb_mat(X) for X in powers] for powers in terms] if self.motion.count == 1 else self.motion.matrices()
+        )
+        C = C[: len(self.C)]
+        return System(M, C if self.C else [], K, self.limit, self.known, self.fast)
 
     def stretches(self, data: Any, end: Fraction) -> list[Stretch]:
         count = self.known.highest if self.damped else self.known.highest // 2 + 1
@@ -765,7 +791,7 @@ class Series:
         self.damped = bool(system.C) and not (known.even and not system.vanishing)
         self.touching = self.damped and known.touching
         self.N, self.of_g = known.highest // 2, (known.highest - 1) // 2
-        self.power = next((k for k, X in enumerate(system.C) if any(v != 0 for v in X.entries())), 0)
+        self.power = next((k for k, X in enumerate(system.C) if any(not v == 0 for v in X.entries())), 0)
         rows = system.M[0].nrows()
         count = rows * max(1, *(len(terms) - 1 for terms in (system.M, system.C, system.K)))
         loads = [end * (k + (self.resting > 0)) / count for k in range(count + 1)]  # where K is regular

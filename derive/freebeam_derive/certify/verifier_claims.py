@@ -186,7 +186,8 @@ class OfForms(Statement):
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
     damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0. times: how many of the parts are the first, itself counted.
+    said is said of P > 0. times: how many of the parts are the first, itself counted; rescaled: some in another unit of
+    time, with frequencies that are those of the first times a factor.
     """
 
     breaks: tuple[Fraction, ...]
@@ -199,6 +200,7 @@ class OfForms(Statement):
     gyroscopic: bool = False
     parts: tuple[tuple[str, ...], ...] = ()
     times: int = 1
+    rescaled: bool = False
     turn: fmpq | None = None
     whirls: bool = False
 
@@ -229,7 +231,8 @@ class OfForms(Statement):
             each = (f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
             of += f", {' and '.join(each)} leaving each other alone"
         if self.times > 1:
-            of += f", {self.times} of them the same, of which each is lost at that load where one is"
+            but = " but for the unit of time" if self.rescaled else ""
+            of += f", {self.times} of them the same{but}, of which each is lost at that load where one is"
         if self.turn is not None and not self.whirls:
             frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
             of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"

@@ -15,7 +15,7 @@ to lowest order, and what is at least two orders higher.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flint import fmpq, fmpq_mat
 
@@ -33,6 +33,13 @@ class Degrees:
     resting: int
     apart: bool
     touching: bool = False
+
+    def each(self, count: int, even: bool) -> Degrees:
+        """Of each of so many parts of which all that is said is alike."""
+        if count == 1:
+            return self
+        highest = self.highest // count
+        return replace(self, highest=highest - (highest % 2 if even else 0), even=even, resting=self.resting // count)
 
     def absent(self, of_load: int, of_rate: int) -> bool:
         """Whether P^of_load λ^of_rate has no part in the determinant."""

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from itertools import zip_longest
-from typing import Any
 
-from flint import fmpq, fmpq_mat, fmpq_poly
+from flint import fmpq, fmpq_mat
 
 from freebeam_derive.certify.verifier_claims import require
 
@@ -32,67 +31,21 @@ def alike(one: Terms, other: Terms) -> bool:
     return bool(those[k] != 0) and all(a * those[k] == b * these[k] for a, b in zip(these, those, strict=True))
 
 
-# --- what all matrices leave to itself ----------------------------------------------------------------------------
-
-
-def motions(terms: Terms) -> list[tuple[Terms, list[int]]]:
-    """M, C and K of motions that leave each other alone, with the rows that these stand for, in an order of their own.
-
-    For v among the motions and test functions u: both are null spaces of f(A), from either side, where f are products
-    of factors of the characteristic polynomial of A, a quotient of two sums of all matrices. That each is as large as
-    f's degree makes them all motions; that u X v is nothing for u and v of different f is checked for each matrix X.
-    """
-    M, C, K = terms
-    below = sum((X / (2 * k + 3) for k, X in enumerate(M + K)), 0 * K[0])
-    above = sum((X * (k + 1) / (k + 3) for k, X in enumerate(M + C + K)), 0 * K[0])
-    require(below.det() != 0, "the motions cannot be told apart")
-    inverse = below.inv()
-    right, left = inverse * above, (above * inverse).transpose()
-    factors = [f**power for f, power in right.charpoly().factor()[1]]
-    k = 0
-    while k < len(factors):  # join what some matrix couples with the k-th
-        spaces = [(_null(f, left), _null(f, right)) for f in factors]
-        coupled = [
-            j for j in range(len(factors)) if j != k
-            and not _nothing(*(u * X * v.transpose() for X in M + C + K
-                               for u, v in ((spaces[k][0], spaces[j][1]), (spaces[j][0], spaces[k][1]))))
-        ]  # fmt: skip
-        if coupled:
-            for j in coupled:
-                factors[k] *= factors[j]
-            factors, k = [f for j, f in enumerate(factors) if j not in coupled], 0
-        else:
-            k += 1
-    found: list[tuple[Terms, list[int]]] = []
-    for f in factors:
-        u, v = _null(f, left), _null(f, right)
-        require(u.nrows() == v.nrows() == f.degree(), "the motions are not all motions")
-        own = [[u * X * v.transpose() for X in powers] for powers in terms]
-        found.append((own, [max(j for j in range(v.ncols()) if v[i, j] != 0) for i in range(v.nrows())]))
-    return sorted(found, key=lambda item: _order(item[0]))
-
-
-def _null(f: fmpq_poly, A: fmpq_mat) -> fmpq_mat:
-    """The null space of f(A), as rows each with a last entry 1 that no other has."""
-    n = A.nrows()
-    one = fmpq_mat([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
-    whole = 0 * A
-    for factor in reversed(f.coeffs()):
-        whole = A * whole + factor * one
-    found, count = whole.numer_denom()[0].nullspace()
-    back = fmpq_mat([[fmpq(found[i, k]) for i in reversed(range(n))] for k in range(count)]).rref()[0]
-    return fmpq_mat([[back[k, i] for i in reversed(range(n))] for k in range(count)])
-
-
-def _order(terms: Terms) -> tuple[Any, ...]:
-    """By size, then by det(x (M_0 + K_0) − M_0), a monic polynomial, from its lowest factor on, then with the sum of
-    all K for K_0."""
-    (M, *_), _, K = terms
-    found: list[Any] = [M.nrows()]
-    for stiff in (K[0], sum(K[1:], K[0])):
-        whole = M + stiff
-        found.append(whole.solve(M).charpoly().coeffs() if whole.det() != 0 else [])
-    return tuple(found)
+def rescaled(one: Terms, other: Terms) -> bool:
+    """Whether M and K are those of another but for a positive factor each, and there is no C: λ of the one are those of
+    the other but for a positive factor."""
+    if any(not _nothing(X) for terms in (one[1], other[1]) for X in terms):
+        return False
+    factors = []
+    for k in (0, 2):
+        if [(X.nrows(), X.ncols()) for X in one[k]] != [(X.nrows(), X.ncols()) for X in other[k]]:
+            return False
+        a, b = ([v for X in of[k] for v in X.entries()] for of in (one, other))
+        first = next(i for i, v in enumerate(a) if v != 0)
+        factors.append(b[first] / a[first])
+        if any(u * factors[-1] != v for u, v in zip(a, b, strict=True)):
+            return False
+    return all(factor > 0 for factor in factors)
 
 
 # --- two planes that rates couple ---------------------------------------------------------------------------------
