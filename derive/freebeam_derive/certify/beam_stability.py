@@ -176,7 +176,7 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
         known = [] if square is None else [[load, square]]
     else:
         proof.no_divergence(crossing.kind)
-        stretches, problem = (), Damped(system, alpha, beta)
+        stretches, problem = (proof.real_and_simple_at(Fraction(0)),), Damped(system, alpha, beta)
         known = [] if square is None else [[load, frequency]]
     cells = Cells(system, 0, load, known).no_other_zero(problem, top)
     highest = float(top) ** 0.5 if system.vanishing else float(top)
