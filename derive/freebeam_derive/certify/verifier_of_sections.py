@@ -2,9 +2,9 @@
 
 It shares none with the prover. In a file are ends, breaks, forms, damping, the claim, m, the line R_m and points
 between which F(P, s) changes sign. Computed here are F (`verifier_pieces`), the load's size (`verifier_sections`),
-all frequencies without load up to one beyond which `verifier_waves` knows all to be apart, and from these that no eigenvalue
-passes a line from m on (Lemma 6 of docs/theorem.md), nor with damping reaches the axis beyond it (`verifier_damping`).
-The crossing, the signs and the cells are looked at as for a uniform beam.
+all frequencies without load up to one beyond which `verifier_waves` knows them to be apart, and from these that no
+eigenvalue passes a line from m on (Lemma 6 of docs/theorem.md), nor with damping reaches the axis beyond line m
+(`verifier_damping`). The crossing, the signs and the cells are looked at as for a uniform beam.
 """
 
 from __future__ import annotations
