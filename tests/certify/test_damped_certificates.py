@@ -25,11 +25,12 @@ from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _around, _sections
 from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_damping import Damped, damped
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
-from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
 from freebeam_derive.certify.verifier_sections import Sections
 from tests.certify.test_frequency_gaps import frequencies, system
@@ -279,25 +280,123 @@ def test_the_constants_of_damping_are_above_what_they_bound(case: str) -> None:
             assert all(0 < share <= bound for share, bound in zip(shares, bounds, strict=True)) and bounds[-1] < 0.7
 
 
-def test_high_modes_are_not_said_to_be_damped_where_they_are_not() -> None:
-    """The inequality of Lemma 11 as a function of each of its numbers: it holds, and ceases to hold at a wrong side."""
-    _, _, damping = column("mass")
+class Given(Damped):
+    """With its constants as they are given: least and largest along the beam, at a mass, of a slope, and the share."""
+
+    constants: Any
+
+    density = property(lambda self: (arb(self.constants[0]), arb(self.constants[1])))  # type: ignore[assignment]
+    at_masses = property(lambda self: [arb(self.constants[2])])  # type: ignore[assignment]
+    turning = property(lambda self: arb(self.constants[3]))  # type: ignore[assignment]
+
+    def share(self, omega: arb) -> arb:
+        return arb(self.constants[4])
+
+    @classmethod
+    def of(cls, c_E: float, c_M: float, vanishing: bool, *constants: float) -> Given:
+        empty = Sections(("clamped", "free"), (Fraction(0), Fraction(1)), [], [], [], [], {}, {}, {})
+        found = cls(empty, Fraction(c_E), Fraction(c_M), vanishing, [], {}, ([], {}))
+        object.__setattr__(found, "constants", constants)
+        return found
+
+
+def margin(c_E: float, c_M: float, limit: bool, R: tuple[float, ...], load: float, g: float, omega_m: float) -> float:
+    """What is left of the narrowest inequality of Lemma 11, as docs/theorem.md prints them."""
+    low, high, tau, turning, eta = R
+    delta = max(abs(low), abs(high), abs(tau))
+    X = load if limit else load + (turning / c_E if c_E else 0) + delta * (1 + g / omega_m) ** 0.5
+    omega = omega_m + g
+    r = g / omega
+    if 2 * X >= g:
+        return g - 2 * X
+    sigma = X * max((1 + r) / (g * (2 + r) - X), 1 / (g * (2 - r) - X))
+    if sigma >= 0.5**0.5:
+        return float(0.5**0.5 - sigma)
+    eps, k = sigma / (1 - sigma**2) ** 0.5, 1 / (1 - 2 * sigma**2)
+    along, of_mode = max(abs(low), abs(high)), max(abs(low), abs(high)) + eta * abs(tau)
+    rho = (along**2 + eta * tau**2) ** 0.5
+    least = low + eta * min(0, tau - low) - (2 * rho * eps + (delta + of_mode) * eps**2) / (1 - eps**2)
+    h = c_E * (omega - X - load * k) - turning * k
+    return min(h if h < 0 else np.inf, c_M + omega * h + min(0, least))
+
+
+def test_the_inequality_is_that_of_the_page() -> None:
+    """At numbers drawn at random, on both sides of it."""
+    draw, seen = np.random.default_rng(1), {True: 0, False: 0}
     with flint.ctx.workprec(BITS):
-        gap, frequency = arb(30), arb(16)
-
-        def holds(of: Damped = damping, loaded: float = 6.0, wide: arb = gap) -> bool:
+        for _ in range(400):
+            c_E, c_M, low, high, tau, turning = draw.uniform(0, 1, 6) * draw.choice([0.01, 0.1, 1], 6)
+            c_E, turning = (c_E, turning * draw.choice([0, 1])) if draw.random() < 0.7 else (0.0, 0.0)
+            R = (-low, float(high), float(draw.choice([-1, 1]) * tau), float(turning), float(draw.uniform(0, 1)))
+            g, omega_m, limit = *draw.uniform(5, 60, 2), bool(draw.integers(2))
+            load = g * draw.uniform(0.05, 0.6)
+            wanted = margin(c_E, c_M, limit, R, load, g, omega_m)
             try:
-                of.check(arb(loaded), wide, frequency)
+                Given.of(c_E, c_M, limit, *R).check(arb(load), arb(g), arb(omega_m))
             except Refused:
-                return False
-            return True
+                assert wanted < 1e-9
+            else:
+                assert wanted > -1e-9
+            seen[wanted > 0] += 1
+    assert min(seen.values()) > 50
 
-        assert holds() and not holds(loaded=15.1) and not holds(wide=arb(6))
-        # R drives: as much as is damped at the mass, twice as much, and more along the beam than the lemma takes
-        driven = replace(damping, c_E=Fraction(0), points={(1, 0): Fraction(-1, 10)})
-        assert holds(driven, 1.0) and not holds(replace(driven, points={(1, 0): Fraction(-10)}), 1.0)
-        assert not holds(replace(damping, c_E=Fraction(0), c_M=Fraction(0)), 1.0)
-        assert not holds(replace(damping, c_E=Fraction(1, 10**6), c_M=Fraction(0)), 1.0)
+
+def test_slopes_of_the_equations_are_those_of_differences() -> None:
+    """Of both unknowns, with damping and in its limit; and at λ = 0 that by λ."""
+    _, of, damping = column("mass")
+    h = arb("1e-5")
+    with flint.ctx.workprec(64):
+        F = Pieces(of)
+        for limit in (False, True):
+            equations = Rates(F, replace(damping, vanishing=limit))
+            X = [arb("1.5"), arb("8" if limit else "2.7")]
+            p, s = equations.place(*X)
+            box = equations.box(*(side + side * arb(0, 0.001) for side in (p, s)))
+            J = equations.system(box.value, *X)[1]
+            for j in (0, 1):
+                up, down = ([x + sign * h * (n == j) for n, x in enumerate(X)] for sign in (1, -1))
+                ends = [equations.system(box.value, *at)[0] for at in (up, down)]
+                for i in (0, 1):
+                    assert abs(J[i][j] - (ends[0][i] - ends[1][i]) / (2 * h)) < 1e-6 * max(abs(J[i][0]), abs(J[i][1]))
+        P, plain = arb("1.5"), Box(F, arb("1.5"), arb(0), 1)
+        a, b = equations.alpha, equations.beta
+        values = []
+        for lam in (h, -h):
+            below = 1 + a * lam
+            p, s = P / below, -(lam * lam + b * lam) / below
+            values.append(Powers(equations.whole, p, s).value(p, s, 0, 0, lam / below))
+        rate = equations.rate(plain, P, plain.value(P, arb(0), 1, 0))
+        assert abs(-rate / ((values[0] - values[1]) / (2 * h)) - 1) < 1e-6
+
+
+@pytest.mark.parametrize("case", ["mass", "mass per length"])
+def test_no_size_is_below_the_sum_of_the_coefficients(case: str) -> None:
+    """Of which rests are bounded, those of powers of q too."""
+    _, of, damping = column(case)
+    with flint.ctx.workprec(64):
+        F = Pieces(of, damping)
+        whole = OfPieces(F, arb(1), arb(1))
+        parts = [part for line in whole._solutions(F.pieces[0][0][1]) for part in line]
+        parts += [whole._linear(factor) for row in F.rows for factor in row.values()]
+        assert any(len(part.levels) > 1 for part in parts)
+        for part in parts:
+            total = sum((abs(c) for rows in part.levels for row in rows for c in row.coeffs()), arb(0))
+            assert total.lower() <= part.size
+
+
+def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, of, damping = column("rotary inertia")
+    omega = frequencies(system("pflueger", {"J": "0.1"}), 12)
+    asked: list[tuple[float, ...]] = []
+    monkeypatch.setattr(Damped, "check", lambda self, *given: asked.append(tuple(map(float, given))))
+    with flint.ctx.workprec(BITS):
+        F, equations = Pieces(of), None
+        for m, line in ((2, omega[1] * omega[2]), (2, 1.1 * omega[1] ** 2 + 15), (3, 0.9 * omega[3] ** 2)):
+            Gaps(of, F, m, Fraction(line), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+            loaded, gap, frequency = asked.pop()
+            a = max(omega[m - 1], line / omega[m])
+            assert 1 <= loaded <= 2 and gap <= min(line / a - a, np.diff(omega[m:]).min()) * (1 + 1e-6)
+            assert omega[m - 1] * (1 - 1e-6) <= frequency <= omega[m - 1]
 
 
 def test_frequencies_beyond_the_bound_are_not_of_the_low_ones() -> None:
