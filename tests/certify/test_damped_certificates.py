@@ -400,19 +400,19 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
 
 
 def test_frequencies_beyond_the_bound_are_not_of_the_low_ones() -> None:
-    """Re s = R at the first bound, and below it from there on; the second where internal damping is large."""
-    _, _, damping = column("mass")
+    """Re s = R at the first bound, and above it from there on; the second where internal damping is large."""
+    none = (0.0,) * 5
     with flint.ctx.workprec(BITS):
-        plain = replace(damping, points={})
-        top = float(plain.highest(arb(500), arb(6)))
-        c_E, c_M = float(plain.c_E), float(plain.c_M)
-        for share, beyond in ((0.999, False), (1.001, True), (3.0, True)):
-            lam = 1j * share * top
-            assert ((-(lam**2 + c_M * lam) / (1 + c_E * lam)).real >= 500) is beyond
-        assert float(replace(plain, c_E=Fraction(0)).highest(arb(500), arb(6))) == pytest.approx(500**0.5)
-        large = replace(plain, c_E=Fraction(1, 10))
-        top = float(large.highest(arb(500), arb(6)))
-        assert 10 <= top and 6 / top / 0.1 * (2 * 0.1 / ((2 - 2**0.5) * top)) ** 0.5 < 1
+        for c_E, c_M in ((1 / 128, 1 / 8), (1 / 64, 20.0)):
+            top = float(Given.of(c_E, c_M, False, *none).highest(arb(500), arb(6)))
+            for share, beyond in ((0.999, False), (1.001, True), (3.0, True)):
+                lam = 1j * share * top
+                assert ((-(lam**2 + c_M * lam) / (1 + c_E * lam)).real >= 500) is beyond
+        assert float(Given.of(0, 1, False, *none).highest(arb(500), arb(6))) == pytest.approx(500**0.5)
+        for loaded, tau, turning in ((6.0, 0.0, 0.0), (600.0, 0.0, 0.0), (6.0, 60.0, 0.0), (6.0, 0.0, 4.0)):
+            top = float(Given.of(0.125, 0, False, 0.0, 0.0, tau, turning, 0.0).highest(arb(500), arb(loaded)))
+            left = (loaded / top + turning) / 0.125 * (2 * 0.125 / ((2 - 2**0.5) * top)) ** 0.5 + 2 * tau / top
+            assert top >= 8 and left < 1 and (top == 8 or left > 0.2)
 
 
 def test_the_line_is_looked_at_with_damping_too() -> None:
