@@ -10,6 +10,7 @@ from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import flint
@@ -19,7 +20,7 @@ from flint import acb, arb
 from scipy.linalg import eigh
 
 import freebeam as fb
-from freebeam_derive.certify import beam_cells, verifier, verifier_sections
+from freebeam_derive.certify import beam_cells, verifier, verifier_of_sections, verifier_sections
 from freebeam_derive.certify.balls import ends
 from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
@@ -242,7 +243,12 @@ def test_the_slope_by_the_rate_is_that_of_differences() -> None:
             above, below = (F.value(p, s, i, j, x) for x in (q + step, q - step))
             assert abs(F.value(p, s, i, j, q, 1) / ((above - below) / (2 * step)) - 1) < 1e-6
         with pytest.raises(ArithmeticError, match="outside"):
-            F.value(p, s, 0, 0, acb(0, 80))
+            F.value(p, s, 0, 0, acb(0, 7))
+        # what F lacks may be any function that small where |q| ≤ Q = 8, such as this times (q/Q)^n
+        F._boxes[0]._rest = arb("0.01")
+        with flint.ctx.workprec(128):
+            width = float(F.value(p, s, 0, 0, q, 1).real.rad())
+        assert float(F.Q) == 8 and width > 0.01 * max(n * (5**0.5 / 8) ** (n - 1) for n in range(1, 9)) / 8
 
 
 @pytest.mark.parametrize("case", LEFT)
@@ -397,6 +403,11 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
             a = max(omega[m - 1], line / omega[m])
             assert 1 <= loaded <= 2 and gap <= min(line / a - a, np.diff(omega[m:]).min()) * (1 + 1e-6)
             assert omega[m - 1] * (1 - 1e-6) <= frequency <= omega[m - 1]
+        # a gap further on that is narrower than that about the line
+        stub = lambda *_: SimpleNamespace(all=lambda: [(arb(w), arb(w)) for w in (2, 16, 80, 120, 220)])  # noqa: E731
+        monkeypatch.setattr(verifier_of_sections, "Frequencies", stub)
+        Gaps(of, F, 2, Fraction(16 * 80), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+        assert asked.pop()[1] <= 40
 
 
 def test_frequencies_beyond_the_bound_are_not_of_the_low_ones() -> None:
