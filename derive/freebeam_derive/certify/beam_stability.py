@@ -37,7 +37,7 @@ from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.strips import NoStrips, Strips
 
 BITS = 128
-BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; signs need no more
+BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; but in a limit series up to the rate need BITS
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
 MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps; the cone took 70
@@ -91,7 +91,7 @@ def complete(
     beam: Itself, crossing: ExactCrossing, alpha: Exact, beta: Exact, kappa: Exact | None = None
 ) -> tuple[ExactCrossing, Evidence | None, str]:
     """The crossing with `first` and `stable_below` where they are proven; the evidence; else the step that failed."""
-    with precision(BITS if isinstance(beam, Beam) else BITS_OF_ANY):
+    with precision(BITS if isinstance(beam, Beam) or beam.vanishing else BITS_OF_ANY):
         try:
             if isinstance(beam, Beam):
                 evidence = _prove(beam, crossing, alpha, beta, kappa)
@@ -176,7 +176,7 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
         known = [] if square is None else [[load, square]]
     else:
         proof.no_divergence(crossing.kind)
-        stretches, problem = (), Damped(system, alpha, beta)
+        stretches, problem = (proof.real_and_simple_at(Fraction(0)),), Damped(system, alpha, beta)
         known = [] if square is None else [[load, frequency]]
     cells = Cells(system, 0, load, known).no_other_zero(problem, top)
     highest = float(top) ** 0.5 if system.vanishing else float(top)

@@ -113,28 +113,32 @@ def write_of_beam(
 
 
 def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
-    """A column of variable or stepped section without damping: its forms by segments, with places by their numbers."""
+    """A column of variable or stepped section: its forms by segments, with places by their numbers."""
     own = parameters(kernel, question.own)
     stated = _of_any(kernel, question, own)
     numbers = {place: n for n, place in enumerate(stated["breaks"])}
     M, K = stated["forms"]["M"], stated["forms"]["K"]
+
+    def by_segment(form: dict[str, Any]) -> dict[str, Any]:
+        return {
+            "along": [
+                [n, k, p, q, f] for n, _, p, _, q, factors in form["along"] for k, f in enumerate(factors) if f != "0"
+            ],
+            "points": [[numbers[a], p, numbers[b], q, f] for (_, p, a, _), (_, q, b, _), f in form["points"]],
+        }
+
+    damping = None
+    if not question.undamped:
+        given = {name: _quotient(value) for name, value in own.items()}
+        (form,) = kernel.forms(fmpq(1), *map(_quotient, question.dampings), **given)["C"]
+        damping = {"form": by_segment(_form(form)), "vanishing": question.kappa is not None}
     return {
         "column": kernel.COLUMN["name"],
         "parameters": {name: written(value) for name, value in own.items()},
         "ends": list(kernel.COLUMN["ends"]),
         "breaks": stated["breaks"],
-        "forms": {
-            letter: {
-                "along": [
-                    [n, k, p, q, f]
-                    for n, _, p, _, q, factors in form["along"]
-                    for k, f in enumerate(factors)
-                    if f != "0"
-                ],
-                "points": [[numbers[a], p, numbers[b], q, f] for (_, p, a, _), (_, q, b, _), f in form["points"]],
-            }
-            for letter, form in (("M", M[0]), ("E", K[0]), ("H", K[1]))
-        },
+        "forms": {letter: by_segment(form) for letter, form in (("M", M[0]), ("E", K[0]), ("H", K[1]))},
+        "damping": damping,
     }
 
 
@@ -316,7 +320,7 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
 
 def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
     """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
-    given = {name: fmpq(value.numerator, value.denominator) for name, value in own.items()}
+    given = {name: _quotient(value) for name, value in own.items()}
     try:
         bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
     except (AttributeError, DomainError, TypeError, ValueError):
@@ -373,6 +377,11 @@ def _form(form: tuple[Any, Any], less: tuple[Any, Any] | None = None) -> dict[st
 def _value(value: tuple[str, int, Any, int]) -> list[Any]:
     name, order, place, side = value
     return [name, order, None if place is None else _text(place), side]
+
+
+def _quotient(value: Exact) -> fmpq:
+    assert isinstance(value, Fraction)
+    return fmpq(value.numerator, value.denominator)
 
 
 def _text(value: Any) -> str:

@@ -33,6 +33,7 @@ _LEAST = 36  # a step is not below 2^-36 of its segment: there the leading coeff
 _COUPLED = (
     16  # the norm of A couples derivatives to lower ones at 1/16 of its size: they cost little, in a and in weights
 )
+WIDE, WRITTEN_OUT = 1.01, 3  # of a ball's ends; rows of a determinant, of which 3 take six products
 
 
 class Jets:
@@ -126,12 +127,13 @@ class Jets:
     def determinant(self, rows: list[dict[int, Jet]]) -> Jet:
         """The determinant of a square matrix, whose rows are {column: jet}.
 
-        Eliminated while an entry is known not to vanish; what is left, of the rank that is lost, is written out.
+        Eliminated while an entry is known not to vanish; what is left, of the rank that is lost, is written out. So are
+        the last rows of wide balls, which quotients by one would make wider by far; narrow ones are taken first.
         """
         rows, columns, total = [dict(row) for row in rows], list(range(len(rows))), self.one
-        while found := [(abs(jet[0]).lower(), i, j) for i, row in enumerate(rows) for j, jet in row.items()]:
-            size, i, j = max(found, key=lambda item: float(item[0]))
-            if not size > 0:
+        while found := [(_narrow(jet[0]), i, j) for i, row in enumerate(rows) for j, jet in row.items()]:
+            (narrow, size), i, j = max(found)
+            if not size > 0 or (not narrow and len(rows) <= WRITTEN_OUT):
                 break
             pivot = rows.pop(i)
             sign = (-1) ** (i + columns.index(j))
@@ -417,6 +419,12 @@ class Local:
 def _power(value: Any, exponent: int) -> Any:
     """Of a ball that may hold zero, of which flint's own powers are not finite."""
     return math.prod([value] * exponent, start=arb(1))
+
+
+def _narrow(value: Any) -> tuple[bool, float]:
+    """Whether a ball is far from zero beside its width, and how far it is at least."""
+    low = abs(value).lower()
+    return bool(abs(value).upper() < WIDE * low), float(low)
 
 
 def _times(row: Sequence[float], column: Sequence[float]) -> float:

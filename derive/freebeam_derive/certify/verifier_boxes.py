@@ -38,6 +38,7 @@ class Box:
             raise ArithmeticError("the box is too large")
         # a side without width has any unit, small enough for the terms beyond the degree to be nothing
         self._units = tuple(r.max(arb(2) ** -(flint.ctx.prec // 8)) for r in reach)
+        self.whole = whole
         levels = whole.levels if of is None else whole.levels[of : of + 1] or [0 * whole.levels[0]]
         J, K = levels[0].nrows(), levels[0].ncols()
         with flint.ctx.workprec(whole.precision):
@@ -70,13 +71,19 @@ class Box:
         """What all terms beyond the degree are at most, of a derivative; and the rest, by Cauchy's estimate where it is
         bounded up to r > 1 units: at most Σ C(a, i) rest / r^a = rest r / (r − 1)^(i+1) for p, and so for s."""
         if (i, j) not in self._left_out:
-            total = self._rest
-            for r, order in zip(self._room, (i, j), strict=True):
-                total *= r / (r - 1) ** (order + 1)
+            total = self._of_rest(i, j)
             for a, b, size in self._beyond:
                 total += comb(a, i) * comb(b, j) * size
             self._left_out[i, j] = total.upper()
         return self._left_out[i, j]
+
+    def _of_rest(self, i: int, j: int) -> arb:
+        by_p, by_s = (r / (r - 1) ** (n + 1) for r, n in zip(self._room, (i, j), strict=True))
+        return arb(self._rest * by_p * by_s)
+
+    def rest(self, i: int, j: int) -> arb:
+        """What a derivative of all that F is besides its polynomial is at most."""
+        return arb(self._of_rest(i, j) / (self._units[0] ** i * self._units[1] ** j))
 
     def value(self, p: Any, s: Any, i: int = 0, j: int = 0) -> Any:
         """∂^{i+j} F / ∂p^i ∂s^j / (i! j!). Raises ArithmeticError outside of the box, or for an order too high."""

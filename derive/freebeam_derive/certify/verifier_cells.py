@@ -8,10 +8,10 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import pairwise
+from typing import Any
 
 from flint import arb
 
-from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_claims import ball, require
 from freebeam_derive.certify.verifier_equations import Equations, Interval, krawczyk, one_to_one, over
 
@@ -52,7 +52,7 @@ class Cells:
         for crossing in self._near(around):
             around = [side.union(part) for side, part in zip(around, crossing, strict=True)]
         try:
-            box = Box(self.equations.F, *self.equations.place(*(side + (side - side.mid()) / 1024 for side in around)))
+            box = self.equations.box(*self.equations.place(*(side + (side - side.mid()) / 1024 for side in around)))
         except ArithmeticError:
             return False
         waiting, left = [(P, x)], (P[1] - P[0]) * (x[1] - x[0])
@@ -70,7 +70,7 @@ class Cells:
     def _near(self, X: list[arb]) -> list[list[arb]]:
         return [c for c in self.crossings if all(side.overlaps(part) for side, part in zip(X, c, strict=True))]
 
-    def excluded(self, box: Box, P: arb, x: arb) -> int | None:
+    def excluded(self, box: Any, P: arb, x: arb) -> int | None:
         """None where a cell holds no zero but a crossing that is known, else along which axis it is cut."""
         equations, X = self.equations, [P, x]
         bottom = not x.lower() > 0
@@ -95,7 +95,7 @@ class Cells:
         ]
         return 0 if size[0] >= size[1] else 1
 
-    def _known_alone(self, box: Box, X: list[arb]) -> bool:
+    def _known_alone(self, box: Any, X: list[arb]) -> bool:
         """Whether a cell and a crossing together hold no two points with equal values, so that it is the only zero."""
         near = self._near(X)
         if len(near) != 1:

@@ -45,6 +45,8 @@ class Equations:
     of_E, of_M: the intervals of alpha and beta; limit: of these only the direction counts.
     """
 
+    bits = 128  # of a crossing's box, besides its digits, and of cells
+
     def __init__(self, F: Shooting, R: int, of_E: Interval, of_M: Interval, limit: bool) -> None:
         self.F, self.R, self.of_E, self.of_M, self.limit = F, R, of_E, of_M, limit
         self.undamped = of_E[1] == of_M[1] == 0
@@ -62,6 +64,10 @@ class Equations:
     def undamped_to(self) -> Fraction:
         """The s below which a motion at s is not damped by alpha s + beta, for any value of the range; 0 for none."""
         return max(-self.of_M[0] / self.of_E[0], Fraction(0)) if self.of_E[0] > 0 else Fraction(0)
+
+    def box(self, p: Any, s: Any) -> Any:
+        """F on a box, for `system`."""
+        return Box(self.F, p, s)
 
     # ---------------------------------------------------------------- their values
 
@@ -135,7 +141,7 @@ class Equations:
     def _image(self, X: list[arb]) -> list[arb]:
         """Krawczyk's image, inside X, of which it proves one zero, alone."""
         p, s = (side + (side - side.mid()) / 8 for side in self.place(*X))
-        J = self.system(Box(self.F, p, s).value, *X)[1]
+        J = self.system(self.box(p, s).value, *X)[1]
         middle = [side.mid() for side in X]
         image = krawczyk(X, middle, self.at(middle[0], middle[1], (p, s)), J)
         require(image is not None, ALONE)

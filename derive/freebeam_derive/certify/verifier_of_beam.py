@@ -158,7 +158,7 @@ class First:
         with flint.ctx.workprec(BITS):
             self.high.check(top, equations)
             signs = Signs(equations, self.high.top)
-        with flint.ctx.workprec(3 * digits + BITS):
+        with flint.ctx.workprec(3 * digits + equations.bits):
             crossing = self.crossing()
         with flint.ctx.workprec(BITS + digits):
             if equations.real:
@@ -169,6 +169,8 @@ class First:
                 signs.static(top, [] if flutter else [self.load])
             if not equations.undamped:
                 signs.above(equations.undamped_to, list(stretches))
+        with flint.ctx.workprec(equations.bits):
+            if not equations.undamped:
                 Cells(equations, top, [crossing] if flutter else []).check(self.high.highest(equations, top))
 
 

@@ -1,9 +1,10 @@
 """Check certificates of the first crossing of a column of variable or stepped section (format 6): code of its own.
 
-It shares none with the prover. In a file are ends, breaks, forms, the claim, m, the line R_m and points between which
-F(P, s) changes sign. Computed here are F (`verifier_pieces`), the load's size (`verifier_sections`), every
-frequency without load up to one beyond which `verifier_waves` knows all to be apart, and from these that no eigenvalue
-passes a line from m on (Lemma 6 of docs/theorem.md). The crossing and the signs are looked at as for a uniform beam.
+It shares none with the prover. In a file are ends, breaks, forms, damping, the claim, m, the line R_m and points
+between which F(P, s) changes sign. Computed here are F (`verifier_pieces`), the load's size (`verifier_sections`),
+all frequencies without load up to one beyond which `verifier_waves` knows them to be apart, and from these that no
+eigenvalue passes a line from m on (Lemma 6 of docs/theorem.md), nor with damping reaches the axis beyond line m
+(`verifier_damping`). The crossing, the signs and the cells are looked at as for a uniform beam.
 """
 
 from __future__ import annotations
@@ -18,9 +19,11 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify import verifier_sections
 from freebeam_derive.certify.verifier_claims import Statement, ball, require
+from freebeam_derive.certify.verifier_damping import Damped, damped, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
+from freebeam_derive.certify.verifier_rates import Rates
 from freebeam_derive.certify.verifier_sections import OfSections, Sections
 from freebeam_derive.certify.verifier_signs import BITS
 from freebeam_derive.certify.verifier_waves import Apart
@@ -28,31 +31,43 @@ from freebeam_derive.certify.verifier_waves import Apart
 STEP = Fraction(197, 1024)  # of γ L, in which zeros are looked for: an odd share, for zeros like round places
 DEEPEST, HALVINGS = 30, 40  # of such a step; of an interval with one zero
 MOST_FREQUENCIES = 400
+WIDER = 4  # with damping high gaps are looked for that are so many times as wide as the load needs them to be
 
 
 class Gaps(High):
     """The lines of a column between its frequencies without load; as `verifier_of_beam.High` of a uniform beam."""
 
-    def __init__(self, column: Sections, F: Pieces, m: int, line: Fraction) -> None:
-        self.column, self.F, self.m, self.top = column, F, m, ball(line)
+    def __init__(self, column: Sections, F: Pieces, m: int, line: Fraction, damping: Damped | None) -> None:
+        self.column, self.F, self.m, self.top, self.damping = column, F, m, ball(line), damping
         self.known: list[tuple[arb, arb]] = []
 
     def check(self, load: Fraction, equations: Equations) -> None:
-        """No eigenvalue on any line from m on, for |p| up to a load: Lemma 6."""
-        require(not equations.of_E[1] > 0, "there is internal damping")
+        """No eigenvalue on any line from m on, for |p| up to a load: Lemma 6; with damping Lemmas 10 and 11."""
         needed = (ball(load) * self.column.size()).upper()
         apart = Apart(self.column)
-        beyond, gap = apart.gap(needed)
+        beyond, gap = apart.gap(needed if self.damping is None else WIDER * needed)
         require(bool(gap > needed), "the gaps between high frequencies are too narrow")
         known = self.known = Frequencies(self.F, beyond, apart.whole).all()
         require(self.m < len(known), "the line is above all frequencies that are looked at")
         for k in range(self.m + 1, len(known)):
-            wide = bool(known[k][0] - known[k - 1][1] > needed)
-            require(wide, f"the gap between the frequencies {k} and {k + 1} without load is too narrow for such a load")
-        # max ω / |ω² − R| is that of the neighbours
+            between = known[k][0] - known[k - 1][1]
+            wide = f"the gap between the frequencies {k} and {k + 1} without load is too narrow for such a load"
+            require(bool(between > needed), wide)
+            gap = gap.min(between)
+        # max ω / |ω² − R| is that of the neighbours; R is a b with b − a ≥ gap and ω_m ≤ a, b ≤ ω_{m+1}
         below, above = known[self.m - 1][1], known[self.m][0]
-        free = needed * below < self.top - below**2 and needed * above < above**2 - self.top
-        require(bool(free), f"line {self.m} is not known to be free of eigenvalues")
+        around = (self.top / below - below).min(above - self.top / above)
+        require(bool(needed < around), f"line {self.m} is not known to be free of eigenvalues")
+        if self.damping is not None:
+            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower())
+
+    def highest(self, equations: Equations, load: Fraction) -> Fraction:
+        top = self.top.upper()
+        if not equations.real:
+            assert self.damping is not None
+            top = self.damping.highest(top, ball(load) * self.column.size())
+        upper = top.fmpq()
+        return Fraction(int(upper.p), int(upper.q))
 
 
 class Frequencies:
@@ -126,9 +141,10 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
     stated, column, m, line, stretches = verifier_sections.read(data)
     none = Fraction(0), Fraction(0)
     with flint.ctx.workprec(BITS):
-        F = Pieces(column)
-    equations = Equations(F, 0, none, none, False)
-    gaps = Gaps(column, F, m, line)
+        F, damping = Pieces(column), damped(data["damping"], column)
+    equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
+    gaps = Gaps(column, F, m, line, damping)
+    stated = replace(stated, **statement(damping))
     First(equations, gaps, stated, ranged=False).check(stretches)
     return replace(stated, modes=len(gaps.known))
 

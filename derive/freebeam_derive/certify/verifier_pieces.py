@@ -16,26 +16,31 @@ import flint
 from flint import arb, arb_mat, arb_poly, fmpq_poly
 
 from freebeam_derive.certify.verifier_claims import ORDERS, ball, exact
+from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_sections import Sections
-from freebeam_derive.certify.verifier_shooting import NOTHING, Part, Shooting, Whole, combined, majorants
+from freebeam_derive.certify.verifier_shooting import NOTHING, Part, Rows, Shooting, Whole, added, majorants
 
 BASE = arb(5) / 4  # by which coefficients fall at least, once enough are known
 ROOM = Fraction(3, 4)  # of 1, for the part of EI that changes on a piece; the rest is for what falls with n
-Factor = tuple[Fraction, Fraction, Fraction]
-"""What is there without load, the load's part, and the mass: a + p b − s c."""
+MOST_POWERS = 2000  # of s and of q: all that are not too small to count are kept
+Factor = tuple[Fraction, Fraction, Fraction, Fraction]
+"""What is there without load, the load's part, the mass, and what is left of damping: a + p b − s c + q r."""
 
 
 class Pieces(Shooting):
-    """F(p, s) of a column."""
+    """F(p, s) of a column; with what damping leaves of its form, F(p, s, q) with q = λ/(1 + c_E λ), |q|² ≤ |s|."""
 
-    def __init__(self, column: Sections) -> None:
-        self.column = column
+    def __init__(self, column: Sections, left: Damped | None = None) -> None:
+        self.column, self.left = column, left
         self._known = {}
-        self.pieces = [[*_cut(column, n)] for n in range(len(column.m))]
+        self.pieces = [[*_cut(column, left, n)] for n in range(len(column.m))]
         last = len(column.m)
-        rows = [_natural(column, node, d) for node in (0, last) for d in (0, 1) if not column.held((node, d))]
+        rows = [_natural(column, left, node, d) for node in (0, last) for d in (0, 1) if not column.held((node, d))]
         held = [
-            {(e, d): (Fraction(1), Fraction(0), Fraction(0))} for e in (0, 1) for d in ORDERS[column.ends[e]] if d < 2
+            {(e, d): (Fraction(1), Fraction(0), Fraction(0), Fraction(0))}
+            for e in (0, 1)
+            for d in ORDERS[column.ends[e]]
+            if d < 2
         ]
         at_ends = [{(int(side > 0), d): f for (side, d), f in row.items()} for row in rows]
         self.rows = sorted([*held, *at_ends], key=lambda row: max(e for e, _ in row))
@@ -48,13 +53,13 @@ class Pieces(Shooting):
         return self.on(p, abs(s) + 1)
 
 
-def _cut(column: Sections, n: int) -> Any:
+def _cut(column: Sections, left: Damped | None, n: int) -> Any:
     """Pieces of a segment: their length h, and (d, k) -> factor of ξ^k y^(d) in their equation."""
     x, end = column.breaks[n : n + 2]
     while x < end:
         h = end - x
         while True:
-            table = _equation(column, n, x, h)
+            table = _equation(column, left, n, x, h)
             lead = abs(table[4, 0][0])
             rest = sum(
                 (abs(f) * Fraction(5, 4) ** k / lead for (d, k), (f, *_) in table.items() if d == 4 and k), Fraction(0)
@@ -66,7 +71,7 @@ def _cut(column: Sections, n: int) -> Any:
         x += h
 
 
-def _equation(column: Sections, n: int, x: Fraction, h: Fraction) -> dict[tuple[int, int], Factor]:
+def _equation(column: Sections, left: Damped | None, n: int, x: Fraction, h: Fraction) -> dict[tuple[int, int], Factor]:
     found: dict[tuple[int, int], list[Fraction]] = {}
     local = fmpq_poly([exact(x), exact(h)])
 
@@ -79,7 +84,7 @@ def _equation(column: Sections, n: int, x: Fraction, h: Fraction) -> dict[tuple[
                 g = g.derivative()
             for k in range(g.degree() + 1):
                 c = Fraction(int(g[k].p), int(g[k].q)) * factor * h ** (1 - i - j)
-                found.setdefault((j + i - r, k), [Fraction(0)] * 3)[which] += c
+                found.setdefault((j + i - r, k), [Fraction(0)] * 4)[which] += c
 
     add(column.EI[n], 2, 2, 0)
     add(column.m[n], 0, 0, 2)
@@ -87,10 +92,12 @@ def _equation(column: Sections, n: int, x: Fraction, h: Fraction) -> dict[tuple[
         add(f, order, order, 0)
     for (i, j), f in column.load[n].items():
         add(f, i, j, 1)
-    return {key: (a, b, c) for key, (a, b, c) in found.items() if a or b or c}
+    for order, f in left.along[n].items() if left else ():
+        add(f, order, order, 3)
+    return {key: (a, b, c, r) for key, (a, b, c, r) in found.items() if a or b or c or r}
 
 
-def _natural(column: Sections, node: int, order: int) -> dict[tuple[int, int], Factor]:
+def _natural(column: Sections, left: Damped | None, node: int, order: int) -> dict[tuple[int, int], Factor]:
     """The factor of v^(order) at a break, which is nothing: (side, derivative of y) -> factor.
 
     side: −1 for x = 0 or the segment on the right of a break, 1 for the one on its left, and for x = 1.
@@ -100,7 +107,7 @@ def _natural(column: Sections, node: int, order: int) -> dict[tuple[int, int], F
 
     def add(side: int, d: int, which: int, f: Any) -> None:
         value = f if isinstance(f, Fraction) else Fraction(int(f.p), int(f.q))
-        found.setdefault((side, d), [Fraction(0)] * 3)[which] += value
+        found.setdefault((side, d), [Fraction(0)] * 4)[which] += value
 
     for side, n in ((1, node - 1), (-1, node)):
         if not 0 <= n < last:
@@ -117,21 +124,28 @@ def _natural(column: Sections, node: int, order: int) -> dict[tuple[int, int], F
         for (i, j), f in column.load[n].items():
             if i == 1:
                 add(side, j, 1, side * f(x))
+        if left and 1 in left.along[n]:
+            add(side, 1, 3, side * left.along[n][1](x))
     here = -1 if node == 0 else 1
-    for which, table in ((0, column.springs), (2, column.masses)):
+    for which, table in ((0, column.springs), (2, column.masses), (3, left.points if left else {})):
         if (node, order) in table:
             add(here, order, which, table[node, order])
     for ((a, i), (b, j)), force in column.forces.items():
         if (a, i) == (node, order):
             add(here if b == a else 1 if b else -1, j, 1, force)
-    return {key: (a, b, c) for key, (a, b, c) in found.items()}
+    return {key: (a, b, c, r) for key, (a, b, c, r) in found.items()}
 
 
 class OfPieces(Whole):
-    """F where |p| ≤ P and |s| ≤ S: Σ C_jk (p/P)^j (s/S)^k and at most `rest`. P may be nothing."""
+    """F where |p| ≤ P, |s| ≤ S, |q| ≤ Q: Σ C_ljk (q/Q)^l (p/P)^j (s/S)^k and at most `rest`.
+
+    P may be nothing. Q is twice what |q| is on the axis.
+    """
 
     def __init__(self, pieces: Pieces, P: arb, S: arb) -> None:
-        self.P, self.s, self.S = P, arb(0), S
+        self.P, self.s, self.S, self.Q = P, arb(0), S, 2 * S.sqrt()
+        if pieces.left and pieces.left.c_E:
+            self.Q = self.Q.min(2 / ball(pieces.left.c_E))
         bits = flint.ctx.prec
         if not (S < arb(10) ** 11 and P < 1e5):
             raise ArithmeticError("the power series is too long")
@@ -145,17 +159,17 @@ class OfPieces(Whole):
             self._rows, self._ends, self._pieces, self._bits = pieces.rows, {}, pieces, bits
             self._matrices: dict[tuple[int, int], list[list[Part]]] = {}
             F = self._determinant().short()
-            rows, self.rest = F.levels[0] if F.levels else [arb_poly([0])], F.rest
-            K = max(row.length() for row in rows)
-            self.levels = [arb_mat([[row[k] for k in range(K)] for row in rows])]
+            self.rest = F.rest
+            self.levels = [_matrix(rows) for rows in F.levels or [[]]]
 
     def _times(self, one: Part, other: Part) -> Part:
-        return one.times(other, 2000).short()
+        return one.times(other, MOST_POWERS, MOST_POWERS).short()
 
     def _linear(self, factor: Factor) -> Part:
-        a, b, c = map(ball, factor)
+        a, b, c, r = map(ball, factor)
         rows = [arb_poly([a, -c * self.S])] + ([arb_poly([b * self.P])] if factor[1] else [])
-        return Part([rows], (abs(a) + abs(b) * self.P + abs(c) * self.S).upper())
+        levels = [rows] + ([[arb_poly([r * self.Q])]] if factor[3] else [])
+        return Part(levels, (abs(a) + abs(b) * self.P + abs(c) * self.S + abs(r) * self.Q).upper())
 
     def _on(self, condition: int, r: int) -> Part:
         total = NOTHING
@@ -193,7 +207,7 @@ class OfPieces(Whole):
         """y'' and y''' on the right of a break, from its natural conditions."""
         found = state[:2]
         for order, d in ((1, 2), (0, 3)):
-            row = _natural(self._pieces.column, node, order)
+            row = _natural(self._pieces.column, self._pieces.left, node, order)
             total, lead = NOTHING, ball(row[-1, d][0])
             for (side, q), factor in row.items():
                 if (side, q) == (-1, d):
@@ -217,36 +231,44 @@ class OfPieces(Whole):
         """Derivatives 0 to 3 by ξ at ξ = 1 of ξ^r + …, r = 0, …, 3."""
         lead = table[4, 0][0]
         terms = [
-            (d, k, ball(a / lead), ball(b / lead) * self.P, ball(c / lead) * self.S)
-            for (d, k), (a, b, c) in table.items() if (d, k) != (4, 0)
+            (d, k, ball(a / lead), ball(b / lead) * self.P, ball(c / lead) * self.S, ball(r / lead) * self.Q)
+            for (d, k), (a, b, c, r) in table.items() if (d, k) != (4, 0)
         ]  # fmt: skip
-        norms = [(d, k, (abs(a) + abs(b) + abs(c)).upper()) for d, k, a, b, c in terms]
+        norms = [(d, k, sum(map(abs, parts), arb(0)).upper()) for d, k, *parts in terms]
         sizes, tails = majorants(norms, self._bits, BASE)
         found = []
         for r in range(4):
             count = len(sizes[r])
-            a = [[arb_poly([1])] if n == r else [] for n in range(4)]
+            a: list[list[Rows]] = [[[arb_poly([1])]] if n == r else [] for n in range(4)]
             for n in range(count - 4):
-                total: list[arb_poly] = []
-                for d, k, still, load, mass in terms:
+                total: list[Rows] = []
+                for d, k, still, load, mass, left in terms:
                     if n < k or not a[n - k + d]:
                         continue
                     source, factor = a[n - k + d], perm(n - k + d, d)
                     if mass.is_zero():
-                        total = total if still.is_zero() else combined(total, source, still * factor)
+                        total = total if still.is_zero() else added(total, source, still * factor)
                     else:
                         line = arb_poly([still * factor, -mass * factor])
-                        total = combined(total, [row * line for row in source], arb(1))
+                        total = added(total, [[row * line for row in rows] for rows in source], arb(1))
                     if not load.is_zero():
-                        total = combined(total, [arb_poly([]), *source], load * factor)
+                        total = added(total, [[arb_poly([]), *rows] for rows in source], load * factor)
+                    if not left.is_zero():
+                        total = added(total, [[], *source], left * factor)
                 inverse = arb(-1) / perm(n + 4, 4)
-                a.append([row * inverse for row in total])
+                a.append([[row * inverse for row in rows] for rows in total])
             at_one = []
             for d in range(4):
-                rows: list[arb_poly] = []
+                levels: list[Rows] = []
                 for n in range(d, count):
-                    rows = combined(rows, a[n], arb(perm(n, d)))
+                    levels = added(levels, a[n], arb(perm(n, d)))
                 size = sum((perm(n, d) * sizes[r][n] for n in range(d, count)), arb(0))
-                at_one.append(Part([rows], size.upper(), tails[r][d]).short())
+                at_one.append(Part(levels, size.upper(), tails[r][d]).short())
             found.append(at_one)
         return found
+
+
+def _matrix(rows: Rows) -> arb_mat:
+    """A row for each power of p, a column for each of s."""
+    K = max((row.length() for row in rows), default=1)
+    return arb_mat([[row[k] for k in range(K)] for row in rows or [arb_poly([0])]])

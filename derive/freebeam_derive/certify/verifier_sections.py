@@ -24,7 +24,7 @@ from freebeam_derive.certify.verifier_signs import Stretch
 
 SECTIONS = "freebeam certificate 6"
 FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "lowest", "line", "kind", "load",
-          "frequency_squared", "proof", "stretches"}  # fmt: skip
+          "frequency_squared", "proof", "stretches", "damping"}  # fmt: skip
 MOST_SEGMENTS = 3  # cells of phases are as many as a power of it
 PIECES = 256  # of a segment, on each of which a factor is one ball
 Place = tuple[int, int]  # a break's number, order of the derivative there
@@ -34,17 +34,28 @@ LENGTHS = {True: (arb(1) / 3, arb("0.7072")), False: (arb(1) / 2, arb(1))}
 
 @dataclass(frozen=True)
 class OfSections(claims.OfBeamItself):
-    """A statement of such a column without damping."""
+    """A statement of such a column. beside: what its damping C has besides c_M M + c_E E, in words."""
 
     breaks: tuple[Fraction, ...]
+    beside: tuple[str, ...] = ()
 
     @property
     def forms(self) -> str:
         inner = [said(place) for place in self.breaks[1:-1]]
         return super().forms + (f", breaks at {' and '.join(inner)}" if inner else "")
 
+    @property
+    def damped(self) -> str:
+        if self.damping is None:
+            return "undamped"
+        factors = [f"{said(f)} {name}" for f, name in ((self.damping.of_M, "M"), (self.damping.of_E, "E")) if f]
+        limit = "in the limit of vanishing damping in the direction of " if self.damping.vanishing else ""
+        return f"{limit}C = {' + '.join([*factors, *self.beside])}"
+
     def record(self) -> dict[str, Any]:
         stated = super().record() | {"breaks": [*map(said, self.breaks)]}
+        if self.damping is not None:
+            stated["damping"] |= {"beside": [*self.beside]}
         return {key: value for key, value in stated.items() if key not in ("modes", "basis")}
 
 
@@ -69,7 +80,7 @@ class Sections:
     def held(self, place: Place) -> bool:
         """Whether a geometric condition holds the displacement there."""
         node, order = place
-        return node in (0, len(self.m)) and order in v.ORDERS[self.ends[1 if node else 0]]
+        return node in (0, len(self.breaks) - 1) and order in v.ORDERS[self.ends[1 if node else 0]]
 
     def pieces(self, segment: int) -> Iterator[tuple[arb, arb]]:
         """Stretches of x that are all of a segment, and their length."""
@@ -196,22 +207,8 @@ def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[st
     require(set(forms) == set("MEH"), "the forms are not M, E and H")
     count = len(breaks) - 1
     found = Sections(ends, breaks, [], [], [{} for _ in range(count)], [], {}, {}, {})
-    tables: dict[str, list[dict[tuple[int, int], fmpq_poly]]] = {}
-    points: dict[str, dict[tuple[Place, Place], Fraction]] = {}
-    for name in "MEH":
-        form = forms[name]
-        require(set(form) == {"along", "points"}, "a form has other parts than integrals and values at places")
-        require(len(form["along"]) + len(form["points"]) <= v.MOST_TERMS, "a form has too many terms")
-        tables[name], points[name] = [{} for _ in range(count)], {}
-        for n, k, p, q, f in form["along"]:
-            _whole((n, count - 1), (k, v.HIGHEST_POWER), (p, 2), (q, 2))
-            require((p, q) == (2, 2) if 2 in (p, q) else True, "a form acts on curvatures")
-            add(tables[name][n], (p, q), fmpq_poly([0] * k + [exact(v.number(f))]))
-        for a, p, b, q, f in form["points"]:
-            _whole((a, count), (p, 1), (b, count), (q, 1))
-            if not (found.held((a, p)) or found.held((b, q))):
-                key = (a, p), (b, q)
-                points[name][key] = points[name].get(key, Fraction(0)) + v.number(f)
+    each = {name: form(forms[name], found) for name in "MEH"}
+    tables, points = {name: of[0] for name, of in each.items()}, {name: of[1] for name, of in each.items()}
     for n in range(count):
         found.m.append(tables["M"][n].pop((0, 0), fmpq_poly([0])))
         found.EI.append(tables["E"][n].pop((2, 2), fmpq_poly([0])))
@@ -229,6 +226,26 @@ def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[st
     require(all(row[0] == of[0] or {row[0], of[0]} <= {0, count} for row, of in points["H"]),
             "the load at a place depends on another one")  # fmt: skip
     return replace(found, forces=points["H"])
+
+
+def form(
+    data: dict[str, Any], column: Sections
+) -> tuple[list[dict[tuple[int, int], fmpq_poly]], dict[tuple[Place, Place], Fraction]]:
+    """Of each segment (test order, trial order) -> polynomial; (test place, trial place) -> factor. Raises Refused."""
+    require(set(data) == {"along", "points"}, "a form has other parts than integrals and values at places")
+    require(len(data["along"]) + len(data["points"]) <= v.MOST_TERMS, "a form has too many terms")
+    count, points = len(column.breaks) - 1, dict[tuple[Place, Place], Fraction]()
+    tables: list[dict[tuple[int, int], fmpq_poly]] = [{} for _ in range(count)]
+    for n, k, p, q, f in data["along"]:
+        _whole((n, count - 1), (k, v.HIGHEST_POWER), (p, 2), (q, 2))
+        require((p, q) == (2, 2) if 2 in (p, q) else True, "a form acts on curvatures")
+        add(tables[n], (p, q), fmpq_poly([0] * k + [exact(v.number(f))]))
+    for a, p, b, q, f in data["points"]:
+        _whole((a, count), (p, 1), (b, count), (q, 1))
+        if not (column.held((a, p)) or column.held((b, q))):
+            key = (a, p), (b, q)
+            points[key] = points.get(key, Fraction(0)) + v.number(f)
+    return tables, points
 
 
 def _whole(*given: tuple[Any, int]) -> None:

@@ -43,9 +43,9 @@ class Part(NamedTuple):
         size, rest = (a + abs(f) * b for a, b in ((self.size, other.size), (self.rest, other.rest)))
         return Part(added(self.levels, other.levels, f), size.upper(), rest.upper())
 
-    def times(self, other: Part, most: int) -> Part:
-        """most: so many powers of s − s₀ are kept."""
-        levels: list[Rows] = [[] for _ in range(min(POWERS + 1, max(0, len(self.levels) + len(other.levels) - 1)))]
+    def times(self, other: Part, most: int, powers: int = POWERS) -> Part:
+        """most: so many powers of s − s₀ are kept; powers: so many of t."""
+        levels: list[Rows] = [[] for _ in range(min(powers + 1, max(0, len(self.levels) + len(other.levels) - 1)))]
         for k, first in enumerate(self.levels):
             for n, second in enumerate(other.levels[: max(0, len(levels) - k)], k):
                 levels[n] = combined(levels[n], _product(first, second, most), arb(1))

@@ -1,0 +1,266 @@
+"""Damping of a column of variable or stepped section, for the verifier: what it is, and what it does to high modes.
+
+Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. The
+form of damping in a file is C = c_E E + c_M M + R: R is what is left, such as masses or a weight that are not damped.
+docs/theorem.md, Lemmas 10 and 11, say when no high mode reaches the axis.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from typing import Any
+
+from flint import arb, fmpq, fmpq_poly
+
+from freebeam_derive.certify import verifier_claims as v
+from freebeam_derive.certify.decimals import said
+from freebeam_derive.certify.verifier_claims import ball, exact, require
+from freebeam_derive.certify.verifier_sections import Place, Sections, add, at, form
+
+LENGTHS = [Fraction(4, 5) ** k for k in range(24)]  # of a bump beside a mass, in parts of the segment
+CUBICS: dict[tuple[int, bool], list[Any]] = {
+    (0, True): [1, 0, -3, 2],
+    (1, True): [0, 1, -2, 1],
+    (0, False): [1, Fraction(-3, 2), 0, Fraction(1, 2)],
+}
+"""By the order that is 1 at 0, and whether the other of v and v' is nothing there; at 1 both are."""
+
+
+@dataclass(frozen=True)
+class Damped:
+    """C = c_E E + c_M M + R, c_E and c_M at least 0; vanishing: only its direction.
+
+    along: of R, order -> polynomial, a table a segment. points: of R at places. beside: C − c_E E likewise.
+    """
+
+    column: Sections
+    c_E: Fraction
+    c_M: Fraction
+    vanishing: bool
+    along: list[dict[int, fmpq_poly]]
+    points: dict[Place, Fraction]
+    beside: tuple[list[dict[int, fmpq_poly]], dict[Place, Fraction]]
+
+    # ---------------------------------------------------------------- in words
+
+    @property
+    def plain(self) -> bool:
+        """Whether R is nothing."""
+        return not (any(f.degree() >= 0 for table in self.along for f in table.values()) or any(self.points.values()))
+
+    @property
+    def words(self) -> list[str]:
+        """C − c_E E of a test function v and a motion y."""
+        along, points = self.beside
+        found = []
+        for (low, high), table in zip(
+            zip(self.column.breaks, self.column.breaks[1:], strict=False), along, strict=True
+        ):
+            for order, f in table.items():
+                if f.degree() >= 0:
+                    found.append(f"the integral of {_written(f)} {_product(order)} over {said(low)} < x < {said(high)}")
+        last = [said(place) for place in self.column.breaks]
+        return found + [f"{said(f)} {_product(order)} at x = {last[n]}" for (n, order), f in points.items() if f]
+
+    # ---------------------------------------------------------------- how large R is
+
+    @cached_property
+    def turning(self) -> arb:
+        """C_R: |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part with y'v'. Raises Refused."""
+        turning = [{(1, 1): table[1]} if 1 in table and table[1].degree() >= 0 else {} for table in self.along]
+        return replace(self.column, load=turning, forces={}).size() if any(turning) else arb(0)
+
+    @cached_property
+    def density(self) -> tuple[arb, arb]:
+        """Of the part along the beam with y v the least and the largest, over the mass."""
+        return _ratios(self.column, [table.get(0, fmpq_poly([0])) for table in self.along])
+
+    @cached_property
+    def at_masses(self) -> list[arb]:
+        """R over the mass, at places with one."""
+        return [ball(self.points.get(key, Fraction(0)) / mass) for key, mass in self.column.masses.items() if mass]
+
+    @property
+    def size(self) -> arb:
+        """δ: |R₀(y, v)| ≤ δ times the roots of the masses of y and v, of the part without y'v'."""
+        return _most([abs(value) for value in (*self.density, *self.at_masses)])
+
+    def share(self, omega: arb) -> arb:
+        """What part of its mass a mode without load has at places, at most, for all frequencies from ω on.
+
+        With v⁽ⁱ⁾ = 1 at a place, nothing at others: |m φ⁽ⁱ⁾| ≤ a(v, v)^(1/2)/ω + (∫ m v² dx)^(1/2).
+        """
+        total = arb(0)
+        for place, mass in self.column.masses.items():
+            if mass:
+                bounds = [
+                    (weight.sqrt() + energy.sqrt() / omega) ** 2 / ball(mass) for weight, energy in self._bumps(place)
+                ]
+                total += min((bound.upper() for bound in bounds), key=float)
+        return total.min(arb(1)).upper()
+
+    def _bumps(self, place: Place) -> list[tuple[arb, arb]]:
+        """∫ m v² dx and a(v, v) of a cubic beside a place, of several lengths."""
+        (node, order), of = place, self.column
+        sides = [(n, sign) for n, sign in ((node - 1, -1), (node, 1)) if 0 <= n < len(of.m)]
+        reach = min(of.breaks[n + 1] - of.breaks[n] for n, _ in sides)
+        slope = node, 1
+        turns = len(sides) == 1 and order == 0 and not (of.held(slope) or of.masses.get(slope) or of.springs.get(slope))
+        bump = fmpq_poly([exact(Fraction(c)) for c in CUBICS[order, not turns]])
+        squares = [f * f for f in (bump, bump.derivative(), bump.derivative().derivative())]
+        found = []
+        for length in (reach * part for part in LENGTHS):
+            weight, energy = Fraction(0), of.springs.get(place, Fraction(0))
+            for n, sign in sides:
+                local = fmpq_poly([exact(of.breaks[node]), exact(sign * length)])
+                terms = [(0, of.m[n]), (2, of.EI[n]), *of.elastic[n].items()]
+                whole = [(f(local) * squares[p]).integral()(1) for p, f in terms]
+                parts = [_fraction(f) * length ** (1 + 2 * (order - p)) for (p, _), f in zip(terms, whole, strict=True)]
+                weight, energy = weight + parts[0], energy + sum(parts[1:], Fraction(0))
+            found.append((ball(weight), ball(energy)))
+        return found
+
+    def least(self, omega: arb, blur: arb) -> arb:
+        """At most Re R₀(u, z)/(z, u), where u and z are modes from ω on, of mass 1, and rests of size `blur`."""
+        share, (low, high) = self.share(omega), self.density
+        along, points = _most([abs(low), abs(high)]), _most([abs(value) for value in self.at_masses])
+        of_mode = low + share * min(
+            [value - low for value in self.at_masses] + [arb(0)], key=lambda x: float(x.lower())
+        )
+        felt = (along**2 + share * points**2).sqrt()
+        missed = 2 * felt * blur + (self.size + along + share * points) * blur**2
+        return arb((of_mode - missed / (1 - blur**2)).lower())
+
+    # ---------------------------------------------------------------- high modes
+
+    def check(self, loaded: arb, gap: arb, frequency: arb) -> None:
+        """Lemma 11: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all gaps from
+        m on; frequency: at most ω_m. Raises Refused."""
+        c_E, c_M, turning = ball(self.c_E), ball(self.c_M), self.turning
+        X = loaded
+        if not self.vanishing:
+            require(bool(turning.is_zero()) or self.c_E > 0, "a slope is damped without internal damping")
+            X += (turning / c_E if self.c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
+        require(bool(2 * X < gap), "the gaps between high frequencies are too narrow for such a load and damping")
+        omega = frequency + gap
+        r = gap / omega
+        sigma = (((1 + r) / (gap * (2 + r) - X)).max(1 / (gap * (2 - r) - X)) * X).upper()
+        undamped = "high frequencies are not known to be damped"
+        require(bool(2 * sigma**2 < 1), undamped)
+        blur, k = sigma / (1 - sigma**2).sqrt(), 1 / (1 - 2 * sigma**2)
+        h = c_E * (omega - X - loaded * k) - turning * k
+        rest = self.least(omega, blur).min(arb(0))
+        require(bool(h >= 0) and bool(c_M + omega * h + rest > 0), undamped)
+
+    def highest(self, line: arb, loaded: arb) -> arb:
+        """Ω: no eigenvalue iω, ω ≥ Ω, is left of a line, or none is there at all. loaded: as above."""
+        if self.c_E == 0:
+            return line.sqrt().upper()
+        c_E, bounds = ball(self.c_E), []
+        rest = 1 - c_E * ball(self.c_M) - c_E**2 * line
+        if rest > 0:
+            bounds.append((line / rest).sqrt().upper())
+        omega = (1 / c_E).upper()
+        for _ in range(20):
+            of_load = (loaded / omega + self.turning) / c_E * (2 * c_E / ((2 - arb(2).sqrt()) * omega)).sqrt()
+            if of_load + 2 * self.size / omega < 1:
+                bounds.append(omega)
+                break
+            omega *= 2
+        require(bool(bounds), "no bound of the frequency is known")
+        return arb(min(bounds, key=float))
+
+
+def _fraction(value: fmpq) -> Fraction:
+    return Fraction(int(value.p), int(value.q))
+
+
+def _most(values: list[arb]) -> arb:
+    return max((value.upper() for value in values), key=float, default=arb(0))
+
+
+def _ratios(column: Sections, parts: list[fmpq_poly]) -> tuple[arb, arb]:
+    values = [at(f, x) / at(column.m[n], x) for n, f in enumerate(parts) for x, _ in column.pieces(n)]
+    low, high = min((x.lower() for x in values), key=float), max((x.upper() for x in values), key=float)
+    return low, high
+
+
+def _product(order: int) -> str:
+    return "v y" if order == 0 else "v' y'"
+
+
+def _written(f: fmpq_poly) -> str:
+    powers = [(_fraction(f[k]), ["", " x"][k] if k < 2 else f" x^{k}") for k in range(f.degree() + 1)]
+    terms = [said(c) + power for c, power in powers if c]
+    return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})".replace("+ -", "- ")
+
+
+# --- reading -------------------------------------------------------------------------------------------------------
+
+
+def damped(data: Any, column: Sections) -> Damped | None:
+    """What a file says of damping. Raises Refused."""
+    if data is None:
+        return None
+    require(set(data) == {"form", "vanishing"} and type(data["vanishing"]) is bool, "the damping is no form of its own")
+    tables, points = form(data["form"], column)
+    require(all(p == q for table in tables for p, q in table), "the damping couples motions")
+    require(all(row == of for row, of in points), "the damping couples motions")
+    # so that it takes energy
+    positive = all(_never_negative(column, n, f) for n, table in enumerate(tables) for f in table.values())
+    require(positive and all(f >= 0 for f in points.values()), "the damping is not known to take energy")
+    shares = {_quotient(table.pop((2, 2), fmpq_poly([0])), column.EI[n]) for n, table in enumerate(tables)}
+    require(len(shares) == 1 and None not in shares, "the internal damping is not the bending stiffness times a number")
+    c_E = shares.pop() or Fraction(0)
+    at_places = {key: f for (key, _), f in points.items()}
+    beside = (
+        [_less({p: f for (p, _), f in table.items()}, column.elastic[n], c_E) for n, table in enumerate(tables)],
+        {key: at_places.get(key, Fraction(0)) - c_E * column.springs.get(key, Fraction(0))
+         for key in {**at_places, **column.springs, **column.masses}},
+    )  # fmt: skip
+    require(all(column.masses.get(key, 0) > 0 for key, f in beside[1].items() if f),
+            "a damper, or a spring without internal damping, is where no mass is")  # fmt: skip
+    c_M = _of_mass(column, [table.get(0, fmpq_poly([0])) for table in beside[0]])
+    along = [_less(table, {0: column.m[n]}, c_M) for n, table in enumerate(beside[0])]
+    points_left = {key: f - c_M * column.masses.get(key, Fraction(0)) for key, f in beside[1].items()}
+    found = Damped(column, c_E, c_M, data["vanishing"], along, points_left, beside)
+    require(c_E > 0 or c_M > 0, "there is no damping at all along the beam")
+    return found
+
+
+def _of_mass(column: Sections, parts: list[fmpq_poly]) -> Fraction:
+    """c_M, any number from 0 on: where the damping is the mass times a number that one, else one in the middle."""
+    each = {_quotient(f, column.m[n]) for n, f in enumerate(parts)}
+    number = each.pop() if len(each) == 1 else None
+    if number is None:
+        low, high = _ratios(column, parts)
+        number = Fraction(float(low) + float(high)) / 2
+    return max(number, Fraction(0))
+
+
+def _less(table: dict[int, fmpq_poly], other: dict[int, fmpq_poly], factor: Fraction) -> dict[int, fmpq_poly]:
+    found = dict(table)
+    for order, f in other.items():
+        add(found, order, -f * exact(factor))
+    return found
+
+
+def _quotient(f: fmpq_poly, g: fmpq_poly) -> Fraction | None:
+    """The number that f is of g."""
+    c = f[g.degree()] / g[g.degree()]
+    return _fraction(c) if f == g * c else None
+
+
+def _never_negative(column: Sections, n: int, f: fmpq_poly) -> bool:
+    return all(f[k] >= 0 for k in range(f.degree() + 1)) or all(at(f, x) >= 0 for x, _ in column.pieces(n))
+
+
+def statement(found: Damped | None) -> dict[str, Any]:
+    """Damping and the rest in words: C as c_M M + c_E E; where that is not all of it, as c_E E and the rest."""
+    if found is None:
+        return {}
+    plain = found.plain
+    stated = v.Damping(found.c_M if plain else Fraction(0), found.c_E, found.vanishing)
+    return {"damping": stated, "beside": () if plain else tuple(found.words)}

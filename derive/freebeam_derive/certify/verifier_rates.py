@@ -1,0 +1,98 @@
+"""The equations at the boundary where damping leaves a form of its own, for the verifier.
+
+Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. With
+C = c_E E + c_M M + R, p = P/(1 + c_E λ), q = λ/(1 + c_E λ), s = −(λ² + c_M λ)/(1 + c_E λ) an eigenvalue is a zero of
+F(p, s, q), that of E + p B + q R − s M. In the limit of vanishing damping, at a simple s, the growth rate is
+−(c_E p F_p + (c_E s + c_M) F_s − F_q) / (2 F_s) times the factor that vanishes, to first order.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from typing import Any
+
+from flint import acb, arb
+
+from freebeam_derive.certify.verifier_boxes import Box
+from freebeam_derive.certify.verifier_claims import require
+from freebeam_derive.certify.verifier_damping import Damped
+from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two
+from freebeam_derive.certify.verifier_pieces import Pieces
+
+
+class Powers:
+    """F(p, s, q) on a box of p and s, by powers of q, |q|² ≤ |s|."""
+
+    def __init__(self, F: Pieces, p: Any, s: Any) -> None:
+        first = Box(F, p, s, of=0)
+        self.Q = first.whole.Q  # type: ignore[attr-defined]
+        self._boxes = [first, *(Box(F, p, s, of=n) for n in range(1, len(first.whole.levels)))]
+
+    def value(self, p: Any, s: Any, i: int, j: int, q: Any, k: int = 0) -> Any:
+        """∂^{i+j+k} F / ∂p^i ∂s^j ∂q^k / (i! j!), k at most 1. Raises ArithmeticError outside of the box."""
+        t = q / self.Q
+        if not abs(t) < arb(3) / 4:
+            raise ArithmeticError("a value was asked for outside of its box")
+        total = 0 * t
+        for n in range(len(self._boxes) - 1, k - 1, -1):
+            total = total * t + (n if k else 1) * self._boxes[n].value(p, s, i, j)
+        if k:  # the rest stands with q⁰; its slope is at most that over the way to |q| = Q
+            error = arb(0, (self._boxes[0].rest(i, j) / (1 - abs(t))).upper())
+            total = (total + (acb(error, error) if isinstance(total, acb) else error)) / self.Q
+        return total
+
+
+class Rates(Equations):
+    """As `Equations`. F: without damping, for real s and at s = 0."""
+
+    bits = 64  # a function of three variables takes four times as long with 128
+
+    def __init__(self, F: Pieces, damping: Damped) -> None:
+        of_E, of_M = ((f, f) for f in (damping.c_E, damping.c_M))
+        super().__init__(F, 0, of_E, of_M, damping.vanishing)
+        self.whole = F if damping.plain else Pieces(F.column, damping)
+
+    @property
+    def undamped_to(self) -> Fraction:
+        """0: c_M is not negative, and what R takes is in Lemma 11."""
+        return Fraction(0)
+
+    def box(self, p: Any, s: Any) -> Powers:
+        return Powers(self.whole, p, s)
+
+    def system(self, f: Any, P: Any, x: Any) -> tuple[Two, Matrix]:
+        """f(p, s, i, j, q, k): as `Powers.value`."""
+        p, s = self.place(P, x)
+        a, b = self.alpha, self.beta
+        if self.limit:
+            q = arb(0)
+            F, F_p, F_s, F_q = f(p, s, 0, 0, q), f(p, s, 1, 0, q), f(p, s, 0, 1, q), f(p, s, 0, 0, q, 1)
+            r, mixed = a * s + b, f(p, s, 1, 1, q)
+            of_p = a * (F_p + 2 * p * f(p, s, 2, 0, q)) + r * mixed - f(p, s, 1, 0, q, 1)
+            of_s = a * (p * mixed + F_s) + 2 * r * f(p, s, 0, 2, q) - f(p, s, 0, 1, q, 1)
+            return [F, a * p * F_p + r * F_s - F_q], [[F_p, F_s], [of_p, of_s]]
+        lam = acb(0, x)
+        below = 1 + a * lam
+        rate = lam / below
+        F, F_p, F_s, F_q = (f(p, s, i, j, rate, k) for i, j, k in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
+        by_P = F_p / below
+        by_x = acb(0, 1) * (F_q / below - a * p * F_p - (2 * lam + b + a * s) * F_s) / below
+        return [F.real, F.imag], [[by_P.real, by_x.real], [by_P.imag, by_x.imag]]
+
+    def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
+        return [(self.system(self.box(*near).value, P, x)[0], arb(1))]
+
+    def _direction(self, X: list[arb]) -> arb:
+        p, s = (side + (side - side.mid()) / 8 for side in self.place(*X))
+        J = self.system(self.box(p, s).value, *X)[1]
+        if self.limit:
+            (F_p, F_s), (of_p, of_s) = J
+            return arb((of_s * F_p / F_s - of_p) / F_s)
+        by_P, by_x = (acb(J[0][k], J[1][k]) for k in (0, 1))
+        return arb((by_P * by_x.conjugate()).imag)
+
+    def rate(self, box: Box, P: arb, slope: arb) -> arb:
+        by_s = box.value(P, arb(0), 0, 1)
+        require(not (self.limit and by_s.contains(0)), "s = 0 is not known to be simple there")
+        by_q = Powers(self.whole, P, arb(0)).value(P, arb(0), 0, 0, arb(0), 1)
+        return arb(self.alpha * P * slope + self.beta * by_s - by_q)

@@ -1,0 +1,442 @@
+"""Certificates of damped columns with variable sections, masses and springs: accepted as written, refused where they
+claim what is not so; and the verifier's function and constants of damping beside those of the prover and of series.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from functools import cache
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+from flint import acb, arb
+from scipy.linalg import eigh
+
+import freebeam as fb
+from freebeam_derive.certify import beam_cells, verifier, verifier_of_sections, verifier_sections
+from freebeam_derive.certify.balls import ends
+from freebeam_derive.certify.beam_itself import divergence, flutter_damped
+from freebeam_derive.certify.boundary_polynomials import Question
+from freebeam_derive.certify.certificate import _around, _sections
+from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.verifier_boxes import Box
+from freebeam_derive.certify.verifier_cells import Cells
+from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_damping import Damped, damped
+from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
+from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
+from freebeam_derive.certify.verifier_rates import Powers, Rates
+from freebeam_derive.certify.verifier_sections import Sections
+from tests.certify.test_frequency_gaps import frequencies, system
+from tests.certify.test_section_certificates import computed_once  # noqa: F401
+
+Data = dict[str, Any]
+BITS = 128
+# column, own parameters and damping
+CASES: dict[str, tuple[str, dict[str, str]]] = {
+    "internal": ("pflueger", {"J": "0.1", "alpha": "0.02"}),
+    "mass undamped": ("pflueger", {"J": "0.1", "alpha": "0.02", "beta": "0.1"}),
+    "limit, mass undamped": ("pflueger", {"J": "0.1", "kappa": "1"}),
+    "divergence": ("tip-spring", {"k": "38", "beta": "0.1"}),
+}
+
+
+@cache
+def found(case: str) -> Any:
+    """Proven as a whole; but of some the prover's cells are left out, for the verifier makes its own."""
+    name, own = CASES[case]
+    with pytest.MonkeyPatch.context() as patch:
+        if case not in ("internal", "limit, mass undamped"):
+            patch.setattr(beam_cells.Cells, "no_other_zero", lambda *_: 1)
+        return fb.exact_load(fb.column(name), digits=15, **own)  # type: ignore[arg-type]
+
+
+def certificate(case: str) -> Data:
+    data: Data = json.loads(json.dumps(found(case).certificate))
+    return data
+
+
+def forged(case: str, change: Callable[[Data], Any]) -> Data:
+    data = certificate(case)
+    change(data)
+    return data
+
+
+def refused(data: Data, match: str) -> None:
+    with pytest.raises(Refused, match=match):
+        verifier.verify(data, FORMATS)
+
+
+def shifted(pair: list[str], factor: str) -> list[str]:
+    return [str(Fraction(v) * Fraction(factor)) for v in pair]
+
+
+@pytest.mark.parametrize("case", [*CASES][:-1])
+def test_a_certificate_is_accepted_as_it_was_written(case: str) -> None:
+    proven = found(case)
+    assert all(proven.proof.values()) and proven.missing == ""
+    stated = verifier.verify(certificate(case), FORMATS)
+    assert stated.kind == proven.kind
+    assert stated.load[0] < Fraction(proven.load[1]) and Fraction(proven.load[0]) < stated.load[1]
+    said, damping = str(stated), stated.record()["damping"]
+    assert "it is the first over all modes" in said and "stable is every load from 0 up to it" in said
+    words, beside = {
+        "internal": ("C = 0.02 E:", 0),
+        "mass undamped": ("C = 0.02 E + the integral of 0.1 v y over 0 < x < 1:", 1),
+        "limit, mass undamped": ("direction of C = 1 E + the integral of 1 v y over 0 < x < 1:", 1),
+    }[case]
+    assert words in said and len(damping["beside"]) == beside and damping["vanishing"] is ("limit" in case)
+
+
+def test_another_damping_is_refused() -> None:
+    """A crossing is that of its damping alone; finite, vanishing and none are three."""
+    data = certificate("limit, mass undamped")
+    refused(data | {"damping": data["damping"] | {"vanishing": False}}, "no crossing in the interval")
+    data = certificate("mass undamped")
+    along = data["damping"]["form"]["along"]
+    for n, term in enumerate(along):
+        changed = [*along[:n], [*term[:-1], str(Fraction(term[-1]) * Fraction(1001, 1000))], *along[n + 1 :]]
+        form = data["damping"]["form"] | {"along": changed}
+        refused(data | {"damping": data["damping"] | {"form": form}}, "no crossing in the interval")
+    refused(data | {"damping": None}, "no crossing in the interval|moves that should not")
+    refused(data | {"damping": data["damping"] | {"vanishing": True}}, "no crossing in the interval")
+    mass = {"along": along, "points": [[1, 0, 1, 0, "1/100"]]}
+    refused(data | {"damping": data["damping"] | {"form": mass}}, "no crossing in the interval")
+
+
+def test_a_claim_that_is_moved_is_refused() -> None:
+    data = certificate("internal")
+    for name in ("load", "frequency_squared"):
+        refused(data | {name: shifted(data[name], "1.0001")}, "no crossing in the interval")
+    refused(data | {"load": shifted(data["load"], "8")}, "too narrow|not known to be damped")
+    refused(data | {"kind": "divergence", "frequency_squared": None}, "no crossing in the interval")
+    refused(data | {"proof": data["proof"] | {"first": False}}, "what is said to be proven")
+    refused(data | {"line": str(Fraction(data["line"]) / 20)}, "not known to be free")
+    refused(forged("internal", lambda d: d["stretches"][0]["points"].__setitem__(1, "1/2")), "not known to change sign")
+    refused(forged("internal", lambda d: d["stretches"].pop()), "not known to be stable at P = 0")
+
+    def one_less(d: Data) -> None:
+        d["lowest"], d["line"] = 1, str(Fraction(d["stretches"][0]["points"][1]) * Fraction(11, 10))
+        del d["stretches"][0]["points"][1]
+
+    refused(forged("internal", one_less), "too narrow|not known to be (free|damped)")
+    for form, where, n, last in (("M", "points", 0, "1.001"), ("M", "along", 0, "1.001"), ("E", "along", 0, "1.001")):
+        other = forged("internal", lambda d, f=form, w=where, k=n, v=last: d["forms"][f][w][k].__setitem__(-1, v))
+        refused(other, "no crossing in the interval|stiffness times a number|known to be damped")
+
+
+def test_a_crossing_that_is_not_the_first_is_refused() -> None:
+    """Flutter beyond a divergence, and where a frequency comes back to zero; both are crossings, the second no loss."""
+    data = certificate("divergence")
+    own, a, b = {"k": Fraction(38)}, Fraction(0), Fraction(1, 10)
+    it = ExactSystem(fb.column("tip-spring").kernel, own, a, b)
+    later = flutter_damped(it, a, b, (39.7, 6.4), 15)
+    with flint.ctx.workprec(later.bits):
+        claims = [_around(ends(v), 13) for v in (later.load, later.frequency**2)]  # type: ignore[arg-type]
+    # with as many lowest eigenvalues as such a load asks for
+    squares = [Fraction(float(w)) ** 2 for w in frequencies(system("tip-spring", {"k": "38"}), 8)]
+    points = [Fraction(0), *((x + y) / 2 for x, y in pairwise(squares[:7]))]
+    data["lowest"], data["line"] = 6, str(points[-1] * Fraction(101, 100))
+    data["stretches"][0]["points"] = [*map(str, points)]
+    assert verifier.verify(data, FORMATS).kind == "divergence"
+    later_one = dict(zip(("kind", "load", "frequency_squared"), ("flutter", *claims), strict=True))
+    refused(data | later_one, r"F\(P, 0\) is not known to differ from zero")
+    with pytest.raises(Exception, match="restabilisation"):
+        divergence(it, 38.44, 15)
+
+
+def test_an_instability_that_is_not_named_is_not_passed_over() -> None:
+    data = certificate("mass undamped")
+    _, column, *_ = verifier_sections.read(data)
+    top = Fraction(data["load"][1])
+    with flint.ctx.workprec(BITS):
+        damping = damped(data["damping"], column)
+        assert damping is not None
+        equations = Rates(Pieces(column), damping)
+        box, change = equations.flutter(
+            tuple(map(Fraction, data["load"])), tuple(map(Fraction, data["frequency_squared"]))
+        )  # type: ignore[arg-type]
+        assert change > 0
+    with flint.ctx.workprec(64):
+        near = Cells(equations, top, [])
+        with pytest.raises(Refused, match="another crossing could be near"):
+            near.tile((top * Fraction(127, 128), top), (Fraction(2), Fraction(5, 2)), 5)
+        Cells(equations, top, [box]).tile((top * Fraction(127, 128), top), (Fraction(2), Fraction(5, 2)), 5)
+
+
+def damping_of(case: str, change: Callable[[Data], Any]) -> Any:
+    data = certificate(case)
+    change(data["damping"])
+    with flint.ctx.workprec(BITS):
+        return damped(data["damping"], verifier_sections.read(data)[1])
+
+
+def test_damping_that_is_not_served_is_refused() -> None:
+    def read(match: str, change: Callable[[Data], Any], case: str = "mass undamped") -> None:
+        with pytest.raises(Refused, match=match):
+            damping_of(case, change)
+
+    read("couples motions", lambda d: d["form"]["along"].append([0, 0, 0, 1, "1"]))
+    read("couples motions", lambda d: d["form"]["points"].append([1, 0, 1, 1, "1"]))
+    read("known to take energy", lambda d: d["form"]["along"].append([0, 0, 0, 0, "-1"]))
+    read("known to take energy", lambda d: d["form"]["points"].append([1, 0, 1, 0, "-1"]))
+    read("bending stiffness times a number", lambda d: d["form"]["along"].append([0, 1, 2, 2, "1"]))
+    read("where no mass is", lambda d: d["form"]["points"].append([1, 0, 1, 0, "1"]), "divergence")
+    read("no form of its own", lambda d: d.update(vanishing="no"))
+    read("no damping at all", lambda d: d["form"].update(along=[], points=[[1, 0, 1, 0, "1"]]))
+    assert damping_of("internal", lambda d: None).plain and not damping_of("mass undamped", lambda d: None).plain
+
+
+# ------------------------------------------------------------ the verifier's own mathematics
+
+LEFT: dict[str, tuple[str, dict[str, Fraction], Fraction, Fraction]] = {
+    "mass": ("pflueger", {}, Fraction(1, 100), Fraction(1, 10)),
+    "rotary inertia": ("pflueger", {"J": Fraction(1, 10)}, Fraction(1, 100), Fraction(1, 10)),
+    "weight": ("beck-self-weight", {"g": Fraction(2)}, Fraction(1, 100), Fraction(1, 10)),
+    "mass per length": ("step", {"s": Fraction(1), "r": Fraction(3, 2)}, Fraction(0), Fraction(1, 2)),
+    "mass at mid-span": ("point-mass", {}, Fraction(0), Fraction(1, 2)),
+}
+
+
+@cache
+def column(case: str) -> tuple[Any, Sections, Damped]:
+    name, own, alpha, beta = LEFT[case]
+    kernel = fb.column(name).kernel
+    stated = _sections(kernel, Question(1, alpha, beta, None, own))
+    of = verifier_sections.sections(tuple(stated["ends"]), tuple(map(Fraction, stated["breaks"])), stated["forms"])
+    with flint.ctx.workprec(BITS):
+        damping = damped(stated["damping"], of)
+    assert damping is not None and not damping.plain
+    return kernel, of, damping
+
+
+@pytest.mark.parametrize("case", ["mass", "weight", "mass per length"])
+def test_both_functions_have_the_same_zeros(case: str) -> None:
+    """Their quotient is a number times a power of 1 + c_E λ, by which the verifier divides each natural condition."""
+    name, own, alpha, beta = LEFT[case]
+    _, of, damping = column(case)
+    it = ExactSystem(fb.column(name).kernel, own, alpha, beta)
+    quotients = []
+    with flint.ctx.workprec(64):
+        F = Pieces(of, damping)
+        for P, lam in ((1, acb(0, 3)), (2, acb(1, 2))):
+            below = 1 + arb(str(alpha)) * lam if alpha else acb(1)
+            p, s = P / below, -(lam * lam + arb(float(damping.c_M)) * lam) / below
+            ours = Powers(F, acb(p), acb(s)).value(acb(p), acb(s), 0, 0, lam / below)
+            quotients.append(ours * below**2 / it.taylor(acb(P), -lam, ((0, 0),))[0, 0])
+    assert all(abs(q / quotients[0] - 1) < 1e-9 for q in quotients) and abs(quotients[0]) > 0
+
+
+def test_the_slope_by_the_rate_is_that_of_differences() -> None:
+    _, of, damping = column("mass")
+    p, s, q, step = acb(2), acb(9, 3), acb(1, 2), acb("1e-6")
+    with flint.ctx.workprec(64):
+        F = Powers(Pieces(of, damping), p, s)
+        for i, j in ((0, 0), (1, 0), (0, 1)):
+            above, below = (F.value(p, s, i, j, x) for x in (q + step, q - step))
+            assert abs(F.value(p, s, i, j, q, 1) / ((above - below) / (2 * step)) - 1) < 1e-6
+        with pytest.raises(ArithmeticError, match="outside"):
+            F.value(p, s, 0, 0, acb(0, 7))
+        # what F lacks may be any function that small where |q| ≤ Q = 8, such as this times (q/Q)^n
+        F._boxes[0]._rest = arb("0.01")
+        with flint.ctx.workprec(128):
+            width = float(F.value(p, s, 0, 0, q, 1).real.rad())
+        assert float(F.Q) == 8 and width > 0.01 * max(n * (5**0.5 / 8) ** (n - 1) for n in range(1, 9)) / 8
+
+
+@pytest.mark.parametrize("case", LEFT)
+def test_the_constants_of_damping_are_above_what_they_bound(case: str) -> None:
+    """Of a series: R on modes without load, which are orthonormal in mass, and what part of it is at places."""
+    kernel, _, damping = column(case)
+    _, own, alpha, beta = LEFT[case]
+    floats, basis = {key: float(value) for key, value in own.items()}, kernel.basis(24)
+    M, E, C = (
+        kernel.mass(basis, 0.0, **floats), kernel.stiffness(basis, 0.0, **floats),
+        kernel.damping(basis, 0.0, float(alpha), float(beta), **floats),
+    )  # fmt: skip
+    of_inverse, modes = eigh(M, E)
+    omega = of_inverse[::-1][:10] ** -0.5
+    modes = modes[:, ::-1][:, :10] * omega
+    R = modes.T @ (C - float(damping.c_E) * E - float(damping.c_M) * M) @ modes
+    with flint.ctx.workprec(BITS):
+        size, turning = float(damping.size), float(damping.turning)
+        if turning == 0:
+            assert abs(np.linalg.eigvalsh(R)).max() <= size * (1 + 1e-9) and size < 100
+            for k in range(len(omega)):
+                least = float(damping.least(arb(omega[k]), arb(0)))
+                assert least <= np.diag(R)[k:].min() + 1e-9 and least >= -size * (1 + 1e-9)
+                blurred = damping.least(arb(omega[k]), arb("0.1"))
+                assert blurred < least and blurred > -2 * size
+        else:
+            felt = np.linalg.norm(R / omega, 2)
+            assert felt <= turning * (1 + 1e-9) and turning < 4 * felt and size == 0
+        masses = {"mass": "mu", "rotary inertia": "J", "mass at mid-span": "mu"}
+        if case in masses:  # the share of one of them falls short of that of all
+            at = {key: p["default"] for p in kernel.COLUMN["parameters"] for key in [p["name"]]} | floats
+            lighter = kernel.mass(basis, 0.0, **(at | {masses[case]: 0.0}))
+            shares = np.diag(modes.T @ (M - lighter) @ modes)
+            bounds = [float(damping.share(arb(w))) for w in omega]
+            assert all(0 < share <= bound for share, bound in zip(shares, bounds, strict=True)) and bounds[-1] < 0.7
+
+
+class Given(Damped):
+    """With its constants as they are given: least and largest along the beam, at a mass, of a slope, and the share."""
+
+    constants: Any
+
+    density = property(lambda self: (arb(self.constants[0]), arb(self.constants[1])))  # type: ignore[assignment]
+    at_masses = property(lambda self: [arb(self.constants[2])])  # type: ignore[assignment]
+    turning = property(lambda self: arb(self.constants[3]))  # type: ignore[assignment]
+
+    def share(self, omega: arb) -> arb:
+        return arb(self.constants[4])
+
+    @classmethod
+    def of(cls, c_E: float, c_M: float, vanishing: bool, *constants: float) -> Given:
+        empty = Sections(("clamped", "free"), (Fraction(0), Fraction(1)), [], [], [], [], {}, {}, {})
+        found = cls(empty, Fraction(c_E), Fraction(c_M), vanishing, [], {}, ([], {}))
+        object.__setattr__(found, "constants", constants)
+        return found
+
+
+def margin(c_E: float, c_M: float, limit: bool, R: tuple[float, ...], load: float, g: float, omega_m: float) -> float:
+    """What is left of the narrowest inequality of Lemma 11, as docs/theorem.md prints them."""
+    low, high, tau, turning, eta = R
+    delta = max(abs(low), abs(high), abs(tau))
+    X = load if limit else load + (turning / c_E if c_E else 0) + delta * (1 + g / omega_m) ** 0.5
+    omega = omega_m + g
+    r = g / omega
+    if 2 * X >= g:
+        return g - 2 * X
+    sigma = X * max((1 + r) / (g * (2 + r) - X), 1 / (g * (2 - r) - X))
+    if sigma >= 0.5**0.5:
+        return float(0.5**0.5 - sigma)
+    eps, k = sigma / (1 - sigma**2) ** 0.5, 1 / (1 - 2 * sigma**2)
+    along, of_mode = max(abs(low), abs(high)), max(abs(low), abs(high)) + eta * abs(tau)
+    rho = (along**2 + eta * tau**2) ** 0.5
+    least = low + eta * min(0, tau - low) - (2 * rho * eps + (delta + of_mode) * eps**2) / (1 - eps**2)
+    h = c_E * (omega - X - load * k) - turning * k
+    return min(h if h < 0 else np.inf, c_M + omega * h + min(0, least))
+
+
+def test_the_inequality_is_that_of_the_page() -> None:
+    """At numbers drawn at random, on both sides of it."""
+    draw, seen = np.random.default_rng(1), {True: 0, False: 0}
+    with flint.ctx.workprec(BITS):
+        for _ in range(1000):
+            c_E, c_M, low, high, tau, turning = draw.uniform(0, 1, 6) * draw.choice([0.01, 0.1, 1], 6)
+            c_E, turning = (c_E, turning * draw.choice([0, 1])) if draw.random() < 0.7 else (0.0, 0.0)
+            R = (-low, float(high), float(draw.choice([-1, 1]) * tau), float(turning), float(draw.uniform(0, 1)))
+            g, omega_m, limit = draw.uniform(5, 60), draw.uniform(1, 60) * draw.choice([0.1, 1]), bool(draw.integers(2))
+            load = g * draw.uniform(0.05, 0.6)
+            wanted = margin(c_E, c_M, limit, R, load, g, omega_m)
+            try:
+                Given.of(c_E, c_M, limit, *R).check(arb(load), arb(g), arb(omega_m))
+            except Refused:
+                assert wanted < 1e-9
+            else:
+                assert wanted > -1e-9
+            seen[wanted > 0] += 1
+    assert min(seen.values()) > 50
+
+
+def test_slopes_of_the_equations_are_those_of_differences() -> None:
+    """Of both unknowns, with damping and in its limit; and at λ = 0 that by λ."""
+    _, of, damping = column("mass")
+    h = arb("1e-5")
+    with flint.ctx.workprec(64):
+        F = Pieces(of)
+        for limit in (False, True):
+            equations = Rates(F, replace(damping, vanishing=limit))
+            X = [arb("1.5"), arb("8" if limit else "2.7")]
+            p, s = equations.place(*X)
+            box = equations.box(*(side + side * arb(0, 0.001) for side in (p, s)))
+            J = equations.system(box.value, *X)[1]
+            for j in (0, 1):
+                up, down = ([x + sign * h * (n == j) for n, x in enumerate(X)] for sign in (1, -1))
+                ends = [equations.system(box.value, *at)[0] for at in (up, down)]
+                for i in (0, 1):
+                    assert abs(J[i][j] - (ends[0][i] - ends[1][i]) / (2 * h)) < 1e-6 * max(abs(J[i][0]), abs(J[i][1]))
+        P, plain = arb("1.5"), Box(F, arb("1.5"), arb(0), 1)
+        a, b = equations.alpha, equations.beta
+        values = []
+        for lam in (h, -h):
+            below = 1 + a * lam
+            p, s = P / below, -(lam * lam + b * lam) / below
+            values.append(Powers(equations.whole, p, s).value(p, s, 0, 0, lam / below))
+        rate = equations.rate(plain, P, plain.value(P, arb(0), 1, 0))
+        assert abs(-rate / ((values[0] - values[1]) / (2 * h)) - 1) < 1e-6
+
+
+@pytest.mark.parametrize("case", ["mass", "mass per length"])
+def test_no_size_is_below_the_sum_of_the_coefficients(case: str) -> None:
+    """Of which rests are bounded, those of powers of q too."""
+    _, of, damping = column(case)
+    with flint.ctx.workprec(64):
+        F = Pieces(of, damping)
+        whole = OfPieces(F, arb(1), arb(1))
+        parts = [part for line in whole._solutions(F.pieces[0][0][1]) for part in line]
+        parts += [whole._linear(factor) for row in F.rows for factor in row.values()]
+        assert any(len(part.levels) > 1 for part in parts)
+        for part in parts:
+            total = sum((abs(c) for rows in part.levels for row in rows for c in row.coeffs()), arb(0))
+            assert total.lower() <= part.size
+
+
+def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: pytest.MonkeyPatch) -> None:
+    _, of, damping = column("rotary inertia")
+    omega = frequencies(system("pflueger", {"J": "0.1"}), 12)
+    asked: list[tuple[float, ...]] = []
+    monkeypatch.setattr(Damped, "check", lambda self, *given: asked.append(tuple(map(float, given))))
+    with flint.ctx.workprec(BITS):
+        F, equations = Pieces(of), None
+        for m, line in ((2, omega[1] * omega[2]), (2, 1.1 * omega[1] ** 2 + 15), (3, 0.9 * omega[3] ** 2)):
+            Gaps(of, F, m, Fraction(line), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+            loaded, gap, frequency = asked.pop()
+            a = max(omega[m - 1], line / omega[m])
+            assert 1 <= loaded <= 2 and gap <= min(line / a - a, np.diff(omega[m:]).min()) * (1 + 1e-6)
+            assert omega[m - 1] * (1 - 1e-6) <= frequency <= omega[m - 1]
+        # a gap further on that is narrower than that about the line
+        stub = lambda *_: SimpleNamespace(all=lambda: [(arb(w), arb(w)) for w in (2, 16, 80, 120, 220)])  # noqa: E731
+        monkeypatch.setattr(verifier_of_sections, "Frequencies", stub)
+        Gaps(of, F, 2, Fraction(16 * 80), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+        assert asked.pop()[1] <= 40
+
+
+def test_frequencies_beyond_the_bound_are_not_of_the_low_ones() -> None:
+    """Re s = R at the first bound, and above it from there on; the second where internal damping is large."""
+    none = (0.0,) * 5
+    with flint.ctx.workprec(BITS):
+        for c_E, c_M in ((1 / 128, 1 / 8), (1 / 64, 20.0)):
+            top = float(Given.of(c_E, c_M, False, *none).highest(arb(500), arb(6)))
+            for share, beyond in ((0.999, False), (1.001, True), (3.0, True)):
+                lam = 1j * share * top
+                assert ((-(lam**2 + c_M * lam) / (1 + c_E * lam)).real >= 500) is beyond
+        assert float(Given.of(0, 1, False, *none).highest(arb(500), arb(6))) == pytest.approx(500**0.5)
+        for loaded, tau, turning in ((6.0, 0.0, 0.0), (600.0, 0.0, 0.0), (6.0, 60.0, 0.0), (6.0, 0.0, 4.0)):
+            top = float(Given.of(0.125, 0, False, 0.0, 0.0, tau, turning, 0.0).highest(arb(500), arb(loaded)))
+            left = (loaded / top + turning) / 0.125 * (2 * 0.125 / ((2 - 2**0.5) * top)) ** 0.5 + 2 * tau / top
+            assert top >= 8 and left < 1 and (top == 8 or left > 0.2)
+
+
+def test_the_line_is_looked_at_with_damping_too() -> None:
+    data = certificate("mass undamped")
+    _, of, m, line, _ = verifier_sections.read(data)
+    with flint.ctx.workprec(BITS):
+        damping, F = damped(data["damping"], of), Pieces(of)
+        assert damping is not None
+        gaps = Gaps(of, F, m, line, damping)
+        gaps.check(Fraction(data["load"][1]), Rates(F, damping))
+        # the load that Lemma 6 allows is too much for Lemma 11
+        most = min(float(b[0] - a[1]) for a, b in zip(gaps.known[m - 1 :], gaps.known[m:], strict=False)) / float(
+            of.size()
+        )
+        with pytest.raises(Refused, match=r"too narrow for such a load and damping|known to be free"):
+            gaps.check(Fraction(0.6 * most), Rates(F, damping))
