@@ -203,14 +203,15 @@ class General:
             return 1
 
     def onset(self, load: float) -> Crossing:
-        try:
-            rate, V, growth = self._bad(load)
+        at = next((e.crossing for e in self.divergences if abs(e.crossing.load / load - 1) < NEAR), None)
+        try:  # at λ = 0 rounding grows too: what does is told just above
+            rate, V, growth = self._bad(load * (1 + 2 * NEAR) if at else load)
         except np.linalg.LinAlgError:
             return divergence(load, self.K, self._vector, steps=3)[0]
         worst = int(np.argmax(growth))
         omega, v = abs(float(rate[worst].imag)), self._vector(V[:, worst], load)
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:
-            return Crossing(load, 0.0, v, "divergence")
+            return at or Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
         found = self.near(guess)
         # not far off frequencies may pass one another, where Newton's method settles too, but on no digits

@@ -163,6 +163,8 @@ def test_a_shaft_buckles_in_both_planes_where_its_disc_does_not_tilt() -> None:
     found = proven("a disc where it does not tilt")
     assert found.kind == "divergence" and found.load is not None and found.frequency == ("0", "0")
     assert np.pi**2 < float(found.load[0]) < np.pi**2 * 1.0002
+    floats = fb.critical_load(column("a disc where it does not tilt"), 3)
+    assert floats.kind == "divergence" and floats.load == pytest.approx(float(found.load[0]), rel=1e-12)
     listed = fb.certified_crossings(column("a disc where it does not tilt"), 3, load_max=20, digits=10)
     assert [(c.kind, c.unstable_above) for c in listed] == [("divergence", 2)]
 
