@@ -5,6 +5,7 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -163,6 +164,8 @@ def test_frequencies_that_pass_through_each_other_are_not_decided(monkeypatch: p
     with pytest.raises(Inseparable, match=r"between the loads (1|0\.99)") as caught:
         all_crossings.survey(fb.column("beck", "modes").kernel, Question(2), F(3), 10)
     assert "Established: up to there stability changes at these loads and no others: none" in str(caught.value)
+    settled: list[Any] = [SimpleNamespace(load=arb(load)) for load in (5, 2, 0.5)]
+    assert str(Inseparable(F(3), F(4), settled)).endswith("at these loads and no others: 0.5, 2")
     assert all_crossings.survey(fb.column("beck", "modes").kernel, Question(2, F("0.1")), F(3), 10) == []
 
 

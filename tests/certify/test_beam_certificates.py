@@ -113,6 +113,8 @@ def test_a_claim_that_is_moved_is_refused() -> None:
     refused(forged("Beck", alpha="0.1"), "damping does not fit")
     refused(forged("Beck", proof=data["proof"] | {"first": False}), "what is said to be proven")
     refused(forged("dead load", kind="flutter", frequency_squared=["100", "101"]), "no crossing in the interval")
+    external = {"of_M": "1", "of_E": "0", "vanishing": True}
+    refused(forged("dead load, limit", kappa="inf", damping=external), "no internal damping is there to vanish")
 
 
 def test_an_interval_that_ends_a_hair_short_of_the_crossing_is_refused() -> None:

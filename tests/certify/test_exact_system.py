@@ -71,6 +71,19 @@ def near(kernel: ModuleType, value: Value, asked: dict[str, Fraction]) -> float:
     return float(min(values, key=lambda v: abs(v.real)).imag)
 
 
+@pytest.mark.parametrize("dampings", [(NONE, NONE), (Fraction(1, 100), Fraction(1, 10))])
+def test_slopes_of_p_and_s_are_those_of_differences(dampings: tuple[Fraction, Fraction]) -> None:
+    """Of a uniform beam p = P/(1 + αλ) and s = −(λ² + βλ)/(1 + αλ); of any column the load is p, and s −λ² or −λ."""
+    column = of_literature("beck")[0]
+    with precision(300):
+        h, P, value = arb(2) ** -100, arb(3), acb("0.3", "2")
+        for of in (Beam(runtime_column("beck").kernel), ExactSystem(column, None, *dampings)):
+            p, s, by_p, by_s, by_load = of.pencil(P, value, *dampings)
+            after, load = of.pencil(P, value + h, *dampings), of.pencil(P + h, value, *dampings)
+            for slope, off in ((by_p, after[0] - p), (by_s, after[1] - s), (by_load, load[0] - p)):
+                assert abs(acb(off) / h - acb(slope)) < 1e-25
+
+
 def enclosed(kernel: ModuleType, value: Value, asked: dict[str, Fraction], digits: int) -> beam_itself.ExactCrossing:
     system = ExactSystem(kernel, None, asked.get("alpha", NONE), asked.get("beta", NONE))
     load = float(value.printed)

@@ -226,6 +226,9 @@ def test_all_frequencies_of_uniform_parts_are_those_of_a_series(name: str) -> No
     assert np.allclose(found, omega[: len(found)], rtol=1e-9)
     high = omega[omega > G**2]
     assert len(high) > 15 and 4 < gap < np.diff(high).min()
+    # of γ as far apart as was looked for, or half of it, …
+    share = (np.sqrt(G**2 + gap) - G) * stepped_section.APART * float(sum(them.rates, arb(0))) / np.pi
+    assert min(abs(share * 2**k - 1) for k in range(stepped_section.TRIES)) < 1e-9
 
 
 @pytest.mark.parametrize("name", PARTS)

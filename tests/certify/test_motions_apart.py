@@ -124,6 +124,7 @@ def test_frequencies_pass_and_the_first_loss_is_that_of_a_dense_scan(name: str) 
     assert (len(said.parts), said.times) == COLUMNS[name][2:] and said.load is not None
     assert said.record()["times"] == said.times
     assert said.whirls == (name == "a disc that spins")
+    assert ("of one of these meet" in str(said)) == (len(said.parts) > 1 and not said.whirls)
     if said.frequency is not None:
         assert float(said.frequency[0]) == pytest.approx(float(found.frequency[0]), rel=1e-9)
 
