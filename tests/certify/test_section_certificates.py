@@ -202,6 +202,8 @@ def test_what_is_no_such_column_is_refused() -> None:
     refused(form("E", "along", [0, 0, 1, 1, "-3"]), "elastic energy is not known to be positive")
     refused(form("E", "along", [0, 0, 0, 1, "1"]), "elastic energy is not symmetric")
     refused(form("H", "along", [0, 0, 2, 2, "1"]), "acts on curvatures")
+    for p, q in ((3, 0), (0, 3), (3, 3)):
+        refused(form("H", "along", [0, 0, p, q, "1"]), "no such segment, power, order or place")
     refused(form("M", "points", [1, 0, 1, 1, "1"]), "couples two places, or is negative")
     refused(form("E", "points", [1, 0, 1, 0, "-1"]), "couples two places, or is negative")
     refused(form("E", "points", [2, 0, 2, 0, "1"]), "no such segment, power, order or place")
