@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, arb_mat
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
@@ -350,3 +350,24 @@ def test_a_series_on_a_box_holds_the_function_and_its_derivatives(p: Any, s: Any
             assert abs(ours[0, 0] - theirs[0, 0]) < 1e-2 * abs(theirs[0, 0]) + arb("1e-6")
         with pytest.raises(Unproven, match="outside of the box"):
             local.taylor(p.mid() + 100, s.mid(), ((0, 0),))
+
+
+@pytest.mark.parametrize("place", range(2))
+def test_a_cell_with_a_zero_at_its_bottom_is_not_excluded(place: int) -> None:
+    """One equation is P = 1, the other holds everywhere: seen by the slope in P, where the middle alone is no zero."""
+
+    class Problem:
+        beam = None
+
+        def value(self, z: list[Any]) -> list[arb]:
+            return [z[0] - 1 if k == place else arb(0) for k in range(2)]
+
+        def slopes(self, z: list[Any]) -> tuple[list[arb], arb_mat, None]:
+            return self.value(z), arb_mat([[arb(k == place), arb(0)] for k in range(2)]), None
+
+    cells = object.__new__(beam_cells.Cells)
+    cells.rigid, cells.load = 1, arb(1)
+    with precision(64):
+        for P, excluded in ((arb("1.1", "0.2"), False), (arb("1.5", "0.2"), True)):
+            way = cells._excluded_at_bottom(Problem(), P, arb(0))  # type: ignore[arg-type]
+            assert (way is None) == excluded
