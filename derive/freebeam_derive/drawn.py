@@ -203,7 +203,7 @@ def _load(axial: Expr, work: Expr) -> str:
     pressed, pushed = ([t for t in Add.make_args(part) if t.has(P)] for part in (axial, work))
     if any(int(j.args[2]) for t in pushed for j in jets(t)):
         return "inside"
-    if pushed and not pressed and any(int(j.args[1]) == 1 for t in pushed for j in jets(t)):
+    if pushed and not pressed and all({int(j.args[1]) for j in jets(t)} == {0, 1} for t in pushed):  # y′ δy
         return "outside"
     if any(t.has(x) for t in pressed or pushed):
         return "follower" if pushed else "axis"

@@ -510,8 +510,8 @@ def exact_load(
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
     modes, that it is the first and that the column is stable below: for a uniform beam, and for one of variable section
-    or in uniform parts, with masses and springs. Where these two are not proven, `proof`
-    says so and `missing` names the step that failed. docs/theorem.md is the theorem.
+    or in uniform parts, with masses and springs. Where these two are not proven, `proof` says so and `missing` names
+    the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())

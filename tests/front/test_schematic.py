@@ -18,7 +18,7 @@ from freebeam.vehicles.tabulated import Law, Part, Table, tabulated
 from freebeam_derive import pipeline
 from freebeam_derive.drawn import Parts, chain, parts_of
 from freebeam_derive.notation import P, t, x, y
-from freebeam_derive.statement import Coordinate, Parameter, at, delta, hinge, integral, jump
+from freebeam_derive.statement import Coordinate, Field, Parameter, at, delta, hinge, integral, jump
 
 STATED = statements()
 a, k, g = (sp.Symbol(name, real=True) for name in ("a", "k", "g"))
@@ -87,6 +87,13 @@ def test_masses_springs_dampers_and_joints_stand_where_they_are_stated() -> None
     assert changed({a: 0.7}, **stated).masses == [(0.7, "")]
     assert found.springs == [(0.5, "$k$")] and found.jumps == {(1, 0.125): "", (1, 0.25): "$k$"}
     assert not found.sensors and not found.turning
+
+
+def test_a_torque_is_no_flow_over_the_beam() -> None:
+    z = Field("z")
+    turning = P * integral(z.diff(x) * delta(y.diff(x, 2)) - y.diff(x) * delta(z.diff(x, 2)))
+    energies = {"T": LINE["T"] + integral(z.diff(t) ** 2) / 2, "V": LINE["V"] + integral(z.diff(x, 2) ** 2) / 2}
+    assert changed(**energies, W_c=0, dW_nc=turning).load == "end"
 
 
 def test_loads_act_where_the_axial_force_ends_and_follow_in_part() -> None:
