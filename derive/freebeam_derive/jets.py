@@ -222,6 +222,14 @@ def integral(density: Expr, low: Expr = S.One, high: Expr | None = None) -> Expr
     return Integral(_not_zero("integral", density), (x, *map(sympify, bounds)))
 
 
+class _Value(Subs):  # type: ignore[misc]
+    """A value at a place. Two of SymPy's are equal where their places are equal in name alone, such as `a` of another
+    column of the session, declared with other assumptions; and its cache takes what is equal for the same."""
+
+    def _hashable_content(self) -> tuple[Any, ...]:
+        return (self.expr, self.variables, self.point)
+
+
 def at(expression: Expr, place: Expr | float, side: int = 0) -> Expr:
     """Value of an expression in the unknowns at a place along the beam; just beside it at side −1 or +1.
 
@@ -230,7 +238,7 @@ def at(expression: Expr, place: Expr | float, side: int = 0) -> Expr:
     if side not in (-1, 0, 1):
         raise StatementError(f"at(..., side={side!r}): the side of a place is -1 (left of it) or 1; leave it out")
     place = sympify(place)
-    return Subs(_not_zero("at", expression), x, beside(place, side) if side else place)
+    return _Value(_not_zero("at", expression), x, beside(place, side) if side else place)
 
 
 def jump(expression: Expr, place: Expr | float) -> Expr:
@@ -239,7 +247,7 @@ def jump(expression: Expr, place: Expr | float) -> Expr:
 
     Raises StatementError where the expression is zero: a term was lost before it came here.
     """
-    return Subs(_not_zero("jump", expression), x, leap(sympify(place)))
+    return _Value(_not_zero("jump", expression), x, leap(sympify(place)))
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from sympy.core.cache import clear_cache
 from freebeam_derive import pipeline, ritz, statement, variation
 from freebeam_derive.jets import fields_of
 from freebeam_derive.notation import P, t, variation_of_y, x, x_F, y
-from freebeam_derive.statement import Column, StatementError
+from freebeam_derive.statement import Column, Parameter, StatementError, at, integral, jump
 
 SOUND = {
     "name": '"sample"',
@@ -639,3 +639,19 @@ def test_a_statement_is_checked_when_it_is_made() -> None:
     Column("sample", "", **energies, dW_nc=0, ends=("pinned", "pinned"))
     with pytest.raises(StatementError, match="load P"):
         Column("sample", "", **energies | {"W_c": 0}, dW_nc=0, ends=("pinned", "pinned"))
+
+
+def test_a_letter_of_another_column_is_another_symbol() -> None:
+    """SymPy's cache knows values at places by the names of the places alone."""
+    for assumptions in ({"real": True}, {"positive": True}):
+        k, a = Symbol("k", positive=True), Symbol("a", **assumptions)
+        sprung = Column(
+            name="sprung",
+            title="A spring at a place",
+            T=integral(y.diff(t) ** 2) / 2,
+            V=integral(y.diff(x, 2) ** 2) / 2 + k * at(y, a) ** 2 / 2 + k * jump(y.diff(x), a) ** 2,
+            W_c=P * integral(y.diff(x) ** 2) / 2,
+            ends=("clamped", "free"),
+            parameters=(Parameter(k, "a stiffness", 1, 0, 2), Parameter(a, "its place", 0.5, 0.1, 0.9)),
+        )
+        assert sprung.cuts == (a,)
