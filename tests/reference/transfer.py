@@ -114,22 +114,24 @@ def scaled(terms: list[Any], h: Any) -> list[Any]:
 
 def step(A: dict[tuple[int, int], list[Any]], z: Rows, h: Any) -> Rows:
     """z(x + h), by the recurrence (n + 1) z_(n+1) = Σ A_k z_(n−k)."""
-    width, history = len(z[0]), [z]
-    A = {place: scaled(terms, h) for place, terms in A.items()}
+    entries = [(i, j, scaled(terms, h)) for (i, j), terms in A.items()]
+    history = [[[value] for value in row] for row in z]  # of each entry z_n hⁿ
     total, small = [row[:] for row in z], 0
     for n in range(TERMS - 1):
-        new = [[mpf(0)] * width for _ in range(4)]
-        for (i, j), terms in A.items():
-            for k, a in enumerate(terms[: n + 1]):
-                if a:
-                    row = history[n - k][j]
-                    new[i] = [u + a * v if v else u for u, v in zip(new[i], row, strict=True)]
-        factor = h / (n + 1)  # the history holds z_n hⁿ
-        history.append([[u * factor for u in row] for row in new])
-        for row, more in zip(total, history[-1], strict=True):
+        factor = h / (n + 1)
+        news = [
+            [
+                factor * mp.fdot((a, v) for i, j, A_ij in entries if i == k for a, v in zip(A_ij, history[j][c][::-1]))
+                for c in range(len(z[0]))
+            ]
+            for k in range(4)
+        ]
+        for row, old, more in zip(total, history, news, strict=True):
             row[:] = [u + v for u, v in zip(row, more, strict=True)]
-        largest = max(abs(u) for row in history[-1] for u in row)
-        small = small + 1 if largest < mp.eps * max(abs(u) for row in total for u in row) else 0
+            for values, v in zip(old, more, strict=True):
+                values.append(v)
+        largest = max(mp.mag(u) for row in news for u in row)
+        small = small + 1 if largest < max(mp.mag(u) for row in total for u in row) - mp.prec - 1 else 0
         if small == 4:
             return total
     raise ArithmeticError("the Taylor series of a step does not end: take smaller steps")
@@ -242,17 +244,18 @@ def of_square(beam: Beam, square: Any, P: Any) -> Any:
 
 
 def newton(equations: Callable[[Any, Any], tuple[Any, Any]], a: Any, b: Any) -> tuple[Any, Any]:
-    """The root of two real equations in (a, b), near a start; the Jacobian by differences."""
+    """The root of two real equations in (a, b), near a start, with the Jacobian there, by differences."""
+    h, k = abs(a) * mpf("1e-14"), abs(b) * mpf("1e-14")
+    start = equations(a, b)
+    fa, ga = (u - v for u, v in zip(equations(a + h, b), start, strict=True))
+    fb, gb = (u - v for u, v in zip(equations(a, b + k), start, strict=True))
+    full, (f, g) = fa * gb - fb * ga, start
     for _ in range(20):
-        h, k = abs(a) * mpf("1e-14"), abs(b) * mpf("1e-14")
-        f, g = equations(a, b)
-        fa, ga = (u - v for u, v in zip(equations(a + h, b), (f, g), strict=True))
-        fb, gb = (u - v for u, v in zip(equations(a, b + k), (f, g), strict=True))
-        full = fa * gb - fb * ga
         da, db = (f * gb - g * fb) / full * h, (fa * g - ga * f) / full * k
         a, b = a - da, b - db
-        if abs(da) < abs(a) * mpf("1e-13") and abs(db) < abs(b) * mpf("1e-13"):  # the next one would be below 1e-24
+        if abs(da) < abs(a) * mpf("1e-20") and abs(db) < abs(b) * mpf("1e-20"):
             return a, b
+        f, g = equations(a, b)
     raise ArithmeticError("Newton's method does not end")
 
 
