@@ -121,7 +121,13 @@ def step(A: dict[tuple[int, int], list[Any]], z: Rows, h: Any) -> Rows:
         factor = h / (n + 1)
         news = [
             [
-                factor * mp.fdot((a, v) for i, j, A_ij in entries if i == k for a, v in zip(A_ij, history[j][c][::-1]))
+                factor
+                * mp.fdot(
+                    (a, v)
+                    for i, j, A_ij in entries
+                    if i == k
+                    for a, v in zip(A_ij, reversed(history[j][c]), strict=False)
+                )
                 for c in range(len(z[0]))
             ]
             for k in range(4)
