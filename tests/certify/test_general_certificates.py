@@ -26,8 +26,8 @@ from scipy.linalg import eigvals
 import freebeam as fb
 from freebeam.cli import main
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier, verifier_parts
-from freebeam_derive.certify.balls import Unproven, matrices_of_any, parameters
-from freebeam_derive.certify.boundary_polynomials import Question, boundary, functions_of
+from freebeam_derive.certify.balls import Unproven, matrices_of_any, parameters, precision
+from freebeam_derive.certify.boundary_polynomials import Question, _of_any, boundary, functions_of
 from freebeam_derive.certify.decimals import shown
 from tests.stated import FREE, TIMOSHENKO, file_of
 
@@ -563,6 +563,33 @@ def test_lines_through_the_origin_are_those_of_a_motion_that_rests_there() -> No
         forged = stretch | {"separators": [*meeting, *stretch["separators"][2:]]}
         match = None if name in FROM_REST else "do not ascend"
         refused(data | {"stretches": [forged, *data["stretches"][1:]]}, match)
+
+
+@pytest.mark.parametrize("rate", ["-1/1" + 100 * "0", "-1/1000"])
+def test_damping_too_small_for_balls_is_not_taken_for_none(rate: str) -> None:
+    """λ² + (P + rate) λ + P = 0: what the load restores grows up to the load −rate, however small that is."""
+
+    def of(value: str) -> Data:
+        return {"along": [], "points": [[["a", 0, None, 0], ["a", 0, None, 0], value]]}
+
+    forms = {"M": [of("1")], "C_1": [of(rate), of("1")], "C_alpha": [], "C_beta": [], "K": [of("0"), of("1")]}
+    given = {"parameters": {}, "modes": 1, "alpha": "0", "beta": "0", "kappa": None, "kind": "none", "load": None}
+    space = {"breaks": ["0", "1"], "fields": {}, "coordinates": ["a"], "rigid": [], "frequency_squared": None}
+    stretch = {"start": "0", "end": "1", "origin": "0", "separators": [["0", "2"]]}
+    proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
+    data = {"format": verifier.GENERAL, "column": "own", "forms": forms, "load_max": "1", "proof": proof}
+    data |= given | space | {"stretches": [stretch]}
+    refused(data, "not separated")
+    without = forms | {"C_1": [of("0"), of("1")]}
+    assert "above 0 up to 1" in str(verifier.verify(data | {"forms": without}))
+    M, C, K = ([np.array([[flint.fmpq(*F(v).as_integer_ratio())]]) for v in terms]
+               for terms in (["1"], [rate, "1"], ["0", "1"]))  # fmt: skip
+    with precision(200):
+        whole = _of_any(M, C, K, False)
+        lines = ((NONE, F(2)),)
+        assert whole.rests == 1 and not first_crossing.holds(whole, first_crossing.Stretch(NONE, F(1), NONE, lines))
+        whole = _of_any(M, [0 * C[0], C[1]], K, False)
+        assert first_crossing.holds(whole, first_crossing.Stretch(NONE, F(1), NONE, lines))
 
 
 def test_a_line_more_is_that_of_damping_that_vanishes_with_the_load() -> None:

@@ -1011,8 +1011,8 @@ def _along(which: Rows, line: arb_poly) -> arb_poly:
 
 
 def _divided(along: arb_poly) -> arb_poly:
-    """A polynomial in t = −P by the power of P that it holds: its sign for P > 0 stays."""
-    none = next((k for k in range(along.degree() + 1) if along[k] != 0), 0)
+    """A polynomial in t = −P by the power of P that it is known to hold exactly: its sign for P > 0 stays."""
+    none = next((k for k in range(along.degree() + 1) if not along[k].is_zero()), 0)
     found: arb_poly = (-1) ** none * arb_poly([along[k] for k in range(none, along.degree() + 1)])
     return found
 
