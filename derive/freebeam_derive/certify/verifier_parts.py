@@ -20,32 +20,26 @@ def taken(terms: list[fmpq_mat], rows: list[int], columns: list[int]) -> list[fm
     return [fmpq_mat([[X[i, j] for j in columns] for i in rows]) for X in terms]
 
 
+def _factor(one: list[fmpq_mat], other: list[fmpq_mat]) -> fmpq | None:
+    """The number, not 0, that matrices are of others; None where there is none."""
+    if [(X.nrows(), X.ncols()) for X in one] != [(X.nrows(), X.ncols()) for X in other]:
+        return None
+    pairs = [(u, v) for X, Y in zip(one, other, strict=True) for u, v in zip(X.entries(), Y.entries(), strict=True)]
+    factor = next((v / u for u, v in pairs if u != 0), fmpq(0))
+    return factor if factor != 0 and all(u * factor == v for u, v in pairs) else None
+
+
 def alike(one: Terms, other: Terms) -> bool:
     """Whether M, C and K are those of another but for one factor, so that their determinants are."""
-    if [[(X.nrows(), X.ncols()) for X in terms] for terms in one] != [
-        [(X.nrows(), X.ncols()) for X in terms] for terms in other
-    ]:
-        return False
-    these, those = ([v for terms in of for X in terms for v in X.entries()] for of in (one, other))
-    k = next(i for i, v in enumerate(these) if v != 0)
-    return bool(those[k] != 0) and all(a * those[k] == b * these[k] for a, b in zip(these, those, strict=True))
+    same = [*map(len, one)] == [*map(len, other)]
+    return same and _factor(*([X for terms in of for X in terms] for of in (one, other))) is not None
 
 
 def rescaled(one: Terms, other: Terms) -> bool:
     """Whether M and K are those of another but for a positive factor each, and there is no C: λ of the one are those of
     the other but for a positive factor."""
-    if any(not _nothing(X) for terms in (one[1], other[1]) for X in terms):
-        return False
-    factors = []
-    for k in (0, 2):
-        if [(X.nrows(), X.ncols()) for X in one[k]] != [(X.nrows(), X.ncols()) for X in other[k]]:
-            return False
-        a, b = ([v for X in of[k] for v in X.entries()] for of in (one, other))
-        first = next(i for i, v in enumerate(a) if v != 0)
-        factors.append(b[first] / a[first])
-        if any(u * factors[-1] != v for u, v in zip(a, b, strict=True)):
-            return False
-    return all(factor > 0 for factor in factors)
+    factors = [_factor(one[k], other[k]) for k in (0, 2)]
+    return _nothing(*one[1], *other[1]) and all(factor is not None and factor > 0 for factor in factors)
 
 
 # --- two planes that rates couple ---------------------------------------------------------------------------------
