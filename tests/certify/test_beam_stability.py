@@ -287,6 +287,8 @@ def test_a_circle_holds_as_many_eigenvalues_as_are_known_without_load() -> None:
             circle.zeros(arb(65))
         free = _Circle(Beam(free_free), NONE, Fraction(1, 64), HALF)  # rigid: 0 and −β, twice each
         assert [free.zeros(arb(r)) for r in (0.25, 1)] == [2, 4] == [free.inside([], arb(r)) for r in (0.25, 1)]
+        driven = _Circle(Beam(free_free), NONE, NONE, Fraction(-124))  # two at 124, and bending ones from 4.2 on
+        assert driven.zeros(arb(3)) == 2 == driven.inside([], arb(3)) and driven.inside([], arb(125)) == 4
 
 
 def test_what_turns_on_a_circle_is_a_function_and_its_derivative() -> None:

@@ -241,6 +241,13 @@ def test_both_functions_have_the_same_zeros(case: str) -> None:
     assert all(q.overlaps(quotients[0]) and q.rad() < 1e-12 for q in quotients) and abs(quotients[0]) > 0
 
 
+def test_what_is_left_out_at_one_s_is_known_as_far_as_F_is() -> None:
+    """Its slope by Cauchy's estimate: the rest is bounded for |s| ≤ S, and so from s on by S − |s|."""
+    with flint.ctx.workprec(32):
+        box = Box(Pieces(column("tip mass")[1]), arb(0), arb(200), 1)
+        assert box.rest(0, 1) >= box.whole.rest / (box.whole.S - 200) > 0
+
+
 @pytest.mark.parametrize("case", COLUMNS)
 def test_the_loads_size_is_above_that_in_a_series(case: str) -> None:
     it, of = column(case)

@@ -67,7 +67,7 @@ class _Circle:
         sizes = sorted({float(abs(value).mid()) for value in known})
         between = [(a * b) ** 0.5 for a, b in pairwise(sizes) if b > a * (1 + APART)]
         wanted = [BEYOND * sizes[-1], *reversed(between)] if sizes else []
-        reach = 1 / float(self.c_E.upper()) if self.c_E > 0 else float("inf")
+        reach = float("inf") if self.c_E.is_zero() else 1 / float(abs(self.c_E).upper())
         fitting = [arb(r) for r in wanted if r < 0.99 * reach]
         yield from fitting[:TRIED]
 
@@ -75,9 +75,9 @@ class _Circle:
         """How many zeros in the disc are known, with those of rigid motions; None where one is on the circle."""
         count = self.rigid
         if self.rigid:
-            if not (self.c_M < radius or self.c_M > radius):
+            if not (abs(self.c_M) < radius or abs(self.c_M) > radius):
                 return None
-            count += self.rigid * bool(self.c_M < radius)  # s^R with s = −λ (λ + c_M) / (1 + c_E λ)
+            count += self.rigid * bool(abs(self.c_M) < radius)  # s^R with s = −λ (λ + c_M) / (1 + c_E λ)
         for value in known:
             if self.rigid and (value * (value + self.c_M)).contains(0):
                 continue
@@ -89,7 +89,7 @@ class _Circle:
 
     def zeros(self, radius: arb) -> int:
         """The number of zeros of f with |λ| < radius. Raises Unproven."""
-        if not self.c_E * radius < 1:
+        if not abs(self.c_E) * radius < 1:
             raise Unproven("the eigenvalues accumulate at −1/α, within that circle")
         total = arb(0)
         waiting: list[tuple[int, int, _Series | None]] = [(k, ARCS, None) for k in reversed(range(ARCS))]

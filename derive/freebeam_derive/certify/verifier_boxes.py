@@ -33,8 +33,9 @@ class Box:
         point = isinstance(s, arb) and s.rad().is_zero()
         sides = [size + 2 * r + 1 for size, r in zip(sizes, reach, strict=True)]
         whole = F.at(sides[0], s, order) if point else F.on(*sides)
-        room = [whole.P - sizes[0] - 2 * reach[0], whole.S if point else whole.S - sizes[1] - 2 * reach[1]]
-        if not all(left > 1 / 2 for left in room):
+        # how far the rest is bounded, from the centre on
+        bounds = whole.P - sizes[0], whole.S - abs(self._centre[1] - whole.s).upper()
+        if not all(far - 2 * r > 1 / 2 for far, r in zip(bounds, reach, strict=True)):
             raise ArithmeticError("the box is too large")
         # a side without width has any unit, small enough for the terms beyond the degree to be nothing
         self._units = tuple(r.max(arb(2) ** -(flint.ctx.prec // 8)) for r in reach)
@@ -51,7 +52,6 @@ class Box:
             (i, j, abs(entries[i * K + j]).upper()) for i in range(J) for j in range(max(0, DEGREE + 1 - i), K)
         ]
         self._rest = arb(0) if of else whole.rest
-        bounds = whole.P - sizes[0], whole.S if point else whole.S - sizes[1]  # the rest is bounded up to there
         self._room = [(far / unit).lower() for far, unit in zip(bounds, self._units, strict=True)]
         self._left_out = dict[tuple[int, int], arb]()
         self._orders = order if point else 4
