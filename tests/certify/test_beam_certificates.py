@@ -7,7 +7,7 @@ import json
 from copy import deepcopy
 from fractions import Fraction
 from functools import cache
-from math import comb
+from math import comb, factorial
 from typing import Any
 from unittest.mock import patch
 
@@ -30,7 +30,7 @@ from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_lines import Lines, Norms, check_rigid
 from freebeam_derive.certify.verifier_of_beam import Bounds
-from freebeam_derive.certify.verifier_shooting import Part, Shooting
+from freebeam_derive.certify.verifier_shooting import Part, Shooting, majorants
 from tests.front.test_proofs import run
 
 Data = dict[str, Any]
@@ -301,6 +301,19 @@ def test_coefficients_that_are_left_out_go_to_the_rest() -> None:
     with flint.ctx.workprec(64):
         part = Part([[arb_poly([1, tiny]), arb_poly([tiny])], [arb_poly([tiny])]], arb(1), tiny).short()
         assert [[row.length() for row in rows] for rows in part.levels] == [[1]] and part.rest >= 4 * tiny
+
+
+@pytest.mark.parametrize("bits", [128, 2000])
+def test_what_a_power_series_leaves_out_is_bounded_however_small_it_is(bits: int) -> None:
+    """Of y⁗ = s y, the solution x^r + … has the coefficients s^k r!/(4k + r)!. Many bits are beyond all floats."""
+    s = arb(300)
+    with flint.ctx.workprec(bits + 64):
+        sizes, rests = majorants([(0, 0, s)], bits)
+        for r in range(4):
+            first = (len(sizes[r]) - 1 - r) // 4 + 1
+            for d in range(4):
+                terms = (s**k * factorial(r) / factorial(4 * k + r - d) for k in range(first, first + 20))
+                assert 0 < sum(terms, arb(0)) < rests[r][d]
 
 
 def test_both_bound_the_same_norms() -> None:

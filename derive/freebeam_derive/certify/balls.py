@@ -7,11 +7,11 @@ fractions, and π/4 is handed to them as a ball.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import lru_cache, reduce
 from types import ModuleType
 from typing import Any
 
@@ -100,6 +100,16 @@ def rational(value: arb | float, bits: int) -> Fraction:
     if excess > 0:
         mantissa, exponent = mantissa >> excess, exponent + excess
     return Fraction(mantissa << exponent) if exponent >= 0 else Fraction(mantissa, 1 << -exponent)
+
+
+def greatest(balls: Iterable[arb]) -> arb:
+    """What none is above, NaN where one is that. Their floats would not do: all below 1e-308 are one."""
+    return reduce(arb.max, balls)
+
+
+def least(balls: Iterable[arb]) -> arb:
+    """What none is below, likewise."""
+    return reduce(arb.min, balls)
 
 
 def array(balls: list[Any]) -> Any:

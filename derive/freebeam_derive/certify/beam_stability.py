@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from flint import acb, arb
 
-from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, least, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
 from freebeam_derive.certify.beam_itself import (
@@ -458,4 +458,4 @@ class Below:
             found.append((ratio.max(1 - 2 * product.min(arb(0))) / c_E).upper())
         if not found:
             raise OpenStep("large frequencies: no bound is known beyond which there is no crossing")
-        return min(found, key=float)
+        return least(found)

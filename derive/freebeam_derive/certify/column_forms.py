@@ -17,7 +17,7 @@ from typing import Any
 
 from flint import arb
 
-from freebeam_derive.certify.balls import Range, exact, parameters
+from freebeam_derive.certify.balls import Range, exact, greatest, least, parameters
 from freebeam_derive.certify.comparison_form import ORDERS
 from freebeam_derive.certify.numbers import reason
 from freebeam_derive.certify.strips import Line, NoStrips, rigid_motions
@@ -144,7 +144,7 @@ class ColumnForms:
             sum((exact(f) * points[order] ** 2 for (_, order), f in table.items()), arb(0))
             for table in (self.springs, self.masses)
         )
-        mass += norms[0] ** 2 * max((over(self.m[n], x)[0].upper() for n, x in self.pieces()), key=float)
+        mass += norms[0] ** 2 * greatest(over(self.m[n], x)[0].upper() for n, x in self.pieces())
         if not self.lines:
             return (self.least * self.share / mass).sqrt().lower()
         pairs = [*product(self.lines, self.lines)]
@@ -174,7 +174,7 @@ class ColumnForms:
     @cached_property
     def least(self) -> arb:
         """Of EI."""
-        return min((over(self.EI[n], x)[0].lower() for n, x in self.pieces()), key=float)
+        return least(over(self.EI[n], x)[0].lower() for n, x in self.pieces())
 
     def _bending_share(self) -> arb:
         """θ with a(y, y) ≥ θ ∫ EI y''² dx: 1 unless a dead load is part of the energy."""

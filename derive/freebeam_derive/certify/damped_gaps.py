@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import arb
 
-from freebeam_derive.certify.balls import Exact, exact
+from freebeam_derive.certify.balls import Exact, exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, added, over
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
@@ -73,7 +73,7 @@ class LeftOver:
                 raise forms.other("has a damping of the slope along the beam")
             self.turning = forms.size_of([{(1, 1): f} for f in turning])
         values = [over(density[n], x)[0] / over(forms.m[n], x)[0] for n, x in forms.pieces()]
-        low, high = min((v.lower() for v in values), key=float), max((v.upper() for v in values), key=float)
+        low, high = least(values).lower(), greatest(values).upper()
         self.c_M = ((low + high) / 2).mid().max(arb(0))
         self.low, self.high = low - self.c_M, high - self.c_M
         left = {key: points.get((key, key), Fraction(0)) - share * forms.springs.get(key, Fraction(0))
@@ -85,7 +85,7 @@ class LeftOver:
     @property
     def size(self) -> arb:
         """δ with |R(y, v)| ≤ δ times the roots of the masses of y and v, R₁ apart."""
-        return max((abs(v).upper() for v in (self.low, self.high, *self.at.values())), key=float)
+        return greatest(abs(v).upper() for v in (self.low, self.high, *self.at.values()))
 
     def share(self, omega: arb) -> arb:
         """Of the motion's mass at most this is at points, for every mode without load and with a frequency from ω on.
@@ -96,18 +96,18 @@ class LeftOver:
         for (place, order), mass in forms.masses.items():
             near = [abs(place - other) for other in forms.breaks if other != place]
             beside = [n for n, part in enumerate(pairwise(forms.breaks)) if place in part]
-            m, EI = (max((over(f[n], x)[0].upper() for n, x in forms.pieces() if n in beside), key=float)
+            m, EI = (greatest(over(f[n], x)[0].upper() for n, x in forms.pieces() if n in beside)
                      for f in (forms.m, forms.EI))  # fmt: skip
             slope = place, 1
             turns = len(beside) == 1 and not (slope in forms.masses or slope in forms.springs or forms.is_held(*slope))
             bumps = [exact(b) for b in _CUBICS[order, not turns]]
-            length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).mid()
+            length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).lower()
             power = length ** (2 * order)
             energy = exact(forms.springs.get((place, order), Fraction(0)))
             energy += len(beside) * EI * bumps[2] * power / length**3
             for n in beside:
                 for p, f in forms.elastic[n].items():
-                    most = max((abs(over(f, x)[0]).upper() for at, x in forms.pieces() if at == n), key=float)
+                    most = greatest(abs(over(f, x)[0]).upper() for at, x in forms.pieces() if at == n)
                     energy += most * bumps[p] * power * length ** (1 - 2 * p)
             weight = len(beside) * m * bumps[0] * power * length
             total += (weight.sqrt() + energy.sqrt() / omega) ** 2 / exact(mass)
@@ -116,9 +116,8 @@ class LeftOver:
     def least(self, omega: arb, blur: arb) -> arb:
         """A lower bound of Re R(u, z)/(z, u), R₁ apart, where u and z are modes from ω on and rests of size `blur`."""
         share, beam = self.share(omega), abs(self.low).max(abs(self.high))
-        at = [*self.at.values()]
-        points = max((abs(v).upper() for v in at), key=float, default=arb(0))
-        at_mode = self.low + share * min([*at, self.low], key=lambda v: float(v.lower())) - share * self.low
+        points = greatest([arb(0), *(abs(v).upper() for v in self.at.values())])
+        at_mode = self.low + share * least([arb(0), *(v - self.low for v in self.at.values())])
         felt = (beam**2 + points**2 * share).sqrt()
         missed = 2 * felt * blur + (self.size + (beam + points * share)) * blur**2
         found: arb = (at_mode - missed / (1 - blur**2)).lower()
@@ -161,7 +160,7 @@ class DampedGaps:
             omega *= 2
         if not found:
             raise NoStrips("no frequency is known beyond which there is no crossing")
-        return min(found, key=float)
+        return least(found)
 
 
 def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanishing: bool) -> DampedGaps:

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from flint import arb
 
-from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, greatest, precision, rational
 from freebeam_derive.certify.column_forms import ColumnForms, over_both
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.stepped_section import SteppedSection
@@ -45,7 +45,7 @@ class FrequencyGaps:
         self._float = {name: float(value) for name, value in system.own.items()}
         at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
         forms = at_ends[0]
-        self.size = max((each.load_size for each in at_ends), key=float)  # which falls with masses
+        self.size = greatest(each.load_size for each in at_ends)  # which falls with masses
         needed = load * self.size
         if len(at_ends) == 2 or forms.stepped or not system.undamped(Fraction(0), Fraction(0)):
             known, gap = self._of_parts(at_ends, beyond * needed)

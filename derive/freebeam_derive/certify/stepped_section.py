@@ -20,7 +20,7 @@ from typing import Any
 
 from flint import acb, acb_series, arb
 
-from freebeam_derive.certify.balls import Unproven, ball, exact
+from freebeam_derive.certify.balls import Unproven, ball, exact, least
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.comparison_form import ORDERS
 
@@ -171,7 +171,7 @@ class SteppedSection:
         """G, and a gap between any two neighbours ω ≥ G² that is at least as wide as needed. Raises Unproven."""
         apart = arb.pi() / (APART * sum(self.rates, arb(0)))
         for _ in range(TRIES):
-            G = (needed / (2 * apart)).max(SMALLEST / min(self.rates, key=float)).upper()
+            G = (needed / (2 * apart)).max(SMALLEST / least(self.rates)).upper()
             if not G * sum(self.rates, arb(0)) < LONGEST:
                 raise Unproven(
                     "a part is so short, or the load so high, that too many low ones had to be found one by one"

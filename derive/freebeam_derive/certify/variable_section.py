@@ -18,7 +18,7 @@ from typing import Any
 import flint
 from flint import acb, arb, arb_series
 
-from freebeam_derive.certify.balls import exact
+from freebeam_derive.certify.balls import exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, over, value
 from freebeam_derive.certify.comparison_form import ORDERS, Bounds, Modes
 from freebeam_derive.certify.strips import Form, modes_of
@@ -113,10 +113,12 @@ class VariableSection:
         modes = [modes_of(ends, MODES, flint.ctx.prec) for ends in kinds]
         numbers = [k, k - 1][: len(modes)]
         left, right = ([f.lattice(n + step) for f, n in zip(modes, numbers, strict=True)] for step in (0, 1))
-        low, high = max(left, key=float), min(right, key=float)
+        low, high = greatest(left), least(right)
         G = (low + high) / 2
-        rest = min((_free(f, G, (near, far), self._remainder, ends) for f, near, far, ends in
-                    zip(modes, left, right, kinds, strict=True)), key=float)  # fmt: skip
+        rest = least(
+            _free(f, G, (near, far), self._remainder, ends)
+            for f, near, far, ends in zip(modes, left, right, kinds, strict=True)
+        )
         # the line of Lemma 6 is the product of the two bounds of frequencies, √(R − η) and √(R + η)
         return self.scale**4 * (G**8 - rest * rest).sqrt(), (self.scale**2 * rest / G**2).lower()
 

@@ -8,8 +8,10 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -44,6 +46,16 @@ def ball(value: str | Fraction) -> arb:
 
 def exact(value: Fraction) -> fmpq:
     return fmpq(value.numerator, value.denominator)
+
+
+def greatest(values: Iterable[arb]) -> arb:
+    """What none of these is above; NaN where one is that. (Floats would take all below 1e-308 for the same.)"""
+    return reduce(arb.max, values)
+
+
+def least(values: Iterable[arb]) -> arb:
+    """What none of these is below; NaN where one is that."""
+    return reduce(arb.min, values)
 
 
 # --- statements --------------------------------------------------------------------------------------------------

@@ -16,7 +16,7 @@ from flint import arb, fmpq, fmpq_poly
 
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import said
-from freebeam_derive.certify.verifier_claims import ball, exact, require
+from freebeam_derive.certify.verifier_claims import ball, exact, greatest, least, require
 from freebeam_derive.certify.verifier_sections import Place, Sections, add, at, form
 
 LENGTHS = [Fraction(4, 5) ** k for k in range(24)]  # of a bump beside a mass, in parts of the segment
@@ -98,7 +98,7 @@ class Damped:
                 bounds = [
                     (weight.sqrt() + energy.sqrt() / omega) ** 2 / ball(mass) for weight, energy in self._bumps(place)
                 ]
-                total += min((bound.upper() for bound in bounds), key=float)
+                total += least(bounds).upper()
         return total.min(arb(1)).upper()
 
     def _bumps(self, place: Place) -> list[tuple[arb, arb]]:
@@ -126,9 +126,7 @@ class Damped:
         """At most Re R₀(u, z)/(z, u), where u and z are modes from ω on, of mass 1, and rests of size `blur`."""
         share, (low, high) = self.share(omega), self.density
         along, points = _most([abs(low), abs(high)]), _most([abs(value) for value in self.at_masses])
-        of_mode = low + share * min(
-            [value - low for value in self.at_masses] + [arb(0)], key=lambda x: float(x.lower())
-        )
+        of_mode = low + share * least([arb(0), *(value - low for value in self.at_masses)])
         felt = (along**2 + share * points**2).sqrt()
         missed = 2 * felt * blur + (self.size + along + share * points) * blur**2
         return arb((of_mode - missed / (1 - blur**2)).lower())
@@ -170,7 +168,7 @@ class Damped:
                 break
             omega *= 2
         require(bool(bounds), "no bound of the frequency is known")
-        return arb(min(bounds, key=float))
+        return least(bounds)
 
 
 def _fraction(value: fmpq) -> Fraction:
@@ -178,13 +176,12 @@ def _fraction(value: fmpq) -> Fraction:
 
 
 def _most(values: list[arb]) -> arb:
-    return max((value.upper() for value in values), key=float, default=arb(0))
+    return greatest([arb(0), *values]).upper()
 
 
 def _ratios(column: Sections, parts: list[fmpq_poly]) -> tuple[arb, arb]:
     values = [at(f, x) / at(column.m[n], x) for n, f in enumerate(parts) for x, _ in column.pieces(n)]
-    low, high = min((x.lower() for x in values), key=float), max((x.upper() for x in values), key=float)
-    return low, high
+    return least(values).lower(), greatest(values).upper()
 
 
 def _product(order: int) -> str:

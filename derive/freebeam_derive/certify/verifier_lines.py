@@ -11,7 +11,7 @@ from fractions import Fraction
 from flint import arb, arb_mat, fmpq, fmpq_poly
 
 from freebeam_derive.certify import verifier as v
-from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, exact, require
+from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, exact, greatest, require
 
 # --- lines that no eigenvalue passes ---------------------------------------------------------------------------------
 
@@ -34,13 +34,9 @@ class Lines:
         self.stretch = (1 + 2 * self.slope * ends.count("free") / g).sqrt()  # ‖φ'‖ ≤ stretch γ
         ends_of = [self.at[1, 0][i] * self.at[1, 1][i] - self.at[0, 0][i] * self.at[0, 1][i] for i in range(n)]
         self.norms = [(g * g + x).sqrt().upper() for g, x in zip(self.gamma, ends_of, strict=True)]  # of φ'
-        self.steepest = max(
-            [self.slope.upper(), *((abs(self.at[e, 1][i]) / self.gamma[i]).upper() for e in (0, 1) for i in range(n))],
-            key=float,
-        )
-        self.longest = max(
-            [self.stretch.upper(), *((s / g).upper() for s, g in zip(self.norms, self.gamma, strict=True))], key=float
-        )
+        slopes = (abs(self.at[e, 1][i]) / self.gamma[i] for e in (0, 1) for i in range(n))
+        self.steepest = greatest([self.slope, *slopes]).upper()
+        self.longest = greatest([self.stretch, *(s / g for s, g in zip(self.norms, self.gamma, strict=True))]).upper()
 
     def _asymptotes(self) -> None:
         """γ_k ≈ start + π k: Lemma 1 with c and c' from the determinant, that every coefficient of ε^n is at most.
@@ -60,9 +56,8 @@ class Lines:
         whole = round(float(shift))
         self.start = quarter * pi / 4 + whole * pi
         self.beyond = (excess * e * pi / (arb(8).sqrt() * A)).upper()
-        self.away = max(
-            [self.beyond, *(abs(g - self.start - pi * k).upper() for k, g in enumerate(self.gamma, 1))], key=float
-        )
+        far = (abs(g - self.start - pi * k) for k, g in enumerate(self.gamma, 1))
+        self.away = greatest([self.beyond, *far]).upper()
         require(bool(self.away < pi / 2), "the modes are too far from their asymptotes")
 
     def _amplitude(self, quarter: int) -> arb:

@@ -28,7 +28,7 @@ from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify.verifier_beam_claims import Forms, OfAllCrossings, OfBeamItself, OverRange, Passing, Piece
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Form, Statement, ball, require
+from freebeam_derive.certify.verifier_claims import Form, Statement, ball, greatest, least, require
 from freebeam_derive.certify.verifier_equations import Equations, Interval
 from freebeam_derive.certify.verifier_lines import Lines, Norms, check_free, check_rigid
 from freebeam_derive.certify.verifier_shooting import Shooting
@@ -86,13 +86,13 @@ class High:
             bounds, rest = [], 1 - a * b - a * a * top
             if rest > 0:
                 bounds.append((top / rest).sqrt())
-            still = max((norms.on(0) for norms in self._softening), key=float)
-            loaded = max((pair[1].on(0) for pair in self.norms), key=float)
+            still = greatest(norms.on(0) for norms in self._softening)
+            loaded = greatest(pair[1].on(0) for pair in self.norms)
             spare = 1 / arb(2).sqrt() - still
             if a > 0 and spare > 0:
                 bounds.append((ball(load) * loaded / spare).max(1 - 2 * (a * b).min(arb(0))) / a)
             require(bool(bounds), "no bound of the frequency is known")
-            top = min(bounds, key=float)
+            top = least(bounds)
         upper = top.upper().fmpq()
         return Fraction(int(upper.p), int(upper.q))
 

@@ -19,7 +19,7 @@ from flint import arb, arb_poly, fmpq_poly
 from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import said
-from freebeam_derive.certify.verifier_claims import ball, exact, require
+from freebeam_derive.certify.verifier_claims import ball, exact, least, require
 from freebeam_derive.certify.verifier_signs import Stretch
 
 SECTIONS = "freebeam certificate 6"
@@ -110,7 +110,7 @@ class Sections:
     @cached_property
     def softest(self) -> arb:
         """The least EI."""
-        return min((at(f, x).lower() for n, f in enumerate(self.EI) for x, _ in self.pieces(n)), key=float)
+        return least(at(f, x).lower() for n, f in enumerate(self.EI) for x, _ in self.pieces(n))
 
     def size(self) -> arb:
         """C of Lemma 6. Raises Refused."""

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import flint
 from flint import arb, arb_mat, arb_poly
 
-from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, require
+from freebeam_derive.certify.verifier_claims import ORDERS, Form, ball, greatest, require
 
 Table = dict[Any, list[Fraction]]  # place -> [part without load, the load's part]; then what these grow by with t
 Rows = list[arb_poly]  # for each power of s − s₀ a polynomial in p/P
@@ -296,7 +296,7 @@ def majorants(
             of_one.append((total / perm(last, 4)).upper())
         # from here on each coefficient is at most 1/base of the largest of those before, see docs/theorem.md
         share = sum((c * base ** (4 + k - d) / perm(last + 1 - d, 4 - d) for d, k, c in norms), arb(0))
-        top = [max((s[last - i] * arb(base) ** -i for i in range(min(reach, last))), key=float) for s in sizes]
+        top = [greatest(s[last - i] * arb(base) ** -i for i in range(min(reach, last))) for s in sizes]
         if last > 20 and share <= 1 and all(x < arb(2) ** (-bits - 8) for x in top):
             break
         if last > 2000:

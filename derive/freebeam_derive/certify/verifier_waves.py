@@ -18,7 +18,7 @@ from typing import Any
 
 from flint import acb, acb_poly, arb, arb_poly, arb_series, fmpq_poly
 
-from freebeam_derive.certify.verifier_claims import ORDERS, Refused, ball
+from freebeam_derive.certify.verifier_claims import ORDERS, Refused, ball, greatest, least
 from freebeam_derive.certify.verifier_sections import Sections
 
 MINORS = tuple(combinations(range(4), 2))
@@ -191,8 +191,8 @@ class Apart:
         tried = []
         for times, phase in product(TIMES, SHORTEST):
             apart = arb.pi() / (ball(times) * self.whole)
-            least = ball(phase) / min(self.lengths, key=float)
-            tried.append(((needed * arb("1.001") / (2 * apart)).max(least).upper(), apart))
+            lowest = ball(phase) / least(self.lengths)
+            tried.append(((needed * arb("1.001") / (2 * apart)).max(lowest).upper(), apart))
         for G, apart in sorted(tried, key=lambda pair: (float(pair[0]), float(pair[1]))):
             if self._all_apart(G, apart):
                 return G, (apart * (2 * G + apart)).lower()
@@ -296,7 +296,5 @@ def _norm(X: list[list[Any]]) -> arb:
     """What a matrix makes larger, at most: the smaller of two bounds."""
     sizes = [[abs(v).upper() for v in row] for row in X]
     whole = sum((v * v for row in sizes for v in row), arb(0)).sqrt().upper()
-    rows, columns = (
-        max((sum(line, arb(0)).upper() for line in lines), key=float) for lines in (sizes, zip(*sizes, strict=True))
-    )
-    return min(whole, (rows * columns).sqrt().upper(), key=float)
+    rows, columns = (greatest(sum(line, arb(0)) for line in lines) for lines in (sizes, zip(*sizes, strict=True)))
+    return least([whole, (rows * columns).sqrt()]).upper()
