@@ -133,7 +133,7 @@ def _ascend(lines: Sequence[Separator], t: Fraction, may_meet: bool) -> bool:
 
 
 def _without_powers(along: arb_poly) -> arb_poly:
-    """A polynomial divided by the power of its variable that it holds, exactly: what a ball with 0 stands for counts."""
+    """A polynomial divided by the power of its variable that it is known to hold exactly."""
     none = next((k for k in range(along.degree() + 1) if not along[k].is_zero()), 0)
     return arb_poly([along[k] for k in range(none, along.degree() + 1)])
 
