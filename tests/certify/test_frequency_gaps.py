@@ -29,6 +29,7 @@ from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips, modes_of
 from freebeam_derive.certify.variable_section import VariableSection, _free
+from tests.stated import file_of
 
 BITS = 64
 ROUNDING = 1e-9
@@ -59,9 +60,10 @@ def frequencies(it: ExactSystem, count: int) -> Any:
     return 1 / np.sqrt(eigh(M, E, eigvals_only=True)[::-1][:count])
 
 
-@pytest.mark.parametrize("name", CASES)
-def test_the_gaps_of_high_frequencies_are_no_wider_than_they_are(name: str) -> None:
-    it = system(*CASES[name])
+@pytest.mark.parametrize("name", [*CASES, "mass on an end that slides"])
+def test_the_gaps_of_high_frequencies_are_no_wider_than_they_are(name: str, tmp_path: Path) -> None:
+    slides = {"T": "T + at(y.diff(t), 1) ** 2 / 2", "ends": '("clamped", "sliding")', "dW_nc": "external"}
+    it = system(*CASES[name]) if name in CASES else system(str(file_of(tmp_path, "slides", slides)), {})
     omega = frequencies(it, 22)
     with precision(BITS):
         section = VariableSection(ColumnForms(it.kernel, it.own))

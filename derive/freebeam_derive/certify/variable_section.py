@@ -24,7 +24,7 @@ from freebeam_derive.certify.comparison_form import ORDERS, Bounds, Modes
 from freebeam_derive.certify.strips import Form, modes_of
 
 MODES = 40  # of the uniform beam, for bounds that hold of all
-HELD = {("free", 0): "pinned", ("pinned", 1): "clamped", ("free", 1): "sliding"}
+HELD = {("free", 0): "pinned", ("pinned", 1): "clamped", ("free", 1): "sliding", ("sliding", 0): "clamped"}
 """The kind of an end once the displacement of an order is held there."""
 
 
