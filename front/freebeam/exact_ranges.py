@@ -55,8 +55,7 @@ class ExactRange:
     """What is proven over a range of a parameter. pieces: side by side, ascending; open: the parts that are left out.
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
-    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider;
-    None of a column that is not uniform, or that springs alone keep from moving rigidly.
+    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider.
     """
 
     parameter: str
@@ -65,7 +64,7 @@ class ExactRange:
     load: tuple[str, str]
     question: Question
     inputs: Mapping[str, str]
-    certificate: Mapping[str, Any] | None = field(repr=False)
+    certificate: Mapping[str, Any] = field(repr=False)
 
 
 def exact_range(
@@ -125,10 +124,9 @@ def exact_range(
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
-    certificate = None
-    if (kernel := _uniform(asked, parameter, Range(start, end))) is not None:
-        ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
-        certificate = write_range(kernel, ends, parameter, pieces, left)
+    kernel = _uniform(asked, parameter, Range(start, end)) or column.kernel
+    ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
+    certificate = write_range(kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,

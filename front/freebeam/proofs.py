@@ -807,11 +807,17 @@ def verify_certificate(path: str) -> Statement:
     theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
     prove what it claims.
     """
-    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections, verifier_spectrum
+    from freebeam_derive.certify import (
+        verifier_of_beam,
+        verifier_of_sections,
+        verifier_over_sections,
+        verifier_spectrum,
+    )
     from freebeam_derive.certify.verifier import verify_file
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS | verifier_spectrum.FORMATS)
+        modules = verifier_of_beam, verifier_of_sections, verifier_over_sections, verifier_spectrum
+        return verify_file(path, {name: check for of in modules for name, check in of.FORMATS.items()})
     except Refused as error:
         raise InputError(str(error)) from error

@@ -398,7 +398,7 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
     with flint.ctx.workprec(BITS):
         F, equations = Pieces(of), None
         for m, line in ((2, omega[1] * omega[2]), (2, 1.1 * omega[1] ** 2 + 15), (3, 0.9 * omega[3] ** 2)):
-            Gaps(of, F, m, Fraction(line), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+            Gaps([(of, F)], m, Fraction(line), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
             loaded, gap, frequency = asked.pop()
             a = max(omega[m - 1], line / omega[m])
             assert 1 <= loaded <= 2 and gap <= min(line / a - a, np.diff(omega[m:]).min()) * (1 + 1e-6)
@@ -406,7 +406,7 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
         # a gap further on that is narrower than that about the line
         stub = lambda *_: SimpleNamespace(all=lambda: [(arb(w), arb(w)) for w in (2, 16, 80, 120, 220)])  # noqa: E731
         monkeypatch.setattr(verifier_of_sections, "Frequencies", stub)
-        Gaps(of, F, 2, Fraction(16 * 80), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+        Gaps([(of, F)], 2, Fraction(16 * 80), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
         assert asked.pop()[1] <= 40
 
 
@@ -432,11 +432,10 @@ def test_the_line_is_looked_at_with_damping_too() -> None:
     with flint.ctx.workprec(BITS):
         damping, F = damped(data["damping"], of), Pieces(of)
         assert damping is not None
-        gaps = Gaps(of, F, m, line, damping)
+        gaps = Gaps([(of, F)], m, line, damping)
         gaps.check(Fraction(data["load"][1]), Rates(F, damping))
         # the load that Lemma 6 allows is too much for Lemma 11
-        most = min(float(b[0] - a[1]) for a, b in zip(gaps.known[m - 1 :], gaps.known[m:], strict=False)) / float(
-            of.size()
-        )
+        widths = [float(b[0] - a[1]) for a, b in zip(gaps.known[m - 1 :], gaps.known[m:], strict=False)]
+        most = min(widths) / float(gaps.size)
         with pytest.raises(Refused, match=r"too narrow for such a load and damping|known to be free"):
             gaps.check(Fraction(0.6 * most), Rates(F, damping))

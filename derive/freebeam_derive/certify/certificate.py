@@ -28,7 +28,9 @@ from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 from freebeam_derive.certify.parts import Part
 
-FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM = (f"freebeam certificate {n}" for n in range(1, 8))
+FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS = (
+    f"freebeam certificate {n}" for n in range(1, 9)
+)
 Open = tuple[Fraction, Fraction, str]
 MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the bound of |λ|, and digits of an eigenvalue
 
@@ -178,7 +180,9 @@ def write_range(
 
     questions: at both ends of the range. left: the parts that are open, with the reason.
     """
-    one, other = (_itself(kernel, question) for question in questions)
+    sections = bool(kernel.COLUMN.get("general"))
+    of_column, counted = (_sections, _lines) if sections else (_itself, _basis)
+    one, other = (of_column(kernel, question) for question in questions)
     stated = one | {key: [one[key], other[key]] for key in ("forms", "damping")}
     if name in one["parameters"]:
         both = [of["parameters"][name] for of in (one, other)]
@@ -186,14 +190,14 @@ def write_range(
     else:
         stated[name] = [one[name], other[name]]
     return {
-        "format": RANGE,
+        "format": OF_SECTIONS if sections else RANGE,
         **stated,
         "range": name,
         "pieces": [
             {
                 "low": written(p.low),
                 "high": written(p.high),
-                **_basis(p.evidence),
+                **counted(p.evidence),
                 "kind": p.kind,
                 "load": _widened(p.load),
                 "frequency_squared": None if p.kind == "divergence" else _widened(_squared(p.frequency)),

@@ -6,6 +6,7 @@ all crossings up to a load, format 5 of the first crossing for each value of a p
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from itertools import pairwise
@@ -291,27 +292,38 @@ def over_range(data: dict[str, Any]) -> tuple[OverRange, tuple[Forms, Forms]]:
     """
     fields(data, OF_RANGE)
     name = data["range"]
-    pieces = tuple(_piece(p) for p in listed(data["pieces"], MOST_PIECES, "pieces"))
+    pieces = pieces_of(data, piece)
+    modes = {"modes": max(p.modes for p in pieces)}
+    (one, forms), (other, others) = (column(at_end(data, name, k) | modes, kind="range") for k in (0, 1))
+    changed = [(d.of_E, d.of_M) for d in (one.damping, other.damping) if d is not None]
+    require(len(changed) != 1, "there is damping at one end of the range alone")
+    require(len({of_E > 0 for of_E, _ in changed}) <= 1, "internal damping is nothing at one end of the range alone")
+    if one.ours:
+        v.check_linear(one, name)
+    return OverRange(**vars(one) | in_pieces(data, one, other, pieces)), (forms, others)
+
+
+def pieces_of(data: dict[str, Any], read: Callable[[dict[str, Any]], Any]) -> tuple[Any, ...]:
+    pieces = tuple(read(p) for p in listed(data["pieces"], MOST_PIECES, "pieces"))
     require(bool(pieces), "nothing is said of any value")
-    (one, forms), (other, others) = (column(_at_end(data, name, k, pieces), kind="range") for k in (0, 1))
-    low, high = (_value(stated, name) for stated in (one, other))
+    return pieces
+
+
+def in_pieces(data: dict[str, Any], one: OfBeamItself, other: OfBeamItself, pieces: tuple[Any, ...]) -> dict[str, Any]:
+    """What a statement over a range says besides that of its lower end. Raises Refused where a value is left out."""
+    low, high = (_value(stated, data["range"]) for stated in (one, other))
     left = tuple((v.number(a), v.number(b)) for a, b in listed(data["open"], MOST_PIECES, "open parts"))
     reached = low
     for a, b in sorted([*((p.low, p.high) for p in pieces), *left]):
         require(a == reached < b, "the pieces leave a gap, or lie on one another")
         reached = b
     require(reached == high, "the pieces leave a gap, or lie on one another")
-    changed = [(d.of_E, d.of_M) for d in (one.damping, other.damping) if d is not None]
-    require(len(changed) != 1, "there is damping at one end of the range alone")
-    require(len({of_E > 0 for of_E, _ in changed}) <= 1, "internal damping is nothing at one end of the range alone")
-    if one.ours:
-        v.check_linear(one, name)
     whole = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
-    given = vars(one) | {"load": whole, "parameter": name, "other": other}
-    return OverRange(**given, low=low, high=high, pieces=pieces, open=left), (forms, others)
+    of_range = {"low": low, "high": high, "pieces": pieces, "open": left}
+    return of_range | {"load": whole, "parameter": data["range"], "other": other}
 
 
-def _at_end(data: dict[str, Any], name: str, k: int, pieces: tuple[Piece, ...]) -> dict[str, Any]:
+def at_end(data: dict[str, Any], name: str, k: int) -> dict[str, Any]:
     """What stands in a file at one end of its range, as that of one value."""
     require(name in ("alpha", "beta", "kappa") or name in data["parameters"], "the parameter of the range is none")
 
@@ -319,7 +331,7 @@ def _at_end(data: dict[str, Any], name: str, k: int, pieces: tuple[Piece, ...]) 
         require(type(value) is list and len(value) == 2, "what a range changes is not given at its two ends")
         return value[k]
 
-    chosen = {key: end(data[key]) for key in ("forms", "damping")} | {"modes": max(p.modes for p in pieces)}
+    chosen = {key: end(data[key]) for key in ("forms", "damping")}
     if name in data["parameters"]:
         return data | chosen | {"parameters": data["parameters"] | {name: end(data["parameters"][name])}}
     return data | chosen | {name: end(data[name])}
@@ -331,7 +343,7 @@ def _value(stated: OfBeamItself, name: str) -> Fraction:
     return found
 
 
-def _piece(data: dict[str, Any]) -> Piece:
+def piece(data: dict[str, Any]) -> Piece:
     fields(data, OF_PIECE)
     modes, m = data["modes"], lowest(data)
     require(type(modes) is int and modes <= v.MOST_MODES, f"the number of functions is not from 1 to {v.MOST_MODES}")

@@ -17,7 +17,7 @@ from flint import arb, fmpq, fmpq_poly
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier_claims import ball, exact, greatest, least, require
-from freebeam_derive.certify.verifier_sections import Place, Sections, add, at, form
+from freebeam_derive.certify.verifier_sections import Place, Sections, add, at, form, load_size
 
 LENGTHS = [Fraction(4, 5) ** k for k in range(24)]  # of a bump beside a mass, in parts of the segment
 CUBICS: dict[tuple[int, bool], list[Any]] = {
@@ -70,7 +70,7 @@ class Damped:
     def turning(self) -> arb:
         """C_R: |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part with y'v'. Raises Refused."""
         turning = [{(1, 1): table[1]} if 1 in table and table[1].degree() >= 0 else {} for table in self.along]
-        return replace(self.column, load=turning, forces={}).size() if any(turning) else arb(0)
+        return load_size([replace(self.column, load=turning, forces={})]) if any(turning) else arb(0)
 
     @cached_property
     def density(self) -> tuple[arb, arb]:

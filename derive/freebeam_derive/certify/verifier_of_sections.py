@@ -9,7 +9,7 @@ eigenvalue passes a line from m on (Lemma 6 of docs/theorem.md), nor with dampin
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -24,7 +24,7 @@ from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Rates
-from freebeam_derive.certify.verifier_sections import OfSections, Sections
+from freebeam_derive.certify.verifier_sections import OfSections, Sections, load_size
 from freebeam_derive.certify.verifier_signs import BITS
 from freebeam_derive.certify.verifier_waves import Apart
 
@@ -35,19 +35,26 @@ WIDER = 4  # with damping high gaps are looked for that are so many times as wid
 
 
 class Gaps(High):
-    """The lines of a column between its frequencies without load; as `verifier_of_beam.High` of a uniform beam."""
+    """The lines of a column between its frequencies without load; as `verifier_of_beam.High` of a uniform beam.
 
-    def __init__(self, column: Sections, F: Pieces, m: int, line: Fraction, damping: Damped | None) -> None:
-        self.column, self.F, self.m, self.top, self.damping = column, F, m, ball(line), damping
+    columns: each with its F: one, or both ends of a range in which one natural condition changes: each frequency is
+    between those of the ends (docs/theorem.md, Theorem 5).
+    """
+
+    def __init__(
+        self, columns: Sequence[tuple[Sections, Pieces]], m: int, line: Fraction, damping: Damped | None = None
+    ) -> None:
+        self.columns, self.m, self.top, self.damping = columns, m, ball(line), damping
+        self.size = load_size([column for column, _ in columns])
         self.known: list[tuple[arb, arb]] = []
 
     def check(self, load: Fraction, equations: Equations) -> None:
         """No eigenvalue on any line from m on, for |p| up to a load: Lemma 6; with damping Lemmas 10 and 11."""
-        needed = (ball(load) * self.column.size()).upper()
-        apart = Apart(self.column)
+        needed = (ball(load) * self.size).upper()
+        apart = Apart(*(column for column, _ in self.columns))
         beyond, gap = apart.gap(needed if self.damping is None else WIDER * needed)
         require(bool(gap > needed), "the gaps between high frequencies are too narrow")
-        known = self.known = Frequencies(self.F, beyond, apart.whole).all()
+        known = self.known = self._frequencies(beyond, apart.whole)
         require(self.m < len(known), "the line is above all frequencies that are looked at")
         for k in range(self.m + 1, len(known)):
             between = known[k][0] - known[k - 1][1]
@@ -61,11 +68,20 @@ class Gaps(High):
         if self.damping is not None:
             self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower())
 
+    def _frequencies(self, beyond: arb, length: arb) -> list[tuple[arb, arb]]:
+        """Bounds of those of each column, ascending, up to the first that is beyond² of all."""
+        each = [Frequencies(F, beyond, length) for _, F in self.columns]
+        lists = [of.all() for of in each]
+        count = max(map(len, lists))
+        lists = [found if len(found) == count else of.all(count) for of, found in zip(each, lists, strict=True)]
+        sides = (zip(*both, strict=True) for both in zip(*lists, strict=True))
+        return [(min(low, key=float), max(high, key=float)) for low, high in sides]
+
     def highest(self, equations: Equations, load: Fraction) -> Fraction:
         top = self.top.upper()
         if not equations.real:
             assert self.damping is not None
-            top = self.damping.highest(top, ball(load) * self.column.size())
+            top = self.damping.highest(top, ball(load) * self.size)
         upper = top.fmpq()
         return Fraction(int(upper.p), int(upper.q))
 
@@ -76,19 +92,19 @@ class Frequencies:
 
     def __init__(self, F: Pieces, beyond: arb, length: arb) -> None:
         self.beyond, self.step = beyond, STEP / Fraction(str(float(length.mid())))
-        top = (beyond + 8 / length).upper()
+        top = (beyond + 12 / length).upper()
         # what is left out is small beside F on the whole disc |s| ≤ S, but F is small near 0
         with flint.ctx.workprec(flint.ctx.prec + int(4 * float(top * length))):
             whole = OfPieces(F, arb(0), (2 * top**4).upper())
         self.scale, self.bits, self.rest = whole.S, whole.precision, whole.rest
         self.F = arb_poly(whole.levels[0].entries())
 
-    def all(self) -> list[tuple[arb, arb]]:
-        """Bounds of ω, ascending, up to the first with ω > beyond². Raises Refused."""
+    def all(self, count: int = 1) -> list[tuple[arb, arb]]:
+        """Bounds of ω, ascending, so many at least and up to the first with ω > beyond². Raises Refused."""
         found: list[tuple[arb, arb]] = []
         low = Fraction(0)
         with flint.ctx.workprec(self.bits):
-            while not found or not found[-1][0] > self.beyond**2:
+            while len(found) < count or not found[-1][0] > self.beyond**2:
                 for a, b in self._between(low, low + self.step, 0):
                     found.append((ball(a) ** 2, ball(b) ** 2))
                 require(len(found) < MOST_FREQUENCIES, "there are too many frequencies without load")
@@ -142,8 +158,8 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
     none = Fraction(0), Fraction(0)
     with flint.ctx.workprec(BITS):
         F, damping = Pieces(column), damped(data["damping"], column)
+        gaps = Gaps([(column, F)], m, line, damping)
     equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
-    gaps = Gaps(column, F, m, line, damping)
     stated = replace(stated, **statement(damping))
     First(equations, gaps, stated, ranged=False).check(stretches)
     return replace(stated, modes=len(gaps.known))

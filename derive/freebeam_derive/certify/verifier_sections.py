@@ -7,7 +7,7 @@ on each segment; masses, springs and what the load does at places stand at the e
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -37,7 +37,7 @@ class OfSections(claims.OfBeamItself):
     """A statement of such a column. beside: what its damping C has besides c_M M + c_E E, in words."""
 
     breaks: tuple[Fraction, ...]
-    beside: tuple[str, ...] = ()
+    beside: tuple[str, ...]
 
     @property
     def forms(self) -> str:
@@ -112,15 +112,8 @@ class Sections:
         """The least EI."""
         return least(at(f, x).lower() for n, f in enumerate(self.EI) for x, _ in self.pieces(n))
 
-    def size(self) -> arb:
-        """C of Lemma 6. Raises Refused."""
-        try:
-            return self._size(turned=False)
-        except v.Refused:
-            return self._size(turned=True)
-
-    def _size(self, turned: bool) -> arb:
-        """All derivatives go off the factor whose mass bounds it; turned: off the other one."""
+    def size(self, turned: bool) -> arb:
+        """C of Lemma 6: all derivatives go off the factor whose mass bounds it; turned: off the other one."""
         inner: list[dict[int, fmpq_poly]] = [{} for _ in self.m]
         points: dict[tuple[Place, Place], Fraction] = {}
 
@@ -169,6 +162,14 @@ class Sections:
         return norm, arb(1) if order or "clamped" not in self.ends else arb(2) / 3
 
 
+def load_size(columns: Sequence[Sections]) -> arb:
+    """C of Lemma 6; of two columns that of each between them, for in one condition it is convex. Raises Refused."""
+    try:
+        return max((column.size(turned=False) for column in columns), key=float)
+    except v.Refused:
+        return max((column.size(turned=True) for column in columns), key=float)
+
+
 def at(f: fmpq_poly, x: arb) -> arb:
     """A polynomial on a ball, from its middle."""
     middle, far = x.mid(), x - x.mid()
@@ -190,6 +191,13 @@ def read(data: dict[str, Any]) -> tuple[OfSections, Sections, int, Fraction, tup
     still = {"modes": v.MOST_MODES, "alpha": "0", "beta": "0", "load_max": None}
     given = v.claims_of(data | still)
     require(given["kind"] != "none" and given["load"][1] < claims.HIGHEST, claims.NO_CROSSING)
+    stated, column = stated_of(data, given)
+    m, line = claims.lowest(data | still), v.number(data["line"])
+    return stated, column, m, line, claims.stretches_of(data, m)
+
+
+def stated_of(data: dict[str, Any], given: dict[str, Any]) -> tuple[OfSections, Sections]:
+    """A statement of the column in a file, with these claims and without damping, and the column. Raises Refused."""
     left, right = data["ends"]
     require(left in v.ORDERS and right in v.ORDERS, "the ends are not known")
     require(type(data["breaks"]) is list and 1 < len(data["breaks"]) < MOST_SEGMENTS + 2,
@@ -197,10 +205,9 @@ def read(data: dict[str, Any]) -> tuple[OfSections, Sections, int, Fraction, tup
     breaks = tuple(map(v.number, data["breaks"]))
     whole = breaks[0] == 0 and breaks[-1] == 1 and all(a < b for a, b in pairwise(breaks))
     require(whole, "the breaks do not ascend from 0 to 1")
+    none: dict[str, Any] = {"ours": False, "basis": "", "kappa": None, "damping": None, "beside": ()}
     column = sections((left, right), breaks, data["forms"])
-    m, line = claims.lowest(data | still), v.number(data["line"])
-    stated = OfSections(**given, ours=False, ends=(left, right), basis="", kappa=None, damping=None, breaks=breaks)
-    return stated, column, m, line, claims.stretches_of(data, m)
+    return OfSections(**given, **none, ends=(left, right), breaks=breaks), column
 
 
 def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[str, Any]) -> Sections:

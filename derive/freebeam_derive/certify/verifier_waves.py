@@ -12,7 +12,9 @@ a rest; cells of the phases θ show that no two zeros are near each other. docs/
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations, product
 from typing import Any
 
@@ -128,12 +130,15 @@ def _of_minors(rows: list[list[arb]]) -> list[list[arb_poly]]:
     return found
 
 
-def _joint(column: Sections, node: int) -> list[list[arb_poly]]:
-    """What springs and masses at a place do to minors.
+def _joint(columns: Sequence[Sections], node: int) -> list[list[arb_poly]]:
+    """What springs and masses at a place do to minors, in balls that hold those of all columns.
 
     EI y'' jumps by (c − J ω²) y', −(EI y'')' + N y' by (k − μ ω²) y; times ε³ where J and times ε where μ is there.
     """
-    k, c, mu, J = (ball(t.get((node, d), Fraction(0))) for t in (column.springs, column.masses) for d in (0, 1))
+    tables = [column.springs for column in columns], [column.masses for column in columns]
+    k, c, mu, J = (
+        reduce(arb.union, (ball(t.get((node, d), Fraction(0))) for t in of)) for of in tables for d in (0, 1)
+    )
     bend = arb_poly([0, c]) if J == 0 else arb_poly([-J, 0, 0, 0, c])
     push = arb_poly([0, 0, 0, k]) if mu == 0 else arb_poly([-mu, 0, 0, 0, k])
     by_turn, by_mass = (arb_poly([1]) if x == 0 else arb_poly([0] * n + [1]) for x, n in ((J, 3), (mu, 1)))
@@ -162,16 +167,18 @@ def _product(X: list[list[Any]], Y: list[list[Any]]) -> list[list[Any]]:
 
 
 class Apart:
-    """f of a column without load: its waves, what joins them, and bounds of the rest."""
+    """f of a column without load: its waves, what joins them, and bounds of the rest. Of two columns: f of each whose
+    masses and springs are between theirs, which differ in nothing else."""
 
-    def __init__(self, column: Sections) -> None:
+    def __init__(self, *columns: Sections) -> None:
+        column = columns[0]
         self.segments = [Segment(column, n) for n in range(len(column.m))]
         self.lengths = [s.length for s in self.segments]
         self.whole = sum(self.lengths, arb(0))
         last = len(self.segments)
         joints = []
         for node in range(last + 1):
-            X = _joint(column, node)
+            X = _joint(columns, node)
             if node:
                 X = _product(X, _of_minors(self.segments[node - 1].ends[1]))
             if node < last:

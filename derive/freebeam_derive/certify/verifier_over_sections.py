@@ -1,0 +1,151 @@
+"""Check certificates over a range of a mass or a spring (format 8): code of its own, which shares none with the prover.
+
+The column is one of format 6 without damping, given at both ends of the range; between them what the file says of it
+is linear. What changes stands in one natural condition, so that F(P, s) is linear in the parameter (docs/theorem.md,
+Theorem 5). On each piece all that is shown of one value is shown on balls that hold those of each.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import Any
+
+import flint
+from flint import arb, arb_mat
+
+from freebeam_derive.certify import verifier_beam_claims as claims
+from freebeam_derive.certify import verifier_claims as v
+from freebeam_derive.certify.decimals import said
+from freebeam_derive.certify.verifier_beam_claims import OverRange, Piece
+from freebeam_derive.certify.verifier_claims import Statement, require
+from freebeam_derive.certify.verifier_equations import Equations
+from freebeam_derive.certify.verifier_of_beam import ALONE, First
+from freebeam_derive.certify.verifier_of_sections import Gaps
+from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_sections import OfSections, Sections, stated_of
+from freebeam_derive.certify.verifier_shooting import Whole
+from freebeam_derive.certify.verifier_signs import BITS
+
+OVER_SECTIONS = "freebeam certificate 8"
+FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "damping", "range", "pieces", "open"}
+
+
+@dataclass(frozen=True)
+class OverSections(OverRange, OfSections):
+    """A statement of each value of a parameter from low to high but for the parts that are open."""
+
+    def record(self) -> dict[str, Any]:
+        return super().record() | {"breaks": [*map(said, self.breaks)]}
+
+
+@dataclass(frozen=True)
+class OfPiece(Piece):
+    """line: R_m."""
+
+    line: Fraction
+
+
+# --- between two columns -------------------------------------------------------------------------------------------
+
+
+def check_one_condition(one: Sections, other: Sections) -> None:
+    """That two columns differ at most in a mass, a spring and what the load does, all in one natural condition."""
+    same = replace(other, masses=one.masses, springs=one.springs, forces=one.forces) == one
+    require(same, "the range changes more than masses, springs and forces at places")
+    pairs = (one.masses, other.masses), (one.springs, other.springs)
+    rows = {place for a, b in pairs for place in {**a, **b} if a.get(place, 0) != b.get(place, 0)}
+    a, b = one.forces, other.forces
+    rows |= {row for row, of in {**a, **b} if a.get((row, of), 0) != b.get((row, of), 0)}
+    require(len(rows) <= 1, "the range changes more than one condition")
+
+
+def between(one: Sections, other: Sections, share: Fraction) -> Sections:
+    """The column at a share of the way."""
+
+    def mixed(a: dict[Any, Fraction], b: dict[Any, Fraction]) -> dict[Any, Fraction]:
+        return {key: (1 - share) * a.get(key, Fraction(0)) + share * b.get(key, Fraction(0)) for key in {**a, **b}}
+
+    return replace(
+        one,
+        masses=mixed(one.masses, other.masses),
+        springs=mixed(one.springs, other.springs),
+        forces=mixed(one.forces, other.forces),
+    )
+
+
+class OverPieces(Pieces):
+    """F(p, s) of each column between two: F₀ + F₁ t, |t| ≤ 1."""
+
+    ranged = True
+
+    def __init__(self, ends: Sequence[Pieces]) -> None:
+        self._ends, self._known = ends, {}
+        order = [[max(e for e, _ in row) for row in F.rows] for F in ends]
+        require(order[0] == order[1], "the conditions at both ends of the range are of another order")
+
+    def whole(self, P: arb, s: arb, S: arb, most: int) -> Whole:
+        return Between(*(F.whole(P, s, S, most) for F in self._ends))
+
+
+class Between(Whole):
+    """Half of F at both ends, and half of what it grows by; what is left out of both is bounded for each t."""
+
+    def __init__(self, low: Whole, high: Whole) -> None:
+        self.P, self.s, self.S = low.P, low.s, low.S
+        self.precision, self.rest = max(low.precision, high.precision), low.rest.max(high.rest)
+        with flint.ctx.workprec(self.precision):
+            sizes = [[f(of.levels[0]) for of in (low, high)] for f in (arb_mat.nrows, arb_mat.ncols)]
+            a, b = (_filled(of.levels[0], *map(max, sizes)) for of in (low, high))
+            self.levels = [(a + b) / 2, (b - a) / 2]
+
+
+def _filled(X: arb_mat, rows: int, columns: int) -> arb_mat:
+    """With zeros up to a size."""
+    wide = [row + [0] * (columns - len(row)) for row in X.tolist()]
+    return arb_mat(wide + [[0] * columns] * (rows - len(wide)))
+
+
+# --- reading and checking ------------------------------------------------------------------------------------------
+
+
+def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections]]:
+    """Of a file: what is claimed, and the columns at both ends of the range. Raises Refused."""
+    claims.fields(data, FIELDS)
+    name = data["range"]
+    require(name in data["parameters"], "the parameter of the range is none")
+    pieces = claims.pieces_of(data, _piece)
+    (one, column), (other, other_column) = (_at_end(data, name, k) for k in (0, 1))
+    require(data["damping"] == [None, None], "over a range no damping is served here")
+    check_one_condition(column, other_column)
+    return OverSections(**vars(one) | claims.in_pieces(data, one, other, pieces)), (column, other_column)
+
+
+def _at_end(data: dict[str, Any], name: str, k: int) -> tuple[OfSections, Sections]:
+    stated = claims.at_end(data, name, k)
+    given = v.named(stated | {"modes": v.MOST_MODES, "alpha": "0", "beta": "0"})
+    return stated_of(stated, given | {"kind": "range", "load": None, "square": None, "load_max": None})
+
+
+def _piece(data: dict[str, Any]) -> OfPiece:
+    fewer = {key: value for key, value in data.items() if key != "line"}
+    return OfPiece(**vars(claims.piece(fewer | {"modes": v.MOST_MODES})), line=v.number(data["line"]))
+
+
+def verify_over_sections(data: dict[str, Any]) -> OverSections:
+    """Check a certificate over a range of a mass or a spring; what it proves. Raises Refused, ArithmeticError."""
+    stated, columns = read(data)
+    low, high = stated.low, stated.high
+    for piece in stated.pieces:
+        assert isinstance(piece, OfPiece)
+        ends = [between(*columns, (value - low) / (high - low)) for value in (piece.low, piece.high)]
+        with flint.ctx.workprec(BITS):
+            each = [(column, Pieces(column)) for column in ends]
+            gaps = Gaps(each, piece.lowest, piece.line)
+            F = OverPieces([F for _, F in each])
+        First(Equations(F, 0, ALONE, ALONE, False), gaps, piece, ranged=True).check(piece.stretches)
+    return stated
+
+
+FORMATS: dict[str, Callable[[dict[str, Any]], Statement]] = {OVER_SECTIONS: verify_over_sections}
