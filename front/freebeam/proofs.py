@@ -406,8 +406,9 @@ def certified_crossings(
 ) -> CertifiedCrossings:
     """Every load up to load_max at which the Ritz series' stability changes, with the proof that none is left out.
 
-    Ascending. Inputs as in `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them,
-    and so is a further eigenvalue that turns unstable where others are already. Eqs. (24), (25).
+    load_max is one of these loads, and a crossing that balls cannot tell from it is listed too. Ascending. Inputs as in
+    `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them, and so is a further
+    eigenvalue that turns unstable where others are already. Eqs. (24), (25).
 
     >>> import freebeam as fb
     >>> [c.kind for c in fb.certified_crossings(fb.column("beck"), 4, eta="0.4", load_max=60)]
@@ -459,8 +460,8 @@ def exact_crossings(
 
     Of uniform beams, without damping, with it and in its limit; inputs as in `exact_load`, the result as of
     `certified_crossings`. The work grows fast with load_max: seconds up to the first crossing or two. An empty tuple
-    is the proof that the column is stable up to there. `certificate` of the tuple holds the data of the proof.
-    docs/theorem.md is the theorem.
+    is the proof that the column is stable up to there. `certificate` of the tuple holds the data of the proof, up to
+    a millionth beyond load_max where a crossing cannot be told from it. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> [c.kind for c in fb.exact_crossings(fb.column("beck"), eta="0.4", load_max=20)]
@@ -483,7 +484,7 @@ def exact_crossings(
         survey = Survey(itself, exact["alpha"], exact["beta"], exact.get("kappa"), exact["load_max"], digits)
         survey.say = progress or survey.say
         found = survey.run()
-        certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, found)
+        certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, survey.crossings)
     except NoSeries as error:
         raise InputError(f"all crossings of the exact beam are not to be had: {error}") from error
     except Unproven as error:

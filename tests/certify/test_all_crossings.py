@@ -235,3 +235,15 @@ def test_crossings_at_one_load_are_put_in_no_order(monkeypatch: pytest.MonkeyPat
              [[-1, 0, 0], [0, 0, 1.5], [0, -1.5, 0]])  # fmt: skip
     with pytest.raises(Unproven, match="comes first is not known"):
         all_crossings.survey(fb.column("beck", "modes").kernel, Question(3), F(3), 10)
+
+
+@pytest.mark.parametrize("name, kappa, load", [("links", None, F(2)), ("ziegler", F(0), F(41, 28))])
+def test_the_highest_load_is_one_of_those_looked_at(name: str, kappa: Any, load: Fraction, monkeypatch: Any) -> None:
+    """A divergence of two uncoupled degrees of freedom, 1 − P/2 and 2 − P/2, and a flutter, each at a fraction."""
+    column, question = fb.column("ziegler"), Question(2, kappa=kappa)
+    if name == "links":
+        column, question = fb.column("beck", "modes"), Question(2)
+        replaced(monkeypatch, ONE, [[1, 0], [0, 4]], [[-0.5, 0], [0, -0.5]])
+    for end, count in ((load * F(9, 10), 0), (load * (1 - F(1, 10**9)), 0), (load, 1), (load * (1 + F(1, 10**9)), 1)):
+        listed = all_crossings.survey(column.kernel, question, end, 15)
+        assert len(listed) == count and all(c.load[0] <= load <= c.load[1] for c in listed)

@@ -17,7 +17,7 @@ from typing import Any
 from flint import arb
 
 from freebeam_derive.certify import beam_stability
-from freebeam_derive.certify.all_crossings import Crossing
+from freebeam_derive.certify.all_crossings import BEYOND, Crossing
 from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
@@ -37,6 +37,10 @@ from freebeam_derive.certify.beam_stability import BITS, Below, Evidence, dampin
 from freebeam_derive.certify.static_touches import touches
 
 FINEST = 40  # halvings of the loads
+
+
+class AtTheEnd(OpenStep):
+    """Whether a crossing is below the highest load is not known."""
 
 
 @dataclass
@@ -72,7 +76,18 @@ class Survey:
     evidence: Evidence | None = None
 
     def run(self) -> list[Crossing]:
-        """Every crossing for 0 < P ≤ load_max, ascending. Raises OpenStep with the step that failed, Unproven."""
+        """Every crossing for 0 < P ≤ load_max, ascending. Raises OpenStep with the step that failed, Unproven.
+
+        Where balls do not tell whether one lies at load_max or next to it, that one too, and load_max grows.
+        """
+        asked = self.load_max
+        try:
+            return self._run()
+        except AtTheEnd:
+            self.load_max, self.found = asked * BEYOND, []
+        return [crossing for crossing in self._run() if crossing.load[0] <= asked]
+
+    def _run(self) -> list[Crossing]:
         with precision(BITS):
             load = exact(self.load_max)
             c_E, c_M = damping_factors(self.beam, self.alpha, self.beta, self.kappa)
@@ -159,7 +174,7 @@ class Survey:
                     self._divergence(low, a, b, rising, damping)
                 continue
             if depth == FINEST:
-                raise OpenStep(
+                raise (AtTheEnd if b == self.load_max else OpenStep)(
                     f"divergence: F(P, 0) all but vanishes near the load {float(a):.10g}, and it is not known whether "
                     "it passes zero there"
                 )
@@ -176,7 +191,8 @@ class Survey:
         with precision(bits):
             P, R = box[0], problem.order
             if not exact(a) < P < exact(b):
-                raise OpenStep(f"divergence: near the load {float(P):.10g} it is not known to be below {float(b):.10g}")
+                at_end = AtTheEnd if b == self.load_max else OpenStep
+                raise at_end(f"divergence: near the load {float(P):.10g} it is not known to be below {float(b):.10g}")
             t = problem.slopes(box)[2]
             # F_λ / s^R at λ = 0, up to its sign; without damping F_s
             by_value = t[0, R + 1] if damping is None else damping[0] * P * t[1, R] + damping[1] * t[0, R + 1]
@@ -201,7 +217,7 @@ class Survey:
                 if c.box[0] > top:
                     break
                 if not c.box[0] < top:
-                    raise OpenStep(f"order: whether the crossing near the load {float(top):.10g} is below it")
+                    raise AtTheEnd(f"order: whether the crossing near the load {float(top):.10g} is below it")
                 square = None if not c.flutter else ends(c.box[1] * c.box[1] if damped else c.box[1])
                 load = ends(c.box[0])
             kind = "flutter" if c.flutter else "divergence" if c.change else "touch"
