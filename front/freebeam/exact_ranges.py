@@ -119,7 +119,6 @@ def exact_range(
     else:
         parameters = parameters | {parameter: (start + end) / 2}
     asked = proofs._Asked.of(column, modes, parameters, kappa, None, **given)
-    asked.check_of_beam()
     asked = replace(asked, inputs={**asked.inputs, parameter: f"{first} to {last}"})
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:
@@ -177,8 +176,9 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
     from freebeam_derive.certify.beam_ranges import piece
 
     values = Range(low, high)
-    damping: Any = tuple(values if n == name else asked.exact.get(n) for n in ("alpha", "beta", "kappa"))
     beam = _over(asked, name, values)
+    given = zip(("alpha", "beta", "kappa"), asked.dampings_of(beam), strict=True)
+    damping: Any = tuple(values if n == name else value for n, value in given)
     middle = float((low + high) / 2)
     question = replace(asked.question, kappa=middle) if name == "kappa" else asked.question.at(**{name: middle})
     loss = answer(question)

@@ -233,20 +233,35 @@ class _Asked:
     def itself(self) -> Any:
         """The beam itself at what is asked. Raises NoSeries."""
         from freebeam_derive.certify.beam import Beam
+        from freebeam_derive.certify.damped_gaps import of_mass_alone
         from freebeam_derive.certify.exact_system import ExactSystem
 
         if self.column.general:
+            if self.exact.get("kappa") == math.inf and of_mass_alone(self.column.kernel, self.own):
+                return ExactSystem(self.column.kernel, self.own)
             alpha, beta = self.certified.dampings
             return ExactSystem(self.column.kernel, self.own, alpha, beta, "kappa" in self.exact)
-        self.check_of_beam()
         beam = Beam(self.column.kernel, self.own)
         beam.damping(self.exact["alpha"], self.exact["beta"])
         return beam
 
-    def check_of_beam(self) -> None:
-        """Raises InputError for the limit of external damping alone."""
-        if self.exact.get("kappa") == math.inf:
-            raise InputError("kappa = inf: of the beam itself this limit is not proven; of a series it is")
+    def dampings_of(self, beam: Any) -> tuple[Any, Any, Any]:
+        """alpha, beta and kappa (or None) for a proof of the beam itself. Raises NoSeries.
+
+        None of them where external damping alone vanishes: C = c_M M damps all motions alike, and the limit is the
+        column without damping (docs/theorem.md, Theorem 3).
+        """
+        from freebeam_derive.certify.beam import Beam, NoSeries
+
+        alpha, beta, kappa = (self.exact.get(name) for name in ("alpha", "beta", "kappa"))
+        if not isinstance(beam, Beam):
+            return alpha, beta, kappa if beam.vanishing else None
+        if kappa != math.inf:
+            return alpha, beta, kappa
+        c_E, c_M = beam.damping(Fraction(0), Fraction(1))
+        if not (c_E.is_zero() and c_M > 0):
+            raise NoSeries(f"kappa = inf: what vanishes in {beam.name} is not the mass times a positive number")
+        return alpha, beta, None
 
     def load(self, interval: tuple[Fraction, Fraction]) -> tuple[Fraction, Fraction]:
         """An interval of loads in the units asked in: N where a beam was given."""
@@ -476,12 +491,11 @@ def exact_crossings(
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, None, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
-    exact = asked.exact
     try:
         itself = asked.itself
         if not isinstance(itself, Beam):
             raise NoSeries(f"{column.name} goes beyond the uniform beam, whose modes the proof needs")
-        survey = Survey(itself, exact["alpha"], exact["beta"], exact.get("kappa"), exact["load_max"], digits)
+        survey = Survey(itself, *asked.dampings_of(itself), asked.exact["load_max"], digits)
         survey.say = progress or survey.say
         found = survey.run()
         certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, survey.crossings)
@@ -560,23 +574,23 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
     from freebeam_derive.certify.certificate import write_list, write_of_beam
     from freebeam_derive.certify.decimals import outward
 
-    exact, name = asked.exact, asked.column.name
+    name = asked.column.name
     try:
         beam = asked.itself
+        alpha, beta, kappa = asked.dampings_of(beam)
         if kind == "divergence":
             crossing = beams.divergence(beam, near[0], digits + 2)
-        elif "kappa" in exact:
-            crossing = beams.flutter_limit(beam, exact["kappa"], near, digits + 2)
-        elif beam.undamped(exact["alpha"], exact["beta"]):
+        elif kappa is not None:
+            crossing = beams.flutter_limit(beam, kappa, near, digits + 2)
+        elif beam.undamped(alpha, beta):
             crossing = beams.flutter_undamped(beam, near, digits + 2)
         else:
-            crossing = beams.flutter_damped(beam, exact["alpha"], exact["beta"], near, digits + 2)
+            crossing = beams.flutter_damped(beam, alpha, beta, near, digits + 2)
         evidence: Evidence | None = None
         missing, certificate = "", None
         survey: Survey | None = None
         if whole:
-            dampings = exact["alpha"], exact["beta"], exact.get("kappa")
-            crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, *dampings)
+            crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, alpha, beta, kappa)
         stated = asked.column.kernel, asked.certified
         if evidence is not None and not asked.squares:
             if survey is None:

@@ -113,8 +113,6 @@ def test_a_claim_that_is_moved_is_refused() -> None:
     refused(forged("Beck", alpha="0.1"), "damping does not fit")
     refused(forged("Beck", proof=data["proof"] | {"first": False}), "what is said to be proven")
     refused(forged("dead load", kind="flutter", frequency_squared=["100", "101"]), "no crossing in the interval")
-    external = {"of_M": "1", "of_E": "0", "vanishing": True}
-    refused(forged("dead load, limit", kappa="inf", damping=external), "no internal damping is there to vanish")
 
 
 def test_an_interval_that_ends_a_hair_short_of_the_crossing_is_refused() -> None:
@@ -419,3 +417,20 @@ def test_lengths_of_the_modes_derivatives_are_bounded(ends: tuple[str, str]) -> 
         squares = lines.integrals(0, 1, 1)
         for i, (bound, g) in enumerate(zip(lines.norms, lines.gamma, strict=True)):
             assert squares[i, i].sqrt() < bound + arb("1e-30") and bound < lines.longest * g + arb("1e-30")
+
+
+def test_a_certificate_of_the_limit_says_so() -> None:
+    """Of external damping alone: all is as without damping."""
+    data, of_M = certificate("Beck"), {"of_M": "1", "of_E": "0", "vanishing": True}
+    limit = data | {"kappa": "inf", "damping": of_M}
+    stated = verify(limit)
+    assert stated.load == verify(data).load
+    assert "in the limit of vanishing damping in the direction of C = 1 M + 0 E (beta -> 0+ at alpha = 0)" in str(
+        stated
+    )
+    refused(limit | {"damping": of_M | {"of_E": "1"}}, "the damping")
+    refused(data | {"kappa": "1", "damping": of_M | {"of_E": "1"}}, "no crossing in the interval|not known")
+    for factor in ("0", "-1"):
+        refused(limit | {"damping": of_M | {"of_M": factor}}, "damping")
+    refused(limit | {"load": ["20.06", "20.07"]}, "no crossing in the interval")
+    refused(data | {"damping": of_M}, "the damping does not fit")

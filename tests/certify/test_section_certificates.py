@@ -217,6 +217,15 @@ def test_a_load_on_a_place_without_a_mass_is_refused() -> None:
     refused(forged("dead load", lambda d: d["forms"]["H"].update(points=[])), "a place without a mass")
 
 
+def test_of_sections_the_mass_alone_is_such_a_damping() -> None:
+    data = certificate("a spring, divergence")
+    form = data["forms"]["M"]
+    half = [[*term[:-1], str(Fraction(term[-1]) / 2)] for term in form["along"]]
+    assert "C = 0.5 M" in str(verify(data | {"damping": {"form": form | {"along": half}, "vanishing": True}}))
+    stated = verify(data | {"damping": {"form": form, "vanishing": True}})
+    assert "in the limit of vanishing damping in the direction of C = 1 M" in str(stated)
+
+
 def test_the_command_line_writes_what_it_verifies(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "proof.json"
     asked = ["critical", "--column", "pflueger", "--digits", "12", "--exact", "--certificate", str(file)]

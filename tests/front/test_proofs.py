@@ -421,8 +421,6 @@ def test_certificates_of_any_column_are_written_and_verified(
         ["--alpha", "0+", "--beta", "0.1"],
         ["--digits", "9", "--exact", "--load-max", "20"],
         ["--exact", "--all"],
-        ["--exact", "--column", "beck", "--alpha", "0+", "--kappa", "inf"],
-        ["--exact", "--column", "beck", "--alpha", "0+", "--kappa", "inf", "--set", "eta=0.6..0.7"],
         ["--column", "beck", "--alpha", "0+", "--kappa=-inf", "--digits", "9"],
         ["--exact", "--truncation", "--digits", "9"],
         ["--digits", "9", "--all", "--load-max", "-5"],

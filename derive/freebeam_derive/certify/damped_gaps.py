@@ -35,6 +35,29 @@ _CUBICS = {
 whether the other of v(0), v'(0) is nothing."""
 
 
+def of_mass_alone(kernel: Any, own: Any) -> bool:
+    """Whether external damping alone, β = 1, is the mass times a positive number, of any column."""
+    try:
+        stated = kernel.forms(Fraction(1), Fraction(0), Fraction(1), **own)
+        (C,), (M,) = (map(_terms, stated[letter]) for letter in "CM")
+    except (AttributeError, TypeError, ValueError):  # more than one form, or factors that are no fractions
+        return False
+    ratios = {C[key] / M[key] for key in M} if C.keys() == M.keys() else {Fraction(0)}
+    return len(ratios) == 1 and ratios.pop() > 0
+
+
+def _terms(form: Any) -> dict[Any, Fraction]:
+    """Its terms: (segment, fields, orders, power of x), or (test, trial) at places -> factor."""
+    along, points = form
+    found: dict[Any, Fraction] = {}
+    for segments, *what, factors in along:
+        for key, f in (((n, *what, k), f) for n in segments for k, f in enumerate(factors)):
+            found[key] = found.get(key, Fraction(0)) + Fraction(f)
+    for test, trial, f in points:
+        found[test, trial] = found.get((test, trial), Fraction(0)) + Fraction(f)
+    return {key: f for key, f in found.items() if f}
+
+
 class LeftOver:
     """The damping of a column as c_E E + c_M M + R, at the precision in force.
 

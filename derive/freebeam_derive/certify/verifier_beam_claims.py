@@ -203,7 +203,6 @@ def column(data: dict[str, Any], of: type[OfBeamItself] = OfBeamItself, **claims
     if damping is not None:
         require(damping.of_E > 0 or damping.of_E == 0 <= damping.of_M, "the damping is negative")
         require(damping.of_E > 0 or damping.of_M > 0, "there is no damping at all")
-        require(damping.of_E > 0 or not damping.vanishing, "no internal damping is there to vanish")
     require(set(data["forms"]) == set("MEH"), "the forms are not M, E and H")
     forms = {name: v.form(data["forms"][name]) for name in "MEH"}
     require(forms["M"] == (((0, 0, 0, Fraction(1)),), ()), "the mass is not that of the uniform beam")

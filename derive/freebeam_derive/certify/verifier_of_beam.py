@@ -28,7 +28,7 @@ from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify.verifier_beam_claims import Forms, OfAllCrossings, OfBeamItself, OverRange, Passing, Piece
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Form, Statement, ball, greatest, least, require
+from freebeam_derive.certify.verifier_claims import Damping, Form, Statement, ball, greatest, least, require
 from freebeam_derive.certify.verifier_equations import Equations, Interval
 from freebeam_derive.certify.verifier_lines import Lines, Norms, check_free, check_rigid
 from freebeam_derive.certify.verifier_shooting import Shooting
@@ -117,14 +117,18 @@ def shooting(stated: OfBeamItself, forms: Forms) -> Shooting:
 
 def _damping(one: OfBeamItself, other: OfBeamItself, shares: Interval) -> tuple[Interval, Interval, bool]:
     """The intervals of alpha and beta in C = alpha E + beta M from one share of the way between two statements to
-    another, and whether only their direction counts."""
-    if one.damping is None or other.damping is None:
+    another, and whether only their direction counts. None where beta M alone vanishes: it damps all motions alike."""
+    if one.damping is None or other.damping is None or (_of_M_alone(one.damping) and _of_M_alone(other.damping)):
         return (Fraction(0), Fraction(0)), (Fraction(0), Fraction(0)), False
     found = []
     for a, b in ((one.damping.of_E, other.damping.of_E), (one.damping.of_M, other.damping.of_M)):
         low, high = sorted(a + share * (b - a) for share in shares)
         found.append((low, high))
     return found[0], found[1], one.damping.vanishing
+
+
+def _of_M_alone(damping: Damping) -> bool:
+    return damping.vanishing and damping.of_E == 0
 
 
 ALONE = Fraction(0), Fraction(0)  # shares of one value

@@ -158,9 +158,11 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
     none = Fraction(0), Fraction(0)
     with flint.ctx.workprec(BITS):
         F, damping = Pieces(column), damped(data["damping"], column)
+        stated = replace(stated, **statement(damping))
+        if damping is not None and damping.vanishing and damping.plain and damping.c_E == 0 < damping.c_M:
+            damping = None  # it damps all motions alike
         gaps = Gaps([(column, F)], m, line, damping)
     equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
-    stated = replace(stated, **statement(damping))
     First(equations, gaps, stated, ranged=False).check(stretches)
     return replace(stated, modes=len(gaps.known))
 
