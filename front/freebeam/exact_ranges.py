@@ -222,7 +222,7 @@ def _uniform(asked: proofs._Asked, name: str, values: Range) -> Any:
     if not asked.column.general:
         return kernel
     found = [uniform(kernel, **(asked.own | _at(asked, name, v).get("own", {}))) for v in (values.low, values.high)]
-    if None in found or (_of_system(asked, name) and rigid_motions(kernel.COLUMN["ends"])):
+    if None in found or (rigid_motions(kernel.COLUMN["ends"]) and not kernel.COLUMN["rigid"]):
         return None
     return found[0]
 
