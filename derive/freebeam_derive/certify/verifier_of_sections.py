@@ -18,7 +18,7 @@ import flint
 from flint import arb, arb_poly
 
 from freebeam_derive.certify import verifier_sections
-from freebeam_derive.certify.verifier_claims import Statement, ball, require
+from freebeam_derive.certify.verifier_claims import Statement, ball, greatest, least, require
 from freebeam_derive.certify.verifier_damping import Damped, damped, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
@@ -75,7 +75,7 @@ class Gaps(High):
         count = max(map(len, lists))
         lists = [found if len(found) == count else of.all(count) for of, found in zip(each, lists, strict=True)]
         sides = (zip(*both, strict=True) for both in zip(*lists, strict=True))
-        return [(min(low, key=float), max(high, key=float)) for low, high in sides]
+        return [(least(low), greatest(high)) for low, high in sides]
 
     def highest(self, equations: Equations, load: Fraction) -> Fraction:
         top = self.top.upper()

@@ -165,9 +165,9 @@ class Sections:
 def load_size(columns: Sequence[Sections]) -> arb:
     """C of Lemma 6; of two columns that of each between them, for in one condition it is convex. Raises Refused."""
     try:
-        return max((column.size(turned=False) for column in columns), key=float)
+        return v.greatest(column.size(turned=False) for column in columns)
     except v.Refused:
-        return max((column.size(turned=True) for column in columns), key=float)
+        return v.greatest(column.size(turned=True) for column in columns)
 
 
 def at(f: fmpq_poly, x: arb) -> arb:
