@@ -220,7 +220,7 @@ def test_forged_motions_are_refused() -> None:
     refused(stiffer)
     damped = copy.deepcopy(data)
     damped["forms"]["C_1"] = [{"along": [[0, name, 0, name, 0, ["1"]] for name in ("y", "psi")], "points": []}]
-    refused(damped, "not to be taken apart")
+    refused(damped)
 
 
 def test_parts_that_only_roots_tell_apart_are_not_taken_for_one_another() -> None:

@@ -65,12 +65,20 @@ def claimed(found: Enclosure) -> dict[str, Any]:
         **(
             {
                 "parts": [_apart(part) for part in found.parts],
-                "beside": [None if of is None else _separated(of) for of in found.beside],
+                "beside": [_besides(of) for of in found.beside],
             }
             if found.parts
             else {}
         ),
     }
+
+
+def _besides(of: Sequence[Stretch] | Enclosure | None) -> list[dict[str, Any]] | dict[str, Any] | None:
+    """Of a part beside the first: its stretches; or how it is lost at the same load, with those up to there."""
+    if isinstance(of, Enclosure):
+        square = None if of.square is None else [written(v) for v in of.square]
+        return {"kind": of.kind, "frequency_squared": square, "stretches": _separated(of.stretches)}
+    return None if of is None else _separated(of)
 
 
 def _apart(part: Part) -> dict[str, Any]:
