@@ -811,11 +811,22 @@ def verify_certificate(path: str) -> Statement:
     theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
     prove what it claims.
     """
-    from freebeam_derive.certify import verifier_of_beam, verifier_of_sections, verifier_spectrum
+    from freebeam_derive.certify import (
+        verifier_of_beam,
+        verifier_of_matrices,
+        verifier_of_sections,
+        verifier_spectrum,
+    )
     from freebeam_derive.certify.verifier import verify_file
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        return verify_file(path, verifier_of_beam.FORMATS | verifier_of_sections.FORMATS | verifier_spectrum.FORMATS)
+        return verify_file(
+            path,
+            verifier_of_beam.FORMATS
+            | verifier_of_matrices.FORMATS
+            | verifier_of_sections.FORMATS
+            | verifier_spectrum.FORMATS,
+        )
     except Refused as error:
         raise InputError(str(error)) from error

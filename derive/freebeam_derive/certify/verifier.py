@@ -1091,22 +1091,29 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
         if others and kind in others:
             return others[kind](certificate)
         stated, N, system, stretches, beside = (_of_forms if kind == GENERAL else _of_beam)(certificate)
-        widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
-        # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
-        with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
-            series = _stable(system(), stretches, stated.end, stated.top)
-            for of, separated, check in beside:
-                other = _stable(of(), separated, stated.top if check is None else stated.end, stated.top)
-                if check is not None:
-                    check(other)
-            if stated.load is not None:
-                series.check_crossing(*stated.load, stated.square)
+        check(stated, N, system, stretches, beside)
         return stated
     except ArithmeticError as error:
         raise Refused(f"could not be checked: {error}") from error
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:100]
         raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
+
+
+def check(
+    stated: Statement, N: int, system: Callable[[], System], stretches: list[Stretch], beside: list[Checked]
+) -> None:
+    """The proof, of what was read. Raises Refused."""
+    widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
+    # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
+    with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
+        series = _stable(system(), stretches, stated.end, stated.top)
+        for of, separated, also in beside:
+            other = _stable(of(), separated, stated.top if also is None else stated.end, stated.top)
+            if also is not None:
+                also(other)
+        if stated.load is not None:
+            series.check_crossing(*stated.load, stated.square)
 
 
 def _stable(system: System, stretches: list[Stretch], end: Fraction, top: Fraction) -> Series:
