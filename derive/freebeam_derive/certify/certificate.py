@@ -137,7 +137,10 @@ def _besides(of: Sequence[Stretch] | Enclosure | None) -> list[dict[str, Any]] |
 
 
 def _apart(part: Part) -> dict[str, Any]:
-    frame = {"planes": list(map(list, part.planes)), "turn": written(part.turn)} if part.planes else None
+    frame: dict[str, Any] | None = None
+    if part.planes:
+        frame = {"planes": list(map(list, part.planes)), "turn": written(part.turn)}
+        frame |= {"before": True} if part.before else {}
     return {"names": list(part.names), "motion": part.motion, "frame": frame}
 
 

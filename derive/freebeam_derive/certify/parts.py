@@ -29,7 +29,7 @@ from freebeam_derive.certify.structure import Structure, held, is_even, structur
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
 Planes = tuple[tuple[str, ...], tuple[str, ...]]
-MOST_PLANES = 6  # names among which two planes are looked for; the ways to pair them are counted in hundreds then
+MOST_PLANES = 8  # names among which two planes are looked for; the ways to pair them are 840 then
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,8 @@ class Part:
     order of `_place`. planes: two that are alike, of which M and K are one's as seen from a frame that turns at the
     rate turn; whirls: as a problem in s = ω + turn, else in its square. kind: shared by those of the same names that
     are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls. together: where it
-    is one of those of the roots of a polynomial, M, C and K of all of these, of fractions."""
+    is one of those of the roots of a polynomial, M, C and K of all of these, of fractions. before: seen from the frame
+    before it was taken apart from others."""
 
     names: tuple[str, ...]
     M: Powers
@@ -51,6 +52,7 @@ class Part:
     kind: int = -1
     known: Structure | None = None
     together: tuple[Powers, Powers, Powers] | None = None
+    before: bool = False
 
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
@@ -106,8 +108,14 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
         if not exact:
             parts.append(part)
             continue
-        for motion, each in _motions(part, [names[int(i)] for i in rows], limit or damped):
-            parts.append(motion if limit or damped or rest is None else _seen_from_frame(motion, each, rest))
+        of = [names[int(i)] for i in rows]
+        motions = _motions(part, of, limit or damped)
+        if limit or damped or rest is None:
+            parts += [motion for motion, _ in motions]
+        elif any(motion.known and held(X).any() for motion, _ in motions for X in motion.C):
+            parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
+        else:
+            parts += [_seen_from_frame(motion, each, rest) for motion, each in motions]
     massless = any(not any(held(X).any() for X in part.M) for part in parts)
     undamped = damped and any(is_even(part.M, part.C, part.K) for part in parts)
     return [whole] if massless or undamped else parts
@@ -184,6 +192,13 @@ def _seen_from_frame(part: Part, names: Sequence[str], rest: bool) -> Part:
             masses, stiff, rates = ([X[k] for X in terms] for terms, k in ((M, 0), (K, 0), (B, 1)))
             return _turned(replace(part, planes=planes), masses, rates, stiff, rest)
     return part
+
+
+def _of_frame(part: Part, names: Sequence[str], rest: bool) -> list[Part]:
+    """Where only roots tell motions apart that rates couple: those of one plane as seen from a frame; none where it is
+    none of two such planes."""
+    seen = replace(_seen_from_frame(part, list(names), rest), before=True)
+    return [motion for motion, _ in _motions(seen, list(names), False)] if seen.turn else []
 
 
 def _pairs(names: list[str]) -> Iterator[Planes]:

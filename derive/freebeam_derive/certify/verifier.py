@@ -483,12 +483,23 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         require(bool(own) and alone, f"{' and '.join(group)} and the others do not leave each other alone")
         mine = [k for k, each in enumerate(names) if each == group]
         inner = [taken(powers, own, own) for powers in terms]
+        frames = [parts[k]["frame"] for k in mine]
+        frame = frames[0] if type(frames[0]) is dict and "before" in frames[0] else None
+        turn, whirls = None, False
+        if frame is not None:  # seen from a frame first, then taken apart
+            require(all(of == frame for of in frames), "parts of two planes are not seen from one frame")
+            inner, turn, whirls = _seen(inner, frame, [held[n][-1] for n in own], limit)
         each = motions(inner, limit or damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
         order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
             motion = each[parts[k]["motion"]]
-            found[k] = Part.of(motion, limit, parts[k]["frame"], [held[own[n]][-1] for n in motion.stands], group)
+            if turn is None:
+                found[k] = Part.of(
+                    motion, limit, frames[mine.index(k)], [held[own[n]][-1] for n in motion.stands], group
+                )
+            else:
+                found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
     require(not damped or all(part and part.damped for part in found), "what is damped is not apart from what is not")
     return [part for part in found if part]
 
@@ -574,13 +585,8 @@ class Part:
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
         if frame is not None:
-            require(set(frame) == {"planes", "turn"} and not limit and bool(C), "a frame is none of rates")
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
-            planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
-            turn = exact(number(frame["turn"]))
-            require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
-            each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
-            (M, C, K), whirls = seen([M, C, K], each, turn)
+            (M, C, K), turn, whirls = _seen([M, C, K], frame, rows, limit)
         known = degrees(M, C, K)
         if limit:
             require(bool(C), "there is no damping that could vanish")
@@ -655,6 +661,21 @@ class Part:
         count = self.known.highest if self.damped else self.known.highest // 2 + 1
         more = self.damped and self.known.touching
         return _stretches(data, end, count, self.known.resting > 0, more)
+
+
+def _seen(
+    terms: list[list[fmpq_mat]], frame: Any, rows: Sequence[str], limit: bool
+) -> tuple[list[list[fmpq_mat]], fmpq, bool]:
+    """Two planes as seen from the frame of a file, its rate, and whether x is ω + turn; rows: of which field or
+    coordinate each is."""
+    keys = {"planes", "turn"} | ({"before"} if frame.get("before") is True else set())
+    require(set(frame) == keys and not limit and not nothing(*terms[1]), "a frame is none of rates")
+    planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
+    turn = exact(number(frame["turn"]))
+    require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
+    each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
+    found, whirls = seen(terms, each, turn)
+    return found, turn, whirls
 
 
 def _space(data: dict[str, Any]) -> Space:
