@@ -51,7 +51,9 @@ class Certified:
     by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
     sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
     rests that the load alone restores, or nothing is damped. touches: of the beam itself, loads below at each of which
-    an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others.
+    an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others. at_once:
+    of a series, kind and frequency (lower, upper) of each further loss at exactly the same load, of motions that these
+    leave alone, such as those in the other of two planes.
     """
 
     load: tuple[str, str] | None
@@ -66,6 +68,7 @@ class Certified:
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
     above_zero: bool = False
     touches: tuple[CertifiedCrossing, ...] = ()
+    at_once: tuple[tuple[str, tuple[str, str]], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -372,6 +375,7 @@ def certified_load(
         data,
         missing=missing,
         above_zero=enclosure.above_zero,
+        at_once=tuple((kind, _frequency(asked, omega, digits)) for kind, omega in enclosure.at_once),
     )
 
 
@@ -824,6 +828,7 @@ def verify_certificate(path: str) -> Statement:
     """
     from freebeam_derive.certify import (
         verifier_of_beam,
+        verifier_of_matrices,
         verifier_of_sections,
         verifier_over_sections,
         verifier_spectrum,
@@ -832,7 +837,9 @@ def verify_certificate(path: str) -> Statement:
     from freebeam_derive.certify.verifier_claims import Refused
 
     try:
-        modules = verifier_of_beam, verifier_of_sections, verifier_over_sections, verifier_spectrum
+        modules = (
+            verifier_of_beam, verifier_of_matrices, verifier_of_sections, verifier_over_sections, verifier_spectrum
+        )  # fmt: skip
         return verify_file(path, {name: check for of in modules for name, check in of.FORMATS.items()})
     except Refused as error:
         raise InputError(str(error)) from error

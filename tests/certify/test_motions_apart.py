@@ -28,6 +28,7 @@ from freebeam_derive.certify import (
     first_crossing,
     verifier,
     verifier_motions,
+    verifier_of_matrices,
     verifier_parts,
 )
 from freebeam_derive.certify.balls import Unproven, precision
@@ -220,7 +221,7 @@ def test_forged_motions_are_refused() -> None:
     refused(stiffer)
     damped = copy.deepcopy(data)
     damped["forms"]["C_1"] = [{"along": [[0, name, 0, name, 0, ["1"]] for name in ("y", "psi")], "points": []}]
-    refused(damped, "not to be taken apart")
+    refused(damped)
 
 
 def test_parts_that_only_roots_tell_apart_are_not_taken_for_one_another() -> None:
@@ -541,6 +542,41 @@ def test_of_full_matrices_nothing_commutes_and_of_tied_ones_as_much_as_the_symme
     assert not commutant.commuting(G, each) and not verifier_motions.commuting([G.inv() * X for X in each])
 
 
+def tops(count: int) -> tuple[Terms, list[str]]:
+    """Tops of rate 3 in a row, the first tied to the ground: K = (3 - P) 1 + L, L without eigenvalues in fractions."""
+    L = np.diag([2] * (count - 1) + [1]) - np.eye(count, k=1, dtype=int) - np.eye(count, k=-1, dtype=int)
+    one, none = np.eye(count, dtype=int), np.zeros((count, count), dtype=int)
+
+    def both(A: Any, B: Any = none) -> Any:
+        return np.array([[fmpq(int(v)) for v in row] for row in np.block([[A, B], [-B, A]])], dtype=object)
+
+    names = [f"q{k}" for k in range(2 * count)]
+    return ([both(one)], [both(none, 3 * one)], [both(3 * one + L), both(-one)]), names
+
+
+@pytest.mark.parametrize("count", [2, 4])
+def test_tops_that_only_roots_tell_apart_whirl_each_by_itself(count: int) -> None:
+    """ω² ± 3ω - (3 + r - P) = 0 with the roots r of L, r = 2 - 2 cos((2k - 1) π / (2n + 1)): the lowest is lost at
+    P = 3 + r + 9/4, at ω = 3/2. Its frequency passes zero below."""
+    terms, names = tops(count)
+    r = 2 - 2 * np.cos(np.pi / (2 * count + 1))
+    load = 3 + r + 9 / 4
+    found = first(terms, names, (load, 1.5), 12)
+    assert found.load is not None and float(found.load[0]) == pytest.approx(load, rel=1e-11)
+    assert found.frequency is not None and float(found.frequency[0]) == pytest.approx(1.5, rel=1e-9)
+    assert len(found.parts) == count and all(part.before and part.whirls for part in found.parts)
+    data = certificate_of(terms, found)
+    said = verifier.verify(data)
+    assert isinstance(said, verifier.OfForms) and said.whirls and len(said.parts) == count
+    frame = data["parts"][0]["frame"]
+    for other in (
+        {k: v for k, v in frame.items() if k != "before"}, frame | {"before": False}, frame | {"before": 1},
+        frame | {"turn": str(F(frame["turn"]) + 1)}, frame | {"planes": frame["planes"][::-1]}, None,
+    ):  # fmt: skip
+        refused(data | {"parts": [data["parts"][0] | {"frame": other}, *data["parts"][1:]]})
+    refused(data | {"parts": [*data["parts"][1:], data["parts"][0]]})
+
+
 @pytest.mark.parametrize("turn", [fmpq(3, 2), fmpq(7)])
 def test_of_two_planes_that_whirl_the_determinant_is_one_s_at_both_senses(turn: fmpq) -> None:
     """det(K − ω² M + iωC) = p(ω) p(−ω), p(ω) = det(A − (turn + ω) B) of the matrices A and B as seen from the frame."""
@@ -599,7 +635,9 @@ def test_with_a_factor_in_balls_what_is_exactly_nothing_is_still_known(tmp_path:
                "parameters": "(own(c, 0),)"}  # fmt: skip
     loads = [fb.certified_load(fb.column(file_of(tmp_path, "s", stiff | more)), 2, digits=10) for more in ({}, at_once)]
     (a, b), (c, d) = (tuple(map(F, of.load or ("1", "0"))) for of in loads)
-    assert max(a, c) < min(b, d) and all(of.certificate is None for of in loads)
+    assert max(a, c) < min(b, d)
+    for of in loads:
+        verifier.verify(json.loads(json.dumps(of.certificate)), verifier_of_matrices.FORMATS)
 
 
 def test_refusals_name_what_is_not_supported(tmp_path: Path) -> None:

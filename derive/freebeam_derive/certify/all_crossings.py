@@ -23,7 +23,7 @@ from types import ModuleType
 
 from flint import arb, arb_poly, fmpq
 
-from freebeam_derive.certify.balls import Unproven, exact, precision, rational
+from freebeam_derive.certify.balls import Unproven, ends, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of
 from freebeam_derive.certify.first_crossing import (
@@ -38,6 +38,7 @@ from freebeam_derive.certify.first_crossing import (
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
+from freebeam_derive.certify.one_load import equal
 from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
@@ -133,7 +134,7 @@ def _survey(
         with precision(bits):
             try:
                 parts, rest = _parts(kernel, question, bits, load_max)
-                found = _merged(parts, load_max, say)
+                found = _merged(parts, load_max, say, question.kappa is not None)
                 break
             except Unproven:
                 if 2 * bits > MOST_BITS:
@@ -165,8 +166,9 @@ def turns_fast(of: Boundary, load_max: Fraction) -> bool:
     return {sign for piece in pieces for sign in signs_on(rows, *piece)} in ({1}, {-1})
 
 
-def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None]) -> list[_Found]:
-    """The crossings of all parts, ascending; of those that are the same but for the unit of time the first has them."""
+def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None], limit: bool = False) -> list[_Found]:
+    """The crossings of all parts, ascending; of those that are the same but for the unit of time the first has them.
+    limit: of vanishing damping."""
     found: list[_Found] = []
     left: list[Inseparable] = []
     for k, of in enumerate(parts):
@@ -186,11 +188,18 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
         raise Inseparable(lowest.low, lowest.high, found)
     found.sort(key=lambda c: c.load.mid())
     for one, following in pairwise(found):
-        if not one.load < following.load:
+        if not (one.load < following.load or _at_once(parts, one, following, limit)):
             raise Unproven(
                 f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
             )
     return found
+
+
+def _at_once(parts: list[Boundary], one: _Found, other: _Found, limit: bool) -> bool:
+    """Whether crossings of two parts are known to be at exactly one load."""
+    low, high = ends(one.load.union(other.load))
+    both = [(parts[c.part].part, c.square is not None) for c in (one, other)]
+    return equal([(part, flutter) for part, flutter in both if part], limit, low, high)
 
 
 def _refined(

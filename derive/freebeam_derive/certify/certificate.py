@@ -7,6 +7,7 @@ it need not trust the emitted kernels, nor the program that wrote it.
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Sequence
 from fractions import Fraction
@@ -18,19 +19,20 @@ from flint import acb, arb, fmpq
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.all_crossings import Crossing
-from freebeam_derive.certify.balls import Exact, Unproven, ends, parameters, precision
+from freebeam_derive.certify.balls import Exact, Unproven, ends, named_matrices, parameters, precision
 from freebeam_derive.certify.beam_crossings import Survey
 from freebeam_derive.certify.beam_itself import ExactCrossing
 from freebeam_derive.certify.beam_ranges import Piece
 from freebeam_derive.certify.beam_stability import BITS, Evidence
-from freebeam_derive.certify.boundary_polynomials import Question
+from freebeam_derive.certify.boundary_polynomials import Question, functions_of
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 from freebeam_derive.certify.parts import Part
 
-FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS = (
-    f"freebeam certificate {n}" for n in range(1, 9)
+FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS, MATRICES = (
+    f"freebeam certificate {n}" for n in range(1, 10)
 )
+LARGEST_FILE = 2_000_000  # bytes that the verifier reads
 Open = tuple[Fraction, Fraction, str]
 MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the bound of |λ|, and digits of an eigenvalue
 
@@ -38,11 +40,18 @@ MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the boun
 def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
     """The certificate of an enclosure whose dampings are rational numbers, as a JSON object.
 
-    Raises Unproven for a column with a factor that is no fraction.
+    Of a column beyond the textbook's with a factor that is no fraction it is one of its matrices, in balls. Raises
+    Unproven where that is larger than the verifier reads.
     """
     question = found.question
     own = parameters(kernel, question.own)
     general = bool(kernel.COLUMN.get("general"))
+    try:
+        stated = _of_any(kernel, question, own) if general else _of_beam(kernel, question, own)
+    except Unproven:
+        if not general:
+            raise
+        return _of_matrices(kernel, found, own)
     return {
         "format": GENERAL if general else FORMAT,
         "column": kernel.COLUMN["name"],
@@ -50,9 +59,55 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
         "modes": question.modes,
         "alpha": _rational(question.alpha),
         "beta": _rational(question.beta),
-        **(_of_any(kernel, found.question, own) if general else _of_beam(kernel, question, own)),
+        **stated,
         **claimed(found),
     }
+
+
+def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+    """The same of M, C and K by powers of the load, entries that are no fractions as a middle and a radius."""
+    question, limit = found.question, found.question.kappa is not None
+    width = 1 if found.load is None else int(found.load[1] / (found.load[1] - found.load[0])).bit_length()
+    bits = 200 + 20 * functions_of(kernel, question.modes) + width  # of the verifier's
+    with precision(bits + 100):
+        M, C, K, names = named_matrices(kernel, question.modes, own, question.dampings, limit)
+        tables = {letter: [_entries(X, bits) for X in powers] for letter, powers in (("M", M), ("C", C), ("K", K))}
+    claim = claimed(found)
+    apart = [{"names": [*dict.fromkeys(names)]}] if not found.parts else claim["parts"]
+    data = {
+        "format": MATRICES,
+        "column": kernel.COLUMN["name"],
+        "parameters": {name: written(value) for name, value in own.items()},
+        "modes": question.modes,
+        "alpha": _rational(question.alpha),
+        "beta": _rational(question.beta),
+        "kappa": _ratio(question.kappa),
+        "names": names,
+        **tables,
+        **claim,
+        "parts": [part["names"] for part in apart],
+        "beside": claim.get("beside", []),
+    }
+    if len(json.dumps(data, indent=1)) > LARGEST_FILE:
+        raise Unproven(
+            f"{kernel.COLUMN['name']} has a factor that is no fraction, and its matrices, in balls, fill more than the "
+            f"{LARGEST_FILE // 10**6} MB that the verifier reads; give a lower N"
+        )
+    return data
+
+
+def _entries(X: Any, bits: int) -> list[list[str | list[str]]]:
+    """Entries as text; balls as decimals about their middles of some bits, with a radius that holds all of them."""
+    unit = 10 ** (int(0.302 * bits) + 1)
+
+    def entry(value: Any) -> str | list[str]:
+        if not isinstance(value, arb) or value == 0:
+            return _text(fmpq(0) if isinstance(value, arb) else value)
+        low, high = ends(value)
+        middle = Fraction(round((low + high) / 2 * unit), unit)
+        return [written(middle), written(max(high - middle, middle - low, Fraction(1, unit)))]
+
+    return [[entry(value) for value in row] for row in X.tolist()]
 
 
 def claimed(found: Enclosure) -> dict[str, Any]:
@@ -67,7 +122,7 @@ def claimed(found: Enclosure) -> dict[str, Any]:
         **(
             {
                 "parts": [_apart(part) for part in found.parts],
-                "beside": [None if of is None else _separated(of) for of in found.beside],
+                "beside": [_besides(of) for of in found.beside],
             }
             if found.parts
             else {}
@@ -75,8 +130,19 @@ def claimed(found: Enclosure) -> dict[str, Any]:
     }
 
 
+def _besides(of: Sequence[Stretch] | Enclosure | None) -> list[dict[str, Any]] | dict[str, Any] | None:
+    """Of a part beside the first: its stretches; or how it is lost at the same load, with those up to there."""
+    if isinstance(of, Enclosure):
+        square = None if of.square is None else [written(v) for v in of.square]
+        return {"kind": of.kind, "frequency_squared": square, "stretches": _separated(of.stretches)}
+    return None if of is None else _separated(of)
+
+
 def _apart(part: Part) -> dict[str, Any]:
-    frame = {"planes": list(map(list, part.planes)), "turn": written(part.turn)} if part.planes else None
+    frame: dict[str, Any] | None = None
+    if part.planes:
+        frame = {"planes": list(map(list, part.planes)), "turn": written(part.turn)}
+        frame |= {"before": True} if part.before else {}
     return {"names": list(part.names), "motion": part.motion, "frame": frame}
 
 
@@ -399,6 +465,7 @@ __all__ = [
     "GENERAL",
     "ITSELF",
     "LIST",
+    "MATRICES",
     "RANGE",
     "SECTIONS",
     "SPECTRUM",

@@ -34,6 +34,7 @@ from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
 from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
+from freebeam_derive.certify.one_load import equal
 from freebeam_derive.certify.parts import Part
 
 LOWEST_BITS = 160
@@ -41,6 +42,7 @@ MOST_BITS = 60_000
 DEEPEST = 120  # bisections of the load axis before a proof is given up
 MOST_STRETCHES = 2000  # some tens are usual; a file of so many has 2 MB at eight functions
 FAST_HALVINGS = 12  # of it where all that is asked is the sign of some determinants
+MOST_APART = 400  # digits to which two loads are told apart
 Separator = tuple[Fraction, Fraction]
 
 
@@ -62,8 +64,9 @@ class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
     parts: motions that leave the others alone, first those that lose stability; beside: stretches of the others, up to
-    the upper end of load, None for one that is the first again, but for the unit of time. From a frame that turns
-    square is an interval of (ω + turn)², or of ω + turn of what whirls.
+    the upper end of load, None for one that is the first again, but for the unit of time, and the enclosure of one that
+    is lost at exactly the same load. From a frame that turns square is an interval of (ω + turn)², or of ω + turn of
+    what whirls.
     proof: crossing (it exists, alone in its box), first, stable_below, kind: true only where proven. Of "none" there is
     no crossing: proven is that the column is stable up to load_max. above_zero: of loads above 0 alone, for at 0 a
     motion rests, or nothing is damped.
@@ -78,7 +81,21 @@ class Enclosure:
     proof: Mapping[str, bool]
     above_zero: bool = False
     parts: tuple[Part, ...] = ()
-    beside: tuple[tuple[Stretch, ...] | None, ...] = ()
+    beside: tuple[tuple[Stretch, ...] | Enclosure | None, ...] = ()
+
+    @property
+    def at_once(self) -> tuple[tuple[str, tuple[Fraction, Fraction] | None], ...]:
+        """Kind and rational interval of ω of each other part that is lost at exactly this load; as `frequency`."""
+        found: list[tuple[str, tuple[Fraction, Fraction] | None]] = []
+        for part, of in zip(self.parts[1:], self.beside, strict=True):
+            if of is None:
+                scale = self.parts[0].scale(part)
+                assert scale is not None
+                factor, omega = Fraction(int(scale.p), int(scale.q)), self.frequency
+                found.append((self.kind, omega and (roots(*(factor * v * v for v in omega)) if factor != 1 else omega)))
+            elif isinstance(of, Enclosure):
+                found.append((of.kind, of.frequency))
+        return tuple(found)
 
     @property
     def frequency(self) -> tuple[Fraction, Fraction] | None:
@@ -89,6 +106,10 @@ class Enclosure:
         low, high = self.square if whirls else roots(*self.square)
         ends = sorted((abs(low - turn), abs(high - turn)))
         return (Fraction(0), ends[1]) if low < turn < high else (ends[0], ends[1])
+
+
+class Together(Unproven):
+    """Two parts are lost in one interval of loads, and whether at one load is not known; more digits may do."""
 
 
 # --- stability on an interval -------------------------------------------------------------------------------
@@ -303,8 +324,28 @@ def certify(
     Raises Unproven with what could not be established.
     """
     say = progress or (lambda _: None)
+    while True:
+        try:
+            return _either_way(kernel, question, near, digits, load_max, say)
+        except Together:
+            if 2 * digits > MOST_APART:
+                raise
+            digits *= 2
+
+
+def _either_way(
+    kernel: ModuleType,
+    question: Question,
+    near: tuple[float | Fraction, float] | None,
+    digits: int,
+    load_max: Fraction,
+    say: Callable[[str], None],
+) -> Enclosure:
+    """Two planes that a turning frame couples seen from rest, or, where that does not do, from a frame."""
     try:
         return _with_bits(kernel, question, near, digits, load_max, say, True)
+    except Together:
+        raise
     except Unproven:
         if not from_rest(kernel, question):
             raise
@@ -329,6 +370,8 @@ def _with_bits(
             say(f"{bits} bits")
             try:
                 return _certify(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
+            except Together:
+                raise
             except Unproven as error:
                 if reason == str(error):
                     raise
@@ -359,13 +402,57 @@ def _certify(
         end = found.load[1]
     if not first.part or not (others or first.part.turn):
         return found
-    every = [of.part for of in (first, *others) if of.part]
+    found = replace(found, parts=(first.part,))
     try:
-        # what is the first again, or is so in another unit of time, loses stability with it
-        beside = tuple(_stable(of, end) if every[0].scale(of.part) is None else None for of in others if of.part)
+        beside = tuple(_beside(of, found, end, digits, bits) for of in others)
+    except Together:
+        raise
     except Unproven as error:
         raise Unproven(f"{error}; of motions that others leave alone") from error
-    return replace(found, above_zero=any(of.above_zero for of in parts), parts=tuple(every), beside=beside)
+    every = (first.part, *(of.part for of in others if of.part))
+    return replace(found, above_zero=any(of.above_zero for of in parts), parts=every, beside=beside)
+
+
+def _beside(
+    part: Boundary, first: Enclosure, end: Fraction, digits: int, bits: int
+) -> tuple[Stretch, ...] | Enclosure | None:
+    """What an enclosure of the first part holds of another; that is the first again, but for the unit of time, or loses
+    stability at exactly the same load, or is stable up to an end."""
+    assert part.part is not None
+    if first.parts[0].scale(part.part) is not None:
+        return None
+    also = None if first.load is None else _lost_within(part, first, digits, bits)
+    return also or _stable(part, end)
+
+
+def _lost_within(part: Boundary, first: Enclosure, digits: int, bits: int) -> Enclosure | None:
+    """Where another part is lost in the first one's interval of loads: at exactly the same load. Raises Together where
+    that is not known."""
+    assert first.load is not None and part.part is not None
+    low, high = first.load
+    middle = (low + high) / 2
+    P = exact(middle)
+    tops = (part.h, part.g) if part.damped else (part.g,)
+    starts = [[P]] if not part.part.turn else []
+    starts += [[P, x] for of in tops for x in real_zeros(of.at(P)) if x > 0]
+    for start in starts:
+        try:
+            z = start
+            for _ in range(6):
+                z = [v.mid() for v in newton(part, z)]
+            if not (exact(low) < z[0] < exact(high) and all(x > 0 for x in z[1:])):
+                continue
+            found = _certify_near(part, first.question, (middle, 0), z, digits, bits, middle)
+        except Unproven:
+            continue
+        each = (first.parts[0], first.kind == "flutter"), (part.part, found.kind == "flutter")
+        if not equal(each, first.question.kappa is not None, low, high):
+            raise Together(
+                f"motions that leave each other alone are lost at loads near {float(middle):.10g} that agree to "
+                f"{digits} digits; whether they are one load is not known"
+            )
+        return replace(found, parts=(part.part,))
+    return None
 
 
 def _stable(part: Boundary, end: Fraction) -> tuple[Stretch, ...]:
@@ -415,7 +502,9 @@ def _certify_near(
     z: list[arb],
     digits: int,
     bits: int,
+    middle: Fraction | None = None,
 ) -> Enclosure:
+    """middle: of the interval of loads, where it is given."""
     start, flutter = z[0], len(z) > 1
     P, *squares = refined(found, z, bits, 20)
     if not abs(P - start) < abs(start) * arb("1e-3"):
@@ -423,7 +512,7 @@ def _certify_near(
     if any(not x > 0 for x in squares):
         raise Unproven("the crossing's frequency is not known to be positive")
     tolerance = Fraction(1, 10 ** (max(digits, 8) + 2))
-    middle = rational(P, bits)
+    middle = rational(P, bits) if middle is None else middle
     low, high = middle - abs(middle) * tolerance / 2, middle + abs(middle) * tolerance / 2
     if not exact(low) < P < exact(high):
         raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")

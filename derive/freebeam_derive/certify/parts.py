@@ -29,7 +29,7 @@ from freebeam_derive.certify.structure import Structure, held, is_even, structur
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
 Planes = tuple[tuple[str, ...], tuple[str, ...]]
-MOST_PLANES = 6  # names among which two planes are looked for; the ways to pair them are counted in hundreds then
+MOST_PLANES = 8  # names among which two planes are looked for; the ways to pair them are 840 then
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,9 @@ class Part:
     """names of its fields and coordinates; M, C, K. motion: which one it is of those that share these names, in the
     order of `_place`. planes: two that are alike, of which M and K are one's as seen from a frame that turns at the
     rate turn; whirls: as a problem in s = ω + turn, else in its square. kind: shared by those of the same names that
-    are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls."""
+    are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls. together: where it
+    is one of those of the roots of a polynomial, M, C and K of all of these, of fractions. before: seen from the frame
+    before it was taken apart from others."""
 
     names: tuple[str, ...]
     M: Powers
@@ -49,6 +51,8 @@ class Part:
     whirls: bool = False
     kind: int = -1
     known: Structure | None = None
+    together: tuple[Powers, Powers, Powers] | None = None
+    before: bool = False
 
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
@@ -79,8 +83,8 @@ def _factor(one: Powers, other: Powers) -> Any:
 
 
 def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool | None) -> list[Part]:
-    """The parts, in the order of their names; one where damping is finite, with which frequencies may cross as they
-    are, and where a part had no mass. Where not all is exact parts are those of names alone.
+    """The parts, in the order of their names; one where a part had no mass, or no damping beside others with it.
+    Where not all is exact parts are those of names alone.
 
     names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. rest: two
     planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl; None:
@@ -89,8 +93,7 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
     every = [*M, *C, *K]
     whole = Part(tuple(dict.fromkeys(names)), M, C, K)
     exact = not any(isinstance(v, arb) for X in every for v in X.flat)
-    if not (limit or is_even(M, C, K)):
-        return [whole]
+    damped = not (limit or is_even(M, C, K))
     linked = np.any([held(X) | held(X).T for X in every], axis=0)
     groups: list[set[str]] = []
     for name in whole.names:
@@ -105,17 +108,25 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
         if not exact:
             parts.append(part)
             continue
-        for motion, each in _motions(part, [names[int(i)] for i in rows], limit):
-            parts.append(motion if limit or rest is None else _seen_from_frame(motion, each, rest))
+        of = [names[int(i)] for i in rows]
+        motions = _motions(part, of, limit or damped)
+        if limit or damped or rest is None:
+            parts += [motion for motion, _ in motions]
+        elif any(motion.known and held(X).any() for motion, _ in motions for X in motion.C):
+            parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
+        else:
+            parts += [_seen_from_frame(motion, each, rest) for motion, each in motions]
     massless = any(not any(held(X).any() for X in part.M) for part in parts)
-    return [whole] if massless else parts
+    undamped = damped and any(is_even(part.M, part.C, part.K) for part in parts)
+    return [whole] if massless or undamped else parts
 
 
 # --- what all matrices leave to itself --------------------------------------------------------------------------------
 
 
 def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, list[str]]]:
-    """The parts within a part, each with the names of its rows; the part alone where there are none."""
+    """The parts within a part, each with the names of its rows; the part alone where there are none. limit: of damping
+    that vanishes, or of any, so that determinants are not even."""
     alone, terms, every = [(part, list(names))], (part.M, part.C, part.K), [*part.M, *part.C, *part.K]
     G = fmpq_mat(sum(X * fmpq(1, k + 1) for k, X in enumerate([*part.M, *part.K])).tolist())
     rates = not limit and any((X != 0).any() for X in part.C)
@@ -139,7 +150,7 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
         shared = known.shared(len(of.roots))
         for k, kind in enumerate(of.kinds):
             M_r, C_r, K_r = ([of.at(k, X) for X in powers] for powers in (M, C, K))
-            found.append((replace(part, M=M_r, C=C_r, K=K_r, kind=kind, known=shared), []))
+            found.append((replace(part, M=M_r, C=C_r, K=K_r, kind=kind, known=shared, together=(M, C, K)), []))
     ordered = sorted(((_place(each), each, of) for each, of in found), key=cmp_to_key(_compared))
     return [(replace(each, motion=k), of) for k, (_, each, of) in enumerate(ordered)] or alone
 
@@ -181,6 +192,13 @@ def _seen_from_frame(part: Part, names: Sequence[str], rest: bool) -> Part:
             masses, stiff, rates = ([X[k] for X in terms] for terms, k in ((M, 0), (K, 0), (B, 1)))
             return _turned(replace(part, planes=planes), masses, rates, stiff, rest)
     return part
+
+
+def _of_frame(part: Part, names: Sequence[str], rest: bool) -> list[Part]:
+    """Where only roots tell motions apart that rates couple: those of one plane as seen from a frame; none where it is
+    none of two such planes."""
+    seen = replace(_seen_from_frame(part, list(names), rest), before=True)
+    return [motion for motion, _ in _motions(seen, list(names), False)] if seen.turn else []
 
 
 def _pairs(names: list[str]) -> Iterator[Planes]:

@@ -44,10 +44,11 @@ They are interpolated here from determinants of balls, and checked:
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
 (v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
     is lost, to high of the others, but for those that are the first again (`alike`), or are so in another unit of time
-    (`rescaled`), which lose it with that; (ii) to (iv) are of the first. Of two planes that are alike and that rates
-    alone couple, x is (ω + turn)² or ω + turn (`seen`): as seen from rest where a frame couples them which turns at
-    that rate, so that two pairs meet at P*; else of one sense of whirl, and of the other at −ω. Frequencies of
-    different parts, or senses, may be one.
+    (`rescaled`), which lose it with that; (ii) to (iv) are of the first, and of others that are lost at P* too: both
+    loads are roots of one polynomial that has no other from low to high (`check_one_load`). Of two planes that are
+    alike and that rates alone couple, x is (ω + turn)² or ω + turn (`seen`): as seen from rest where a frame couples
+    them which turns at that rate, so that two pairs meet at P*; else of one sense of whirl, and of the other at −ω.
+    Frequencies of different parts, or senses, may be one.
 (vi) In a limit of vanishing damping that acts on coordinates without mass these decay by themselves (`Fast`), at a rate
     of 1 over the damping; g has then the degree of h, and a root beyond all roots of h. ∎
 
@@ -71,11 +72,13 @@ from typing import Any
 import flint
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, arb_series, fmpq, fmpq_mat, fmpq_poly, fmpq_series, fmpz_mat
 
+from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.verifier_claims import (
     HIGHEST_POWER,
     MOST_MODES,
     ORDERS,
     Form,
+    Lost,
     OfBeam,
     OfForms,
     Refused,
@@ -83,6 +86,7 @@ from freebeam_derive.certify.verifier_claims import (
     ball,
     check_column,
     claims_of,
+    crossing,
     damping_of,
     direction,
     exact,
@@ -92,8 +96,10 @@ from freebeam_derive.certify.verifier_claims import (
     number,
     ratio,
     require,
+    whirl,
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
+from freebeam_derive.certify.verifier_loads import check_one_load
 from freebeam_derive.certify.verifier_motions import Motion, motions
 from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
 
@@ -128,9 +134,10 @@ class Stretch:
     lines: tuple[Line, ...]
 
 
-Checked = tuple[Callable[[], "System"], list[Stretch]]
+Checked = tuple[Callable[[], "System"], list[Stretch], Callable[["Series"], None] | None]
 Read = tuple[Statement, int, Callable[[], "System"], list[Stretch], list[Checked]]
-"""The statement, the number of functions, the matrices at the precision in hand, the stretches, and those of others."""
+"""The statement, the number of functions, the matrices at the precision in hand, the stretches, and those of others; of
+each of these that is lost at the same load a check that it is."""
 
 
 def _of_beam(data: dict[str, Any]) -> Read:
@@ -455,7 +462,8 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 
 def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], limit: bool) -> list[Part]:
     """The parts of a file. Those of different names: each trial function is of one, and no matrix couples two. Those of
-    the same names are all that `motions` finds."""
+    the same names are all that `motions` finds. Either all have damping, or none."""
+    damped = not (limit or degrees(terms[0], terms[1], terms[2]).even)
     parts = _list(parts, MOST_NAMES)
     require(all(set(part) == {"names", "motion", "frame"} for part in parts), "a part is not names, motion and frame")
     names = [_list(part["names"], MOST_NAMES) for part in parts]
@@ -475,12 +483,24 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         require(bool(own) and alone, f"{' and '.join(group)} and the others do not leave each other alone")
         mine = [k for k, each in enumerate(names) if each == group]
         inner = [taken(powers, own, own) for powers in terms]
-        each = motions(inner, limit) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
+        frames = [parts[k]["frame"] for k in mine]
+        frame = frames[0] if type(frames[0]) is dict and "before" in frames[0] else None
+        turn, whirls = None, False
+        if frame is not None:  # seen from a frame first, then taken apart
+            require(all(of == frame for of in frames), "parts of two planes are not seen from one frame")
+            inner, turn, whirls = _seen(inner, frame, [held[n][-1] for n in own], limit)
+        each = motions(inner, limit or damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
         order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
             motion = each[parts[k]["motion"]]
-            found[k] = Part.of(motion, limit, parts[k]["frame"], [held[own[n]][-1] for n in motion.stands], group)
+            if turn is None:
+                found[k] = Part.of(
+                    motion, limit, frames[mine.index(k)], [held[own[n]][-1] for n in motion.stands], group
+                )
+            else:
+                found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
+    require(not damped or all(part and part.damped for part in found), "what is damped is not apart from what is not")
     return [part for part in found if part]
 
 
@@ -513,7 +533,6 @@ def _of_forms(data: dict[str, Any]) -> Read:
     W, whole = reduced(space, motions, M, C, K)
     split, limit, rates = "parts" in data, kappa is not None, whole[1]
     require(bool(rates) or not limit, "there is no damping that could vanish")
-    require(not split or limit or degrees(*whole).even, "what is damped is not to be taken apart")
     each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(Motion(whole, []), limit)]
     beside = _list(data.get("beside", []), MOST_NAMES)
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
@@ -522,6 +541,8 @@ def _of_forms(data: dict[str, Any]) -> Read:
     those = [part for part, same in zip(each[1:], again, strict=True) if same]
     fits = all(part.same(first) or part.rescaled(first) for part in those)
     require(fits, "a part without stretches is not the first again")
+    others = list(zip(each[1:], beside, strict=True))
+    lost = [part.lost(data["load"], of) if type(of) is dict else None for part, of in others]
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
         motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
@@ -529,16 +550,15 @@ def _of_forms(data: dict[str, Any]) -> Read:
         parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + len(those),
         rescaled=not all(part.same(first) for part in those),
         turn=first.turn, whirls=first.whirls,
+        at_once=tuple(filter(None, lost)),
     )  # fmt: skip
     require(first.turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
     turns = stated.frequency is None or not first.whirls or stated.frequency[0] > 0
     require(turns, "the frequency of a whirl may be zero")
-    others = [
-        (part.system, part.stretches(lines, stated.top))
-        for part, lines in zip(each[1:], beside, strict=True)
-        if lines is not None
+    besides = [
+        part.beside(first, stated, of, how) for (part, of), how in zip(others, lost, strict=True) if of is not None
     ]
-    return stated, W.ncols(), first.system, first.stretches(data["stretches"], stated.end), others
+    return stated, W.ncols(), first.system, first.stretches(data["stretches"], stated.end), besides
 
 
 @dataclass(frozen=True)
@@ -565,13 +585,8 @@ class Part:
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
         if frame is not None:
-            require(set(frame) == {"planes", "turn"} and not limit and bool(C), "a frame is none of rates")
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
-            planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
-            turn = exact(number(frame["turn"]))
-            require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
-            each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
-            (M, C, K), whirls = seen([M, C, K], each, turn)
+            (M, C, K), turn, whirls = _seen([M, C, K], frame, rows, limit)
         known = degrees(M, C, K)
         if limit:
             require(bool(C), "there is no damping that could vanish")
@@ -616,10 +631,51 @@ class Part:
         C = C[: len(self.C)]
         return System(M, C if self.C else [], K, self.limit, self.known, self.fast)
 
+    def lost(self, load: Any, data: Any) -> Lost:
+        """What a file says of it, where that is that it is lost at the same load as the first."""
+        require(set(data) == {"kind", "frequency_squared", "stretches"}, "a part beside has other parts than it should")
+        claimed = crossing(data | {"load": load})
+        require(claimed["load"] is not None, "a part beside is lost, and the first is not")
+        square = claimed["square"]
+        omega = square if square is None else roots(*square)
+        if self.turn is not None:
+            require(self.whirls and square is not None, "what is lost at the same load is not seen from a frame")
+            omega = whirl(square, self.turn)
+            require(omega[0] > 0, "the frequency of a whirl may be zero")
+        return Lost(tuple(self.names), claimed["kind"], square, omega)
+
+    def beside(self, first: Part, stated: OfForms, data: Any, lost: Lost | None) -> Checked:
+        """What is to be checked of it beside the first; data: its stretches, or how it is lost at the same load."""
+        if lost is None or stated.load is None:
+            return self.system, self.stretches(data, stated.top), None
+        low, high = stated.load
+
+        def check(series: Series) -> None:
+            series.check_crossing(low, high, lost.square)
+            both = [(part._terms, kind == "flutter") for part, kind in ((first, stated.kind), (self, lost.kind))]
+            check_one_load(both, self.limit, ball(low).union(ball(high)))
+
+        return self.system, self.stretches(data["stretches"], low), check
+
     def stretches(self, data: Any, end: Fraction) -> list[Stretch]:
         count = self.known.highest if self.damped else self.known.highest // 2 + 1
         more = self.damped and self.known.touching
         return _stretches(data, end, count, self.known.resting > 0, more)
+
+
+def _seen(
+    terms: list[list[fmpq_mat]], frame: Any, rows: Sequence[str], limit: bool
+) -> tuple[list[list[fmpq_mat]], fmpq, bool]:
+    """Two planes as seen from the frame of a file, its rate, and whether x is ω + turn; rows: of which field or
+    coordinate each is."""
+    keys = {"planes", "turn"} | ({"before"} if frame.get("before") is True else set())
+    require(set(frame) == keys and not limit and not nothing(*terms[1]), "a frame is none of rates")
+    planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
+    turn = exact(number(frame["turn"]))
+    require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
+    each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
+    found, whirls = seen(terms, each, turn)
+    return found, turn, whirls
 
 
 def _space(data: dict[str, Any]) -> Space:
@@ -1056,20 +1112,29 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
         if others and kind in others:
             return others[kind](certificate)
         stated, N, system, stretches, beside = (_of_forms if kind == GENERAL else _of_beam)(certificate)
-        widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
-        # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
-        with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
-            series = _stable(system(), stretches, stated.end, stated.top)
-            for of, separated in beside:
-                _stable(of(), separated, stated.top, stated.top)
-            if stated.load is not None:
-                series.check_crossing(*stated.load, stated.square)
+        check(stated, N, system, stretches, beside)
         return stated
     except ArithmeticError as error:
         raise Refused(f"could not be checked: {error}") from error
     except (AttributeError, LookupError, TypeError, ValueError) as error:
         reason = " ".join(str(error).split())[:100]
         raise Refused(f"is not a certificate, a field is missing or of the wrong kind: {reason}") from error
+
+
+def check(
+    stated: Statement, N: int, system: Callable[[], System], stretches: list[Stretch], beside: list[Checked]
+) -> None:
+    """The proof, of what was read. Raises Refused."""
+    widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
+    # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
+    with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
+        series = _stable(system(), stretches, stated.end, stated.top)
+        for of, separated, also in beside:
+            other = _stable(of(), separated, stated.top if also is None else stated.end, stated.top)
+            if also is not None:
+                also(other)
+        if stated.load is not None:
+            series.check_crossing(*stated.load, stated.square)
 
 
 def _stable(system: System, stretches: list[Stretch], end: Fraction, top: Fraction) -> Series:

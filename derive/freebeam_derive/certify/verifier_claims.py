@@ -118,8 +118,8 @@ class Statement:
     def forms(self) -> str:
         return f"the forms in this file (which names them {self.named}; that they are its is not checked)"
 
-    def proven(self, what: str, damped: bool, above_zero: bool = False) -> str:
-        """The statement in full, in one line."""
+    def proven(self, what: str, damped: bool, above_zero: bool = False, also: str = "") -> str:
+        """The statement in full, in one line. also: what else is lost at that load."""
         loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
         stable = f"proven of {what}: stable at {loads}"
         if self.load is None:
@@ -129,8 +129,8 @@ class Statement:
         where = "where det K = 0"
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
-        other = "eigenvalue has Re = 0" if damped else f"frequencies{self.of_one} meet"
-        return f"{stable} {low}; {lost}, {where}; no other {other} up to {high}"
+        other = f"eigenvalue{self.of_one} has Re = 0" if damped else f"frequencies{self.of_one} meet"
+        return f"{stable} {low}; {lost}, {where}{also}; no other {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
         """The statement as a JSON object; numbers as text, intervals rounded outwards. What is not proven is null."""
@@ -193,13 +193,25 @@ class OfBeam(Statement):
 
 
 @dataclass(frozen=True)
+class Lost:
+    """A part that is lost at the same load as the first: its fields and coordinates, the kind, intervals of ω² (of
+    ω + turn where planes whirl) and of ω."""
+
+    names: tuple[str, ...]
+    kind: str
+    square: tuple[Fraction, Fraction] | None
+    omega: tuple[Fraction, Fraction] | None
+
+
+@dataclass(frozen=True)
 class OfForms(Statement):
     """A statement of the forms in a file, of fields on segments and coordinates.
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
     damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
     said is said of P > 0. times: how many of the parts are the first, itself counted; rescaled: some in another unit of
-    time, with frequencies that are those of the first times a factor.
+    time, with frequencies that are those of the first times a factor. at_once: other parts that are lost at exactly the
+    same load.
     """
 
     breaks: tuple[Fraction, ...]
@@ -215,6 +227,7 @@ class OfForms(Statement):
     rescaled: bool = False
     turn: fmpq | None = None
     whirls: bool = False
+    at_once: tuple[Lost, ...] = ()
 
     @property
     def of_one(self) -> str:
@@ -225,9 +238,7 @@ class OfForms(Statement):
         """As of any statement; where two planes whirl, `square` is an interval of ω + turn."""
         if not self.whirls or self.square is None or self.turn is None:
             return super().frequency
-        turn = Fraction(int(self.turn.p), int(self.turn.q))
-        low, high = (v - turn for v in self.square)
-        return (low, high) if low > 0 else (-high, -low) if high < 0 else (Fraction(0), max(-low, high))
+        return whirl(self.square, self.turn)
 
     def __str__(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
@@ -248,7 +259,16 @@ class OfForms(Statement):
         if self.turn is not None and not self.whirls:
             frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
             of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
-        return self.proven(what + of, self.damped, self.above_zero)
+        return self.proven(what + of, self.damped, self.above_zero, self._also)
+
+    @property
+    def _also(self) -> str:
+        """What else is lost at the same load, in words."""
+        text = ""
+        for of in self.at_once:
+            where = "where det K = 0" if of.omega is None else f"with omega between {' and '.join(shown(*of.omega))}"
+            text += f", and at exactly that load by {of.kind} of motions of {'-'.join(of.names)}, {where}"
+        return text
 
     def record(self) -> dict[str, Any]:
         return super().record() | {
@@ -259,7 +279,17 @@ class OfForms(Statement):
             "stable_at_zero_load": None if self.above_zero else True,
             "parts": [*map(list, self.parts)], "times": self.times,
             "turn": None if self.turn is None or self.whirls else str(self.turn),
+            "at_once": [
+                {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high}
+                for of in self.at_once for low, high in [shown(*of.omega) if of.omega else ("0", "0")]
+            ],
         }  # fmt: skip
+
+
+def whirl(square: tuple[Fraction, Fraction], turn: fmpq) -> tuple[Fraction, Fraction]:
+    """An interval of |ω| from one of ω + turn."""
+    low, high = (v - Fraction(int(turn.p), int(turn.q)) for v in square)
+    return (low, high) if low > 0 else (-high, -low) if high < 0 else (Fraction(0), max(-low, high))
 
 
 def _said(kappa: Fraction | float | None) -> str | None:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from flint import fmpq, fmpq_mat
 
 Terms = list[fmpq_mat]
+Held = list[list[list[bool]]]  # by powers of the load: whether an entry is not nothing
 LONGEST_CHAIN = 4  # a degree that is taken too high is refused later: the roots do not use it up
 
 
@@ -63,6 +64,26 @@ def degrees(M: Terms, C: Terms, K: Terms) -> Degrees:
     return Degrees(highest - (highest % 2 if even else 0), even, resting, apart, touching)
 
 
+def of_entries(M: Held, C: Held, K: Held) -> Degrees:
+    """The same where it is known only which entries are not nothing, as in matrices of balls.
+
+    A row, or a column, gives the determinant no higher power of λ than it has. Rows of K_0 that are nothing are motions
+    that rest.
+    """
+    n = len(K[0])
+    turned = [[[list(column) for column in zip(*table, strict=True)] for table in powers] for powers in (M, C, K)]
+    highest, rest = 2 * n, list[list[int]]()
+    for m, c, k in ((M, C, K), (turned[0], turned[1], turned[2])):
+        any_M, any_C = ([any(any(table[i]) for table in powers) for i in range(n)] for powers in (m, c))
+        highest = min(highest, sum(2 if one else int(other) for one, other in zip(any_M, any_C, strict=True)))
+        rest.append([i for i in range(n) if not any(k[0][i])])
+    sides = [
+        not any(any(table[i]) for i in rows) for of, rows in ((C, rest[0]), (turned[1], rest[1])) for table in of[:1]
+    ]
+    even = not C or _two_signs(n, [(M + K, 1), (C, -1)])
+    return Degrees(highest - (highest % 2 if even else 0), even, min(map(len, rest)), any(sides) or not C)
+
+
 def _lost(M: Terms, C: Terms, K: Terms) -> int:
     """Powers of λ that are missing from 2n; as many as the largest k gives that still adds some."""
     n, none = K[0].nrows(), fmpq_mat(K[0].nrows(), K[0].nrows())
@@ -104,12 +125,17 @@ def _skew(M: Terms, C: Terms, K: Terms) -> bool:
 
 
 def _signed(M: Terms, C: Terms, K: Terms) -> bool:
-    """Whether signs can be found: from one coordinate to all that are linked with it, again and again."""
-    n = K[0].nrows()
+    """Whether signs can be found."""
+    held = [[[[v != 0 for v in row] for row in X.tolist()] for X in terms] for terms in (M + K, C)]
+    return _two_signs(K[0].nrows(), [(held[0], 1), (held[1], -1)])
+
+
+def _two_signs(n: int, linked: list[tuple[Held, int]]) -> bool:
+    """From one coordinate to all that are linked with it, of the same sign or of the other, again and again."""
 
     def links(i: int) -> Iterator[tuple[int, int]]:
-        for terms, product in ((M + K, 1), (C, -1)):
-            yield from ((j, product) for j in range(n) if any(X[i, j] != 0 or X[j, i] != 0 for X in terms))
+        for terms, product in linked:
+            yield from ((j, product) for j in range(n) if any(X[i][j] or X[j][i] for X in terms))
 
     sign: list[int] = [0] * n
     for start in range(n):

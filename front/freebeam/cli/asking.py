@@ -252,6 +252,9 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
         if proven.frequency:
             rows += [["kind", proven.kind]] if proven.kind != kind else []
             rows += [["frequency", _interval(proven.frequency) + self.units.of("frequency")]]
+        for other, frequency in proven.at_once:
+            where = _interval(frequency) + self.units.of("frequency")
+            rows += [["at that load too", other + (f" at the frequency {where}" if other == "flutter" else "")]]
         for touch in proven.touches:
             where = _interval(touch.load) + self.units.of("load")
             rows += [["proven touch", f"{where}: an eigenvalue is zero there alone, and stability is not lost"]]
@@ -289,7 +292,8 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     added: dict[str, Any] = {**_ends("load", proven.load), **_ends("frequency", proven.frequency)}
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
     if not exact:
-        added |= {"above_zero": proven.above_zero}
+        also = [{"kind": kind, **_ends("frequency", frequency)} for kind, frequency in proven.at_once]
+        added |= {"above_zero": proven.above_zero, "at_once": also}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
         added |= {"proven_touches": [_crossing(touch) for touch in proven.touches]}

@@ -1,0 +1,111 @@
+"""Whether two parts of a column lose stability at exactly one load: two roots of polynomials in P over the fractions.
+
+Where a part loses stability det K is zero, or h and g have a common root x, so that the resultant of h and g by x
+vanishes there. A product of two such polynomials, with each factor once, that is monotone on an interval of loads has
+one root in it at most: two critical loads that both lie in it are one then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+import numpy as np
+from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
+
+from freebeam_derive.certify.balls import exact, precision
+from freebeam_derive.certify.parts import Part
+
+MOST_ROWS = 20  # of a part: the resultant of 20 is of degree 380 in P, and takes half a minute
+MOST_BITS = 20_000
+
+
+def equal(parts: Sequence[tuple[Part, bool]], limit: bool, low: Fraction, high: Fraction) -> bool:
+    """Whether critical loads of parts, all from low to high, are known to be one load. parts: with whether lost by
+    flutter. limit: of vanishing damping."""
+    product = fmpq_poly([1])
+    for part, flutter in parts:
+        own = vanishing(part, flutter, limit)
+        if own is None or not own.coeffs():
+            return False
+        product *= own // product.gcd(own)
+    slope = (product // product.gcd(product.derivative())).derivative()
+    bits = 500
+    while bits <= MOST_BITS:
+        with precision(bits):
+            middle, radius = exact((low + high) / 2), exact((high - low) / 2)
+            about = arb_poly(slope)(arb_poly([middle, 1]))
+            if not about(radius * arb(0, 1)).contains(0):
+                return True
+            if about[0] != 0:  # no want of bits, but another root near
+                return False
+        bits *= 4
+    return False
+
+
+def vanishing(part: Part, flutter: bool, limit: bool) -> fmpq_poly | None:
+    """A polynomial in P that is zero where a part has a flutter, or a divergence; None where the matrices are none of
+    fractions, or too large."""
+    terms = part.together or (part.M, part.C, part.K)  # of the motions of several roots h and g are products
+    every = [X for powers in terms for X in powers]
+    if len(every[0]) > MOST_ROWS or any(isinstance(v, arb) for X in every for v in X.flat):
+        return None
+    M, C, K = ([fmpq_mat(X.tolist()) for X in powers] for powers in terms)
+    h, g = _boundary(M, C, K, limit)
+    if not flutter:
+        return h[0]
+    if len(h) < 2 or not g:
+        return None
+    count = sum((len(one) - 1) * max(p.degree() for p in other) for one, other in ((h, g), (g, h))) + 1
+    loads, values, place = list[fmpq](), list[fmpq](), 0
+    while len(loads) < count:
+        place += 1
+        P = fmpq(place)
+        if h[-1](P) != 0 and g[-1](P) != 0:  # else the resultant is not that of these degrees
+            one, other = (fmpq_poly([p(P) for p in which]) for which in (h, g))
+            loads.append(P)
+            values.append(one.resultant(other))
+    return _through(loads, values)
+
+
+def _boundary(
+    M: list[fmpq_mat], C: list[fmpq_mat], K: list[fmpq_mat], limit: bool
+) -> tuple[list[fmpq_poly], list[fmpq_poly]]:
+    """h and g as of a `Boundary`, but for a factor: polynomials in P by powers of x."""
+    n = M[0].nrows()
+    loads = [fmpq(k) for k in range(1, 2 + n * (max(map(len, (M, C, K))) - 1))]
+    rates = [fmpq(k) for k in range(n + 1 if limit else 2 * n + 1)]
+    of_h, of_g = [], []
+    for P in loads:
+        m, c, k = (sum((X * P**a for a, X in enumerate(of)), 0 * M[0]) for of in (M, C, K))
+        if limit:  # x for the rates, and of damping ε C the first order in ε
+            whole = [_through(rates, [(k - x * m + e * c).det() for e in rates]) for x in rates]
+            h, g = (_through(rates, [p[order] for p in whole]) for order in (0, 1))
+        else:
+            p = _through(rates, [(rate * rate * m + rate * c + k).det() for rate in rates])
+            h, g = (fmpq_poly([(-1) ** b * p[2 * b + odd] for b in range(n + 1)]) for odd in (0, 1))
+        of_h.append(h)
+        of_g.append(g)
+    by_x = [_without_zeros([_through(loads, [p[b] for p in of]) for b in range(n + 1)]) for of in (of_h, of_g)]
+    return by_x[0], by_x[1] or [b * p for b, p in enumerate(by_x[0])][1:]
+
+
+def _without_zeros(of: list[fmpq_poly]) -> list[fmpq_poly]:
+    while of and not of[-1].coeffs():
+        of.pop()
+    return of
+
+
+def _through(places: Sequence[fmpq], values: Sequence[fmpq]) -> fmpq_poly:
+    """The polynomial that has these values, by divided differences."""
+    left: Any = np.array(values, dtype=object)
+    at: Any = np.array(places, dtype=object)
+    factors = [left[0]]
+    for k in range(1, len(at)):
+        left = (left[1:] - left[:-1]) / (at[k:] - at[:-k])
+        factors.append(left[0])
+    found = fmpq_poly([0])
+    for factor, place in zip(reversed(factors), reversed(places), strict=True):
+        found = found * fmpq_poly([-place, 1]) + fmpq_poly([factor])
+    return found

@@ -1,0 +1,77 @@
+"""What the verifier knows of two loads that are one: both are roots of a polynomial that has but one root near.
+
+A part of M, C and K is lost where det K = 0, or where h and g have a common root x. Both are found here as polynomials
+in P and x over the fractions, of determinants at whole P and λ; their resultant by x vanishes at each such load. So it
+does of the motions of all roots of a polynomial together, whose determinant is the product of theirs.
+"""
+
+from __future__ import annotations
+
+import flint
+from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
+
+from freebeam_derive.certify.verifier_claims import require
+
+Terms = list[list[fmpq_mat]]  # M, C and K, each by powers of the load
+MOST_ROWS, MOST_BITS = 20, 20_000
+
+
+def check_one_load(parts: list[tuple[Terms, bool]], limit: bool, loads: arb) -> None:
+    """Loads in an interval at which each of two parts is lost, by flutter (true) or by divergence, are one load. limit:
+    of vanishing damping. Raises Refused."""
+    each = [_lost(terms, flutter, limit) for terms, flutter in parts]
+    require(all(p.coeffs() for p in each), "two loads are not known to be one: a frequency is double at every load")
+    both = each[0] * each[1]
+    once = both // both.gcd(both.derivative())
+    bits = flint.ctx.prec
+    while bits <= MOST_BITS:
+        with flint.ctx.workprec(bits):
+            middle = arb(loads.mid())
+            slope = arb_poly(once.derivative())(arb_poly([middle, 1]))
+            if slope(loads - middle) != 0:
+                return
+        bits *= 2
+    require(False, "two loads are not known to be one: they are narrowed down too little, or differ")
+
+
+def _lost(terms: Terms, flutter: bool, limit: bool) -> fmpq_poly:
+    """A polynomial in P that is zero where a part is lost."""
+    rows = terms[2][0].nrows()
+    require(rows <= MOST_ROWS, f"of more than {MOST_ROWS} functions two loads are not known to be one")
+    h, g = _both(terms, limit)
+    if not flutter:
+        return fmpq_poly([h[a, 0] for a in range(h.nrows())])
+    ring = fmpq_mpoly_ctx.get(("P", "x"), "lex")
+    one, other = (
+        ring.from_dict({(a, b): X[a, b] for a in range(X.nrows()) for b in range(X.ncols()) if X[a, b] != 0})
+        for X in (h, g)
+    )
+    other = other if any(g.entries()) else one.derivative(1)
+    known = one.resultant(other, 1).to_dict()
+    return fmpq_poly([known.get((a, 0), fmpq(0)) for a in range(1 + max((a for a, _ in known), default=0))])
+
+
+def _both(terms: Terms, limit: bool) -> tuple[fmpq_mat, fmpq_mat]:
+    """h and g of det(K − x M + iωC) = h + iωg, in rows by powers of P, in columns of x."""
+    n = terms[2][0].nrows()
+    loads = range(n * (max(map(len, terms)) - 1) + 1)
+    across = range(n + 1 if limit else 2 * n + 1)
+    of_h, of_g = [], []
+    for P in loads:
+        M, C, K = (sum((X * fmpq(P) ** k for k, X in enumerate(of)), 0 * terms[2][0]) for of in terms)
+        if limit:  # columns: of x; rows: of the damping's size, to first order
+            values = [[(K - x * M + size * C).det() for x in across] for size in across]
+            first = _solved(across, fmpq_mat(values))
+            of_x = _solved(across, fmpq_mat([[first[k, x] for k in (0, 1)] for x in across]))
+            of_h.append([of_x[b, 0] for b in across])
+            of_g.append([of_x[b, 1] for b in across])
+        else:
+            p = _solved(across, fmpq_mat([[(rate * rate * M + rate * C + K).det()] for rate in across]))
+            of_h.append([(-1) ** b * p[2 * b, 0] for b in range(n + 1)])
+            of_g.append([(-1) ** b * p[2 * b + 1, 0] for b in range(n)] + [fmpq(0)])
+    return _solved(loads, fmpq_mat(of_h)), _solved(loads, fmpq_mat(of_g))
+
+
+def _solved(places: range, values: fmpq_mat) -> fmpq_mat:
+    """Coefficients of the polynomials that have some values, a column each."""
+    return fmpq_mat([[fmpq(x) ** k for k in range(len(places))] for x in places]).solve(values)
