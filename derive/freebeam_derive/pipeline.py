@@ -78,7 +78,7 @@ class Derived(Derivation):
     def _kernels(self) -> dict[str, Kernel]:
         return {}
 
-    @property
+    @cached_property
     def steps(self) -> tuple[Step, ...]:
         """The record of every stage, in order; each step with its proof."""
         made = (
