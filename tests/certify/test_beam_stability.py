@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -373,3 +374,47 @@ def test_a_cell_with_a_zero_at_its_bottom_is_not_excluded(place: int) -> None:
         for P, excluded in ((arb("1.1", "0.2"), False), (arb("1.5", "0.2"), True)):
             way = cells._excluded_at_bottom(Problem(), P, arb(0))  # type: ignore[arg-type]
             assert (way is None) == excluded
+
+
+@pytest.mark.parametrize(("other", "single"), [(-1, True), (0.99, False)])
+def test_a_divergence_just_below_another_is_seen(other: float, single: bool) -> None:
+    """F = (P − 1)(P − other) − 2 s P: its zeros at s = 0 count, and not how F goes elsewhere."""
+
+    class Beam:
+        def taylor(self, P: arb, s: arb, orders: tuple[tuple[int, int], ...]) -> dict[tuple[int, int], arb]:
+            terms = {(0, 0): (P - 1) * (P - other) - 2 * s * P, (1, 0): 2 * P - 1 - other - 2 * s, (0, 1): -2 * P}
+            return {pair: terms.get(pair, arb({(2, 0): 1, (1, 1): -2}.get(pair, 0))) for pair in orders}
+
+    proof = object.__new__(beam_stability.Below)
+    proof.beam, proof.load, proof.trivial = Beam(), arb(1), 0  # type: ignore[assignment]
+
+    def sign(low: arb, high: arb, s: arb) -> int:
+        value = Beam().taylor(low.union(high), s, ((0, 0),))[0, 0]
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    proof.sign = sign  # type: ignore[assignment, method-assign]
+    with precision(64):
+        if single:
+            proof.no_divergence("divergence")
+        else:
+            with pytest.raises(Unproven, match="is not known to differ from zero at the load 0.98"):
+                proof.no_divergence("divergence")
+
+
+def test_zeros_near_a_circle_are_counted_on_their_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """f = (λ − a)(λ − ā), a just within the circle or just outside it, at any angle: 2, 0, or not known."""
+    random, counted = np.random.default_rng(5), []
+    circle = object.__new__(_Circle)
+    for _ in range(60):
+        off = float(random.choice([-1, 1]) * 10 ** random.uniform(-4.5, -0.5))
+        a = (1 + off) * np.exp(1j * np.pi * random.uniform(0, 1))
+        b, c = arb(2 * a.real), arb(abs(a) ** 2)
+        circle.c_E, circle._made = arb(0), 0
+        monkeypatch.setattr(circle, "_series", lambda *_: SimpleNamespace(arcs=10**9))
+        monkeypatch.setattr(circle, "_value", lambda _, z, b=b, c=c: (z * z - b * z + c, 2 * z - b))
+        with precision(64):
+            try:
+                counted.append(circle.zeros(arb(1)) == (2 if off < 0 else 0))
+            except Unproven:
+                continue
+    assert all(counted) and len(counted) > 40

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import permutations
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import acb, acb_mat, arb
 from scipy.linalg import eig, eigh
+from scipy.optimize import minimize_scalar
 
 import freebeam as fb
 from freebeam_derive.certify import beam_cells, beam_itself, beam_stability, damped_gaps
@@ -282,6 +284,32 @@ def test_a_damping_that_is_no_fraction_is_refused() -> None:
     with precision(BITS), pytest.raises(NoStrips, match="no fraction"):
         forms = ColumnForms(it.kernel, it.own)
         LeftOver(forms, it.kernel, it.own, Range(Fraction(0), Fraction(1)), Fraction(0))
+
+
+@pytest.mark.parametrize("turns", [True, False])
+def test_the_share_of_a_mass_is_that_of_a_motion_beside_it(turns: bool) -> None:
+    """A tip mass: (‖v‖ + √a(v, v)/ω)² over it, ‖v‖² = ∫ m v², of a cubic v from 1 at the tip to 0 a length further on,
+    that for which the bound is least without a foundation; an axial force and a foundation add to a(v, v)."""
+    omega, mass, m, EI = 400.0, 50.0, 2.0, 3.0
+    cubic = np.polynomial.Polynomial([1, -1.5, 0, 0.5] if turns else [1, 0, -3, 2])
+    squares = [float((v * v).integ()(1)) for v in (cubic.deriv(k) if k else cubic for k in range(3))]
+
+    def bound(length: float, force: float, foundation: float) -> float:
+        factors = (foundation * length, force / length, EI / length**3)
+        energy = sum(f * square for f, square in zip(factors, squares, strict=True))
+        return ((m * squares[0] * length) ** 0.5 + energy**0.5 / omega) ** 2 / mass
+
+    length = minimize_scalar(lambda x: bound(x, 0, 0), (0.01, 0.1), tol=1e-12).x
+    for force, foundation in ((0, 0), (1000, 0), (0, 10**6), (1000, 10**6)):
+        left: Any = object.__new__(LeftOver)
+        elastic = {p: [Fraction(f)] for p, f in ((1, force), (0, foundation)) if f}
+        left.forms = SimpleNamespace(
+            masses={(Fraction(1), 0): Fraction(mass)}, springs={}, breaks=(Fraction(0), Fraction(1)),
+            m=[[Fraction(m)]], EI=[[Fraction(EI)]], elastic=[elastic],
+            pieces=lambda: [(0, arb(0).union(arb(1)))], is_held=lambda place, order: not turns,
+        )  # fmt: skip
+        with precision(BITS):
+            assert float(left.share(arb(omega))) == pytest.approx(bound(length, force, foundation), rel=1e-6)
 
 
 if __name__ == "__main__":
