@@ -397,7 +397,7 @@ def test_a_divergence_just_below_another_is_seen(other: float, single: bool) -> 
         if single:
             proof.no_divergence("divergence")
         else:
-            with pytest.raises(Unproven, match="is not known to differ from zero at the load 0.98"):
+            with pytest.raises(Unproven, match=r"is not known to differ from zero at the load 0\.98"):
                 proof.no_divergence("divergence")
 
 

@@ -254,7 +254,9 @@ def test_a_factor_that_is_no_fraction_is_not_proven() -> None:
 
 
 @pytest.mark.parametrize("bad", [F(0), F(1, 3), F(2, 3), F(1)])
-def test_a_load_at_which_nothing_can_be_shown_is_told_after_bounded_work(bad: Fraction, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_load_at_which_nothing_can_be_shown_is_told_after_bounded_work(
+    bad: Fraction, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """Wherever it is, as many halvings are tried as are allowed, and the load is named."""
     tried = []
 

@@ -328,7 +328,7 @@ def test_forces_and_sensors_where_an_end_holds_them_are_nothing() -> None:
         every = [(place, order) for place in forms.breaks for order in (0, 1)]
         free = [(x, d) for x, d in every if x == Fraction(1, 2) or d not in ORDERS[kinds[int(x)]]]
         points = [(("y", p, a, 0), ("y", q, b, 0), 1) for (a, p), (b, q) in product(every, every)]
-        assert forms.read([], points)[1] == {pair: 1 for pair in product(free, free)}
+        assert forms.read([], points)[1] == dict.fromkeys(product(free, free), 1)
 
 
 # ------------------------------------------------------------ broken steps
