@@ -16,7 +16,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, fmpq_poly
 from scipy.linalg import eigh
 
 import freebeam as fb
@@ -29,7 +29,7 @@ from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused
-from freebeam_derive.certify.verifier_damping import Damped, damped
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, damped
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
@@ -439,3 +439,27 @@ def test_the_line_is_looked_at_with_damping_too() -> None:
         most = min(widths) / float(gaps.size)
         with pytest.raises(Refused, match=r"too narrow for such a load and damping|known to be free"):
             gaps.check(Fraction(0.6 * most), Rates(F, damping))
+
+
+@pytest.mark.parametrize("at_slope", ["nothing", "a mass", "a spring", "held"])
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_motion_beside_a_mass_moves_nothing_else_at_its_place(order: int, at_slope: str) -> None:
+    """Cubics with 1 at the tip and 0 at a length from it; the slope at the tip is free where nothing is there, and of
+    a rotary inertia the displacement is 0."""
+    breaks = Fraction(0), Fraction(1)
+    m, EI, force, foundation, k = 2, 3, 5, 7, 11
+    masses = {(1, order): Fraction(1)} | ({(1, 1): Fraction(1)} if at_slope == "a mass" else {})
+    springs = {(1, order): Fraction(k)} | ({(1, 1): Fraction(k)} if at_slope == "a spring" else {})
+    elastic = {1: fmpq_poly([force]), 0: fmpq_poly([foundation])}
+    kinds = ("clamped", "sliding" if at_slope == "held" else "free")
+    of = Sections(kinds, breaks, [fmpq_poly([EI])], [fmpq_poly([m])], [elastic], [{}], masses, springs, {})
+    free = np.polynomial.Polynomial([1, -1.5, 0, 0.5] if at_slope == "nothing" else [1, 0, -3, 2])
+    v = np.polynomial.Polynomial([0, 1, -2, 1]) if order else free
+    assert [v(1), v.deriv()(1)] == [0, 0]
+    squares = [float((f * f).integ()(1)) for f in (v, v.deriv(), v.deriv(2))]
+    found = Damped(of, Fraction(0), Fraction(1), False, [], {}, ([], {}))._bumps((1, order))
+    for length, (weight, energy) in zip(map(float, LENGTHS), found, strict=True):
+        assert float(weight) == pytest.approx(m * squares[0] * length ** (1 + 2 * order), rel=1e-12)
+        parts = (foundation * length, force / length, EI / length**3)
+        along = length ** (2 * order) * sum(f * square for f, square in zip(parts, squares, strict=True))
+        assert float(energy) == pytest.approx(k + along, rel=1e-12)
