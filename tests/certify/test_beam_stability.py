@@ -292,6 +292,15 @@ def test_a_circle_holds_as_many_eigenvalues_as_are_known_without_load() -> None:
         assert driven.zeros(arb(3)) == 2 == driven.inside([], arb(3)) and driven.inside([], arb(125)) == 4
 
 
+def test_a_rigid_motion_that_is_listed_is_counted_once() -> None:
+    """λ = 0 and −β, twice each, are in the count whether they are among the known or not, and nothing else is."""
+    circle = _Circle(Beam(free_free), NONE, Fraction(1, 64), HALF)
+    rigid, others = [acb(0), acb(arb(-1) / 2)], [acb(0, 3), acb(0, -3), acb(-0.25), acb(1), acb(9)]
+    for radius, still in ((arb("0.3"), 2), (arb(2), 4), (arb(5), 4)):
+        for known in (others, [*others, *rigid], [*rigid, *rigid, *others]):
+            assert circle.inside(known, radius) == still + sum(bool(abs(value) < radius) for value in others)
+
+
 def test_what_turns_on_a_circle_is_a_function_and_its_derivative() -> None:
     with precision(192):
         circle = _Circle(Beam(beck), Fraction(10), Fraction(1, 64), HALF)

@@ -463,3 +463,23 @@ def test_a_motion_beside_a_mass_moves_nothing_else_at_its_place(order: int, at_s
         parts = (foundation * length, force / length, EI / length**3)
         along = length ** (2 * order) * sum(f * square for f, square in zip(parts, squares, strict=True))
         assert float(energy) == pytest.approx(k + along, rel=1e-12)
+
+
+def test_a_damping_is_what_it_is_taken_apart_into() -> None:
+    """C = c_E E + c_M M + R along the beam and at the places with masses and springs; also where C leaves one out."""
+    EI, m, mu, J, k, c_E, c_M = (Fraction(*v) for v in ((3, 1), (2, 1), (5, 2), (1, 3), (7, 1), (1, 10), (3, 4)))
+    of = Sections(
+        ("clamped", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([3])], [fmpq_poly([2])], [{}], [{}],
+        {(1, 0): mu, (1, 1): J}, {(1, 0): k}, {},
+    )  # fmt: skip
+    for dampers in ({}, {(1, 0): Fraction(4)}, {(1, 0): Fraction(4), (1, 1): Fraction(9)}):
+        form = {
+            "along": [[0, 0, 2, 2, str(c_E * EI)], [0, 0, 0, 0, str(c_M * m)]],
+            "points": [[node, order, node, order, str(f)] for (node, order), f in dampers.items()],
+        }
+        found = damped({"form": form, "vanishing": False}, of)
+        assert found is not None and (found.c_E, found.c_M) == (c_E, c_M)
+        assert not any(f.degree() >= 0 for table in found.along for f in table.values())
+        for key, mass in of.masses.items():
+            whole = c_E * of.springs.get(key, Fraction(0)) + c_M * mass + found.points[key]
+            assert whole == dampers.get(key, 0)
