@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -299,6 +300,16 @@ def test_a_rigid_motion_that_is_listed_is_counted_once() -> None:
     for radius, still in ((arb("0.3"), 2), (arb(2), 4), (arb(5), 4)):
         for known in (others, [*others, *rigid], [*rigid, *rigid, *others]):
             assert circle.inside(known, radius) == still + sum(bool(abs(value) < radius) for value in others)
+
+
+def test_circles_go_between_eigenvalues_and_a_little_beyond_the_last() -> None:
+    circle = object.__new__(_Circle)
+    circle.c_E = arb(0)
+    for sizes in ((0.1, 0.2, 0.4), (30, 50, 51, 90), (0.2, 7, 7, 900)):
+        radii = [float(r) for r in circle.radii([acb(0, size) for size in sizes])]
+        assert sizes[-1] < radii[0] < 1.1 * sizes[-1]
+        apart = sorted({*sizes})
+        assert all(low < r < high for r, (low, high) in zip(radii[:0:-1], pairwise(apart), strict=True))
 
 
 def test_what_turns_on_a_circle_is_a_function_and_its_derivative() -> None:

@@ -365,6 +365,18 @@ def test_slopes_of_waves_are_those_of_differences() -> None:
                 assert abs(found - slope.mid() * unit) < 1e-20 * abs(found)
 
 
+def test_pieces_are_all_of_a_segment_and_no_more() -> None:
+    of = Sections(("free", "free"), (Fraction(0), Fraction(1, 3), Fraction(1)), [], [], [], [], {}, {}, {})
+    with flint.ctx.workprec(BITS):
+        for n, (low, high) in enumerate(((0.0, 1 / 3), (1 / 3, 1.0))):
+            at = low
+            for x, width in of.pieces(n):
+                ends = float(x.lower()), float(x.upper())
+                assert ends == pytest.approx((at, at + float(width)), abs=1e-9)
+                at += float(width)
+            assert at == pytest.approx(high, abs=1e-9)
+
+
 @pytest.mark.parametrize("count", [1, 2, 3])
 @pytest.mark.parametrize("kinds", list(product(ORDERS, ORDERS)))
 def test_a_column_that_springs_alone_hold_is_told(kinds: tuple[str, str], count: int) -> None:
