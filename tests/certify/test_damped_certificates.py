@@ -5,6 +5,7 @@ claim what is not so; and the verifier's function and constants of damping besid
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -28,8 +29,8 @@ from freebeam_derive.certify.certificate import _around, _sections
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Refused
-from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, damped
+from freebeam_derive.certify.verifier_claims import Refused, exact
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written, damped
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
@@ -483,3 +484,13 @@ def test_a_damping_is_what_it_is_taken_apart_into() -> None:
         for key, mass in of.masses.items():
             whole = c_E * of.springs.get(key, Fraction(0)) + c_M * mass + found.points[key]
             assert whole == dampers.get(key, 0)
+
+
+@pytest.mark.parametrize("factors", [[2], [0, 3], [1, -2, 5], [0, 0, 0, 1], [Fraction(1, 3), 0, -4, 7]])
+def test_a_polynomial_in_words_is_the_polynomial(factors: list[Any]) -> None:
+    f = fmpq_poly([exact(Fraction(v)) for v in factors])
+    text = _written(f).replace("^", "**").replace(" x", " * x").strip("()")
+    for x in (Fraction(0), Fraction(1), Fraction(-3, 2)):
+        assert eval(re.sub(r"(\d+)/(\d+)", r"F(\1, \2)", text), {"x": x, "F": Fraction}) == sum(
+            c * x**k for k, c in enumerate(factors)
+        )
