@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, arb_mat
+from flint import arb, arb_mat, arb_poly
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -247,3 +247,17 @@ def test_the_highest_load_is_one_of_those_looked_at(name: str, kappa: Any, load:
     for end, count in ((load * F(9, 10), 0), (load * (1 - F(1, 10**9)), 0), (load, 1), (load * (1 + F(1, 10**9)), 1)):
         listed = all_crossings.survey(column.kernel, question, end, 15)
         assert len(listed) == count and all(c.load[0] <= load <= c.load[1] for c in listed)
+
+
+def test_a_crossing_that_leaves_its_box_in_refining_is_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whether by its load or by its frequency; there may be another in the box."""
+    of: Any = SimpleNamespace(h=SimpleNamespace(rows=[arb_poly([1])]), part=None)
+    crossing = all_crossings._Found(arb(2), arb(5), F(1), F(3), F(4), F(6), 2)
+    for load, square in product((1, 2, 3), (4, 5, 6)):
+        monkeypatch.setattr(all_crossings, "refined", lambda *_, at=(load, square): [arb(v) for v in at])
+        if (load, square) == (2, 5):
+            (found,) = all_crossings._refined([of], [crossing], [of], 10, 64)
+            assert found.load[0] <= 2 <= found.load[1] and found.stability == "lost"
+            continue
+        with pytest.raises(Unproven, match="was lost in refining it"):
+            all_crossings._refined([of], [crossing], [of], 10, 64)

@@ -434,3 +434,22 @@ def test_a_certificate_of_the_limit_says_so() -> None:
         refused(limit | {"damping": of_M | {"of_M": factor}}, "damping")
     refused(limit | {"load": ["20.06", "20.07"]}, "no crossing in the interval")
     refused(data | {"damping": of_M}, "the damping does not fit")
+
+
+def test_a_product_is_off_by_no_more_than_its_rest() -> None:
+    """Of two numbers, each known but for a rest, the product where both are as far off as they may be."""
+    for sizes in ((2.0, 3.0), (0.25, 0.5)):
+        for rests in ((5.0, 7.0), (0.5, 3.0), (0.0, 2.0), (1e-9, 1e-12)):
+            one, other = (Part([[arb_poly([a])]], arb(a), arb(r)) for a, r in zip(sizes, rests, strict=True))
+            most = (sizes[0] + rests[0]) * (sizes[1] + rests[1]) - sizes[0] * sizes[1]
+            rest = float(one.times(other, 4).rest)
+            assert most * (1 - 1e-15) - 1e-15 <= rest <= most * (1 + 1e-6) + 1e-15
+
+
+def test_what_may_soften_is_all_but_positive_squares() -> None:
+    """Of the remainder of an energy: k, p, q and the factor along the beam; places and orders at the ends."""
+    F = Fraction
+    along = {(0, 0, 0, F(2)): False, (1, 0, 0, F(-2)): True, (0, 1, 1, F(3)): False, (0, 0, 1, F(3)): True}
+    ends = {(1, 0, 1, 0, F(2)): False, (1, 1, 1, 1, F(-2)): True, (1, 0, 1, 1, F(3)): True, (0, 1, 1, 1, F(3)): True}
+    softens = [tuple(term for term, kept in terms.items() if kept) for terms in (along, ends)]
+    assert list(verifier_of_beam._softening((tuple(along), tuple(ends)))) == softens

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
+from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -291,6 +293,25 @@ def test_a_circle_holds_as_many_eigenvalues_as_are_known_without_load() -> None:
         assert driven.zeros(arb(3)) == 2 == driven.inside([], arb(3)) and driven.inside([], arb(125)) == 4
 
 
+def test_a_rigid_motion_that_is_listed_is_counted_once() -> None:
+    """λ = 0 and −β, twice each, are in the count whether they are among the known or not, and nothing else is."""
+    circle = _Circle(Beam(free_free), NONE, Fraction(1, 64), HALF)
+    rigid, others = [acb(0), acb(arb(-1) / 2)], [acb(0, 3), acb(0, -3), acb(-0.25), acb(1), acb(9)]
+    for radius, still in ((arb("0.3"), 2), (arb(2), 4), (arb(5), 4)):
+        for known in (others, [*others, *rigid], [*rigid, *rigid, *others]):
+            assert circle.inside(known, radius) == still + sum(bool(abs(value) < radius) for value in others)
+
+
+def test_circles_go_between_eigenvalues_and_a_little_beyond_the_last() -> None:
+    circle = object.__new__(_Circle)
+    circle.c_E = arb(0)
+    for sizes in ((0.1, 0.2, 0.4), (30, 50, 51, 90), (0.2, 7, 7, 900)):
+        radii = [float(r) for r in circle.radii([acb(0, size) for size in sizes])]
+        assert sizes[-1] < radii[0] < 1.1 * sizes[-1]
+        apart = sorted({*sizes})
+        assert all(low < r < high for r, (low, high) in zip(radii[:0:-1], pairwise(apart), strict=True))
+
+
 def test_what_turns_on_a_circle_is_a_function_and_its_derivative() -> None:
     with precision(192):
         circle = _Circle(Beam(beck), Fraction(10), Fraction(1, 64), HALF)
@@ -373,3 +394,47 @@ def test_a_cell_with_a_zero_at_its_bottom_is_not_excluded(place: int) -> None:
         for P, excluded in ((arb("1.1", "0.2"), False), (arb("1.5", "0.2"), True)):
             way = cells._excluded_at_bottom(Problem(), P, arb(0))  # type: ignore[arg-type]
             assert (way is None) == excluded
+
+
+@pytest.mark.parametrize(("other", "single"), [(-1, True), (0.99, False)])
+def test_a_divergence_just_below_another_is_seen(other: float, single: bool) -> None:
+    """F = (P − 1)(P − other) − 2 s P: its zeros at s = 0 count, and not how F goes elsewhere."""
+
+    class Beam:
+        def taylor(self, P: arb, s: arb, orders: tuple[tuple[int, int], ...]) -> dict[tuple[int, int], arb]:
+            terms = {(0, 0): (P - 1) * (P - other) - 2 * s * P, (1, 0): 2 * P - 1 - other - 2 * s, (0, 1): -2 * P}
+            return {pair: terms.get(pair, arb({(2, 0): 1, (1, 1): -2}.get(pair, 0))) for pair in orders}
+
+    proof = object.__new__(beam_stability.Below)
+    proof.beam, proof.load, proof.trivial = Beam(), arb(1), 0  # type: ignore[assignment]
+
+    def sign(low: arb, high: arb, s: arb) -> int:
+        value = Beam().taylor(low.union(high), s, ((0, 0),))[0, 0]
+        return 1 if value > 0 else -1 if value < 0 else 0
+
+    proof.sign = sign  # type: ignore[assignment, method-assign]
+    with precision(64):
+        if single:
+            proof.no_divergence("divergence")
+        else:
+            with pytest.raises(Unproven, match=r"is not known to differ from zero at the load 0\.98"):
+                proof.no_divergence("divergence")
+
+
+def test_zeros_near_a_circle_are_counted_on_their_side(monkeypatch: pytest.MonkeyPatch) -> None:
+    """f = (λ − a)(λ − ā), a just within the circle or just outside it, at any angle: 2, 0, or not known."""
+    random, counted = np.random.default_rng(5), []
+    circle = object.__new__(_Circle)
+    for _ in range(60):
+        off = float(random.choice([-1, 1]) * 10 ** random.uniform(-4.5, -0.5))
+        a = (1 + off) * np.exp(1j * np.pi * random.uniform(0, 1))
+        b, c = arb(2 * a.real), arb(abs(a) ** 2)
+        circle.c_E, circle._made = arb(0), 0
+        monkeypatch.setattr(circle, "_series", lambda *_: SimpleNamespace(arcs=10**9))
+        monkeypatch.setattr(circle, "_value", lambda _, z, b=b, c=c: (z * z - b * z + c, 2 * z - b))
+        with precision(64):
+            try:
+                counted.append(circle.zeros(arb(1)) == (2 if off < 0 else 0))
+            except Unproven:
+                continue
+    assert all(counted) and len(counted) > 40

@@ -5,6 +5,7 @@ claim what is not so; and the verifier's function and constants of damping besid
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
@@ -16,7 +17,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, fmpq_poly
 from scipy.linalg import eigh
 
 import freebeam as fb
@@ -28,8 +29,8 @@ from freebeam_derive.certify.certificate import _around, _sections
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import Refused
-from freebeam_derive.certify.verifier_damping import Damped, damped
+from freebeam_derive.certify.verifier_claims import Refused, exact
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written, damped
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
@@ -439,3 +440,57 @@ def test_the_line_is_looked_at_with_damping_too() -> None:
         most = min(widths) / float(gaps.size)
         with pytest.raises(Refused, match=r"too narrow for such a load and damping|known to be free"):
             gaps.check(Fraction(0.6 * most), Rates(F, damping))
+
+
+@pytest.mark.parametrize("at_slope", ["nothing", "a mass", "a spring", "held"])
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_motion_beside_a_mass_moves_nothing_else_at_its_place(order: int, at_slope: str) -> None:
+    """Cubics with 1 at the tip and 0 at a length from it; the slope at the tip is free where nothing is there, and of
+    a rotary inertia the displacement is 0."""
+    breaks = Fraction(0), Fraction(1)
+    m, EI, force, foundation, k = 2, 3, 5, 7, 11
+    masses = {(1, order): Fraction(1)} | ({(1, 1): Fraction(1)} if at_slope == "a mass" else {})
+    springs = {(1, order): Fraction(k)} | ({(1, 1): Fraction(k)} if at_slope == "a spring" else {})
+    elastic = {1: fmpq_poly([force]), 0: fmpq_poly([foundation])}
+    kinds = ("clamped", "sliding" if at_slope == "held" else "free")
+    of = Sections(kinds, breaks, [fmpq_poly([EI])], [fmpq_poly([m])], [elastic], [{}], masses, springs, {})
+    free = np.polynomial.Polynomial([1, -1.5, 0, 0.5] if at_slope == "nothing" else [1, 0, -3, 2])
+    v = np.polynomial.Polynomial([0, 1, -2, 1]) if order else free
+    assert [v(1), v.deriv()(1)] == [0, 0]
+    squares = [float((f * f).integ()(1)) for f in (v, v.deriv(), v.deriv(2))]
+    found = Damped(of, Fraction(0), Fraction(1), False, [], {}, ([], {}))._bumps((1, order))
+    for length, (weight, energy) in zip(map(float, LENGTHS), found, strict=True):
+        assert float(weight) == pytest.approx(m * squares[0] * length ** (1 + 2 * order), rel=1e-12)
+        parts = (foundation * length, force / length, EI / length**3)
+        along = length ** (2 * order) * sum(f * square for f, square in zip(parts, squares, strict=True))
+        assert float(energy) == pytest.approx(k + along, rel=1e-12)
+
+
+def test_a_damping_is_what_it_is_taken_apart_into() -> None:
+    """C = c_E E + c_M M + R along the beam and at the places with masses and springs; also where C leaves one out."""
+    EI, m, mu, J, k, c_E, c_M = (Fraction(*v) for v in ((3, 1), (2, 1), (5, 2), (1, 3), (7, 1), (1, 10), (3, 4)))
+    of = Sections(
+        ("clamped", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([3])], [fmpq_poly([2])], [{}], [{}],
+        {(1, 0): mu, (1, 1): J}, {(1, 0): k}, {},
+    )  # fmt: skip
+    for dampers in ({}, {(1, 0): Fraction(4)}, {(1, 0): Fraction(4), (1, 1): Fraction(9)}):
+        form = {
+            "along": [[0, 0, 2, 2, str(c_E * EI)], [0, 0, 0, 0, str(c_M * m)]],
+            "points": [[node, order, node, order, str(f)] for (node, order), f in dampers.items()],
+        }
+        found = damped({"form": form, "vanishing": False}, of)
+        assert found is not None and (found.c_E, found.c_M) == (c_E, c_M)
+        assert not any(f.degree() >= 0 for table in found.along for f in table.values())
+        for key, mass in of.masses.items():
+            whole = c_E * of.springs.get(key, Fraction(0)) + c_M * mass + found.points[key]
+            assert whole == dampers.get(key, 0)
+
+
+@pytest.mark.parametrize("factors", [[2], [0, 3], [1, -2, 5], [0, 0, 0, 1], [Fraction(1, 3), 0, -4, 7]])
+def test_a_polynomial_in_words_is_the_polynomial(factors: list[Any]) -> None:
+    f = fmpq_poly([exact(Fraction(v)) for v in factors])
+    text = _written(f).replace("^", "**").replace(" x", " * x").strip("()")
+    for x in (Fraction(0), Fraction(1), Fraction(-3, 2)):
+        assert eval(re.sub(r"(\d+)/(\d+)", r"F(\1, \2)", text), {"x": x, "F": Fraction}) == sum(
+            c * x**k for k, c in enumerate(factors)
+        )

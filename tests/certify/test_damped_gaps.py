@@ -9,12 +9,14 @@ from __future__ import annotations
 
 from fractions import Fraction
 from itertools import permutations
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from flint import acb, acb_mat, arb
 from scipy.linalg import eig, eigh
+from scipy.optimize import minimize_scalar
 
 import freebeam as fb
 from freebeam_derive.certify import beam_cells, beam_itself, beam_stability, damped_gaps
@@ -282,6 +284,61 @@ def test_a_damping_that_is_no_fraction_is_refused() -> None:
     with precision(BITS), pytest.raises(NoStrips, match="no fraction"):
         forms = ColumnForms(it.kernel, it.own)
         LeftOver(forms, it.kernel, it.own, Range(Fraction(0), Fraction(1)), Fraction(0))
+
+
+@pytest.mark.parametrize(
+    ("order", "turns", "cubic"), [(0, True, [1, -1.5, 0, 0.5]), (0, False, [1, 0, -3, 2]), (1, False, [0, 1, -2, 1])]
+)
+def test_the_share_of_a_mass_is_that_of_a_motion_beside_it(order: int, turns: bool, cubic: list[float]) -> None:
+    """At the tip: (‖v‖ + √a(v, v)/ω)² over the mass, ‖v‖² = ∫ m v², of a cubic v with 1 at the tip and 0 a length on;
+    of a displacement the length for which that is least where there is no foundation. An axial force and a foundation
+    add to a(v, v)."""
+    omega, mass, m, EI = 4000.0, 50.0, 2.0, 3.0
+    v = np.polynomial.Polynomial(cubic)
+    squares = [float((f * f).integ()(1)) for f in (v, v.deriv(), v.deriv(2))]
+
+    def bound(length: float, force: float, foundation: float) -> float:
+        factors = (foundation * length, force / length, EI / length**3)
+        energy = sum(f * square for f, square in zip(factors, squares, strict=True))
+        return length ** (2 * order) * ((m * squares[0] * length) ** 0.5 + energy**0.5 / omega) ** 2 / mass
+
+    for force, foundation in ((0, 0), (1000, 0), (0, 10**6), (1000, 10**6)):
+        left: Any = object.__new__(LeftOver)
+        elastic = {p: [Fraction(f)] for p, f in ((1, force), (0, foundation)) if f}
+        left.forms = SimpleNamespace(
+            masses={(Fraction(1), order): Fraction(mass)}, springs={}, breaks=(Fraction(0), Fraction(1)),
+            m=[[Fraction(m)]], EI=[[Fraction(EI)]], elastic=[elastic],
+            pieces=lambda: [(0, arb(0).union(arb(1)))], is_held=lambda place, order: not turns,
+        )  # fmt: skip
+        with precision(BITS):
+            share = float(left.share(arb(omega)))
+        free, here = (
+            minimize_scalar(bound, bounds=(1e-3, 0.2), args=f, options={"xatol": 1e-12})
+            for f in ((0, 0), (force, foundation))
+        )
+        assert here.fun * (1 - 1e-9) <= share
+        if order == 0:
+            assert share == pytest.approx(bound(free.x, force, foundation), rel=1e-6)
+
+
+def test_beyond_the_highest_frequency_none_is_of_the_low_ones() -> None:
+    """For λ = iω and ω from there on Re s ≥ R_m, or what load and damping do is less than 2(|s| − Re s) leaves room."""
+    random, ways = np.random.default_rng(3), [0, 0]
+    for _ in range(200):
+        c_E, load, size, turning = 10 ** random.uniform(-2, [0.5, 2, 0, 0])
+        c_M, R = random.uniform(0, 1), 10 ** random.uniform(1, 3)
+        gaps: Any = SimpleNamespace(line=lambda _, R=R: arb(R), size=arb(2))
+        left: Any = SimpleNamespace(c_E=arb(c_E), c_M=arb(c_M), size=arb(size), turning=arb(turning))
+        with precision(BITS):
+            top = float(damped_gaps.DampedGaps(gaps, left, 1, arb(0), arb(load), False).top)
+        for omega in top * np.array([1, 1.1, 1.5, 2, 10, 1000]):
+            s = (omega**2 - 1j * c_M * omega) / (1 + 1j * c_E * omega)
+            felt = (2 * load / omega + turning) / c_E / (2 * (abs(s) - s.real)) ** 0.5 + 2 * size / omega
+            assert s.real >= R * (1 - 1e-9) or felt <= 1
+            ways[int(s.real < R)] += 1
+    assert min(ways) > 100
+    left.c_E = arb(0)
+    assert float(damped_gaps.DampedGaps(gaps, left, 1, arb(0), arb(load), False).top) == pytest.approx(R**0.5)
 
 
 if __name__ == "__main__":

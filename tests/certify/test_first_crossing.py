@@ -251,3 +251,21 @@ def test_a_factor_that_is_no_fraction_is_not_proven() -> None:
         balls.matrices(rounded, 3)
     rounded.forms = lambda one=1, **own: {"M": ({(0, 0, 0): 0.75}, {})}  # type: ignore[attr-defined]
     balls.stated_exactly(rounded, {})  # a float that is a fraction for all that one can tell
+
+
+@pytest.mark.parametrize("bad", [F(0), F(1, 3), F(2, 3), F(1)])
+def test_a_load_at_which_nothing_can_be_shown_is_told_after_bounded_work(
+    bad: Fraction, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wherever it is, as many halvings are tried as are allowed, and the load is named."""
+    tried = []
+
+    def stretch_over(found: Any, a: Fraction, b: Fraction, centre: Any) -> str | None:
+        tried.append((a, b))
+        return None if a <= bad <= b else "shown"
+
+    monkeypatch.setattr(first_crossing, "stretch_over", stretch_over)
+    with pytest.raises(Unproven, match="could not be shown between the loads") as error:
+        first_crossing.cover(None, F(0), F(1), 20)  # type: ignore[arg-type]
+    assert len(tried) <= 2 * 20 + 1 and all(b - a >= F(1, 2**31) for a, b in tried)
+    assert math.isclose(float(str(error.value).split()[-1]), float(bad), abs_tol=1e-4)

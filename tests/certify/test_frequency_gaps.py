@@ -8,6 +8,7 @@ proves the table of Lemma 8 in docs/theorem.md again, in half a minute.
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -302,6 +303,32 @@ def test_a_load_on_an_end_without_a_mass_is_not_bounded() -> None:
         forms.load_points = {}  # −∫ v' y' dx alone
         with pytest.raises(NoStrips, match="acts on an end that carries no mass"):
             _ = forms.load_size
+
+
+def test_springs_at_a_tip_are_in_the_remainder() -> None:
+    """Of a uniform beam with m and EI: ∫ EI y''² + k y(1)² + c y'(1)² = (EI/m) (∫ w''² + (k w(1)² + c w'(1)²)/EI)."""
+    for m, EI, k, c in ((1, 1, 30, 7), (4, 9, 5, 2), (2, 1, 0, 3)):
+        springs = {(Fraction(1), order): Fraction(f) for order, f in ((0, k), (1, c)) if f}
+        forms: Any = SimpleNamespace(
+            kinds=("clamped", "free"), masses={}, springs=springs, m=[[Fraction(m)]], EI=[[Fraction(EI)]], elastic=[{}],
+            pieces=lambda: [(0, arb(0).union(arb(1)))],
+        )  # fmt: skip
+        with precision(BITS):
+            along, ends = VariableSection(forms)._remainder
+            assert all(float(v) == 0 for v in along)
+            assert {key[1:]: float(f) for key, f in ends.items()} == pytest.approx(
+                {(order, order): float(f) / EI for (_, order), f in springs.items()}, rel=1e-9
+            )
+
+
+def test_forces_and_sensors_where_an_end_holds_them_are_nothing() -> None:
+    for kinds in product(ORDERS, ORDERS):
+        forms: Any = object.__new__(ColumnForms)
+        forms.kinds, forms.breaks = kinds, (Fraction(0), Fraction(1, 2), Fraction(1))
+        every = [(place, order) for place in forms.breaks for order in (0, 1)]
+        free = [(x, d) for x, d in every if x == Fraction(1, 2) or d not in ORDERS[kinds[int(x)]]]
+        points = [(("y", p, a, 0), ("y", q, b, 0), 1) for (a, p), (b, q) in product(every, every)]
+        assert forms.read([], points)[1] == dict.fromkeys(product(free, free), 1)
 
 
 # ------------------------------------------------------------ broken steps

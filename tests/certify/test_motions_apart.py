@@ -625,6 +625,22 @@ def test_parts_are_the_same_but_for_factors() -> None:
     assert one.scale(Part(("b",), *([X[:1, :1] for X in of] for of in terms))) is None
 
 
+def test_the_verifier_takes_parts_for_one_another_where_one_factor_or_one_unit_of_time_parts_them() -> None:
+    def terms(*factors: int, rate: int = 0, size: int = 2) -> list[list[fmpq_mat]]:
+        M, C, K = (fmpq_mat([[i * j + k for j in range(size)] for i in range(size)]) for k in (3, 1, 2))
+        return [[factors[0] * M], [rate * factors[1] * C], [factors[2] * K, factors[2] * M]]
+
+    one, still = terms(1, 1, 1, rate=1), terms(1, 1, 1)
+    for factors in itertools.product((1, 2, -3), repeat=3):
+        same = len(set(factors)) == 1
+        assert verifier_parts.alike(one, terms(*factors, rate=1)) == same
+        assert not verifier_parts.rescaled(one, terms(*factors, rate=1))
+        assert verifier_parts.rescaled(still, terms(*factors)) == (min(factors[::2]) > 0)
+    for of in (one, still):
+        for other in (terms(1, 1, 1, size=3), [of[0], of[1], of[2][:1]], [of[0], of[1], of[2][::-1]]):
+            assert not verifier_parts.alike(of, other) and not verifier_parts.rescaled(of, other)
+
+
 # --- factors that are no fractions ------------------------------------------------------------------------------------
 
 

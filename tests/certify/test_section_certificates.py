@@ -8,20 +8,21 @@ import json
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, arb_poly, fmpq_poly
 
 import freebeam as fb
 from freebeam_derive.certify import verifier, verifier_of_sections
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _sections
 from freebeam_derive.certify.verifier_boxes import Box
-from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_claims import ORDERS, Refused
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, load_size, sections
@@ -344,3 +345,90 @@ def test_the_norm_of_a_matrix_is_no_less_than_it_makes_a_vector_larger() -> None
         bound = float(_norm([[acb(v) for v in row] for row in X]))
         rows, columns = (np.abs(X).sum(axis=k).max() for k in (1, 0))
         assert np.linalg.norm(X, 2) <= bound <= (1 + 1e-6) * min(np.linalg.norm(X), np.sqrt(rows * columns))
+
+
+def test_slopes_of_waves_are_those_of_differences() -> None:
+    """Each wave with its phase, by γ, at 1/γ = ε."""
+    _, of = column("step and mass")
+    with flint.ctx.workprec(4 * BITS):
+        apart, h = Apart(of), arb(2) ** -BITS
+
+        def wave_of(k: int, gamma: arb) -> Any:
+            wave, value, _ = apart.waves(1 / gamma)[k]
+            turn = sum((sign * L.mid() for sign, L in zip(wave, apart.lengths, strict=True)), arb(0))
+            return value.mid() * (acb(0, 1) * turn * gamma).exp()
+
+        for gamma in (arb("2.5"), arb(11)):
+            for k, (_, value, slope) in enumerate(apart.waves(1 / gamma)):
+                unit = wave_of(k, gamma) / value.mid()
+                found = (wave_of(k, gamma + h) - wave_of(k, gamma - h)) / (2 * h)
+                assert abs(found - slope.mid() * unit) < 1e-20 * abs(found)
+
+
+def test_pieces_are_all_of_a_segment_and_no_more() -> None:
+    of = Sections(("free", "free"), (Fraction(0), Fraction(1, 3), Fraction(1)), [], [], [], [], {}, {}, {})
+    with flint.ctx.workprec(BITS):
+        for n, (low, high) in enumerate(((0.0, 1 / 3), (1 / 3, 1.0))):
+            at = low
+            for x, width in of.pieces(n):
+                ends = float(x.lower()), float(x.upper())
+                assert ends == pytest.approx((at, at + float(width)), abs=1e-9)
+                at += float(width)
+            assert at == pytest.approx(high, abs=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3])
+@pytest.mark.parametrize("kinds", list(product(ORDERS, ORDERS)))
+def test_a_column_that_springs_alone_hold_is_told(kinds: tuple[str, str], count: int) -> None:
+    """Where the ends allow a line a + b x the curvature bounds nothing; κ is then not given."""
+    breaks, one = tuple(Fraction(k, count) for k in range(count + 1)), fmpq_poly([1])
+    of = Sections(kinds, breaks, [one] * count, [one] * count, [{}] * count, [{}] * count, {}, {}, {})
+    held = [[(1.0, float(e)), (0.0, 1.0)][d] for e, kind in enumerate(kinds) for d in (0, 1) if d in ORDERS[kind]]
+    assert of.held((1, 0)) == (count == 1 and 0 in ORDERS[kinds[1]])
+    if np.linalg.matrix_rank(np.array(held).reshape(-1, 2)) < 2:
+        with pytest.raises(Refused, match="held by springs alone"):
+            of._reach(0)
+    else:
+        assert all(0 < k <= 1 for order in (0, 1) for k in of._reach(order))
+
+
+def test_a_load_at_a_place_is_of_that_place_or_of_the_two_ends() -> None:
+    """Of two segments, free at both ends so that no place is held."""
+    breaks = (Fraction(0), Fraction(1, 2), Fraction(1))
+    along = {name: {"along": [[n, 0, p, p, "1"] for n in (0, 1)], "points": []} for name, p in (("M", 0), ("E", 2))}
+    for a, p, b, q in product(range(3), range(2), range(3), range(2)):
+        forms = along | {"H": {"along": [], "points": [[a, p, b, q, "1"]]}}
+        if a == b or {a, b} == {0, 2}:
+            assert sections(("free", "free"), breaks, forms).forces == {((a, p), (b, q)): 1}
+            continue
+        with pytest.raises(Refused, match="depends on another one"):
+            sections(("free", "free"), breaks, forms)
+
+
+def frequencies_of(F: arb_poly, rest: str) -> Frequencies:
+    """Those of a function of u = ω², known but for a rest."""
+    them = object.__new__(Frequencies)
+    them.F, them.rest, them.scale = F, arb(rest), arb(1)
+    return them
+
+
+def test_a_sign_is_none_where_the_rest_is_larger() -> None:
+    for sign in (1, -1):
+        them = frequencies_of(sign * arb_poly([arb(-1) / 16, 1]), "0.001")
+        for off, seen in (("-0.002", -1), ("-0.0009", 0), ("0.0009", 0), ("0.002", 1)):
+            gamma = Fraction((1 / 16 + float(off)) ** 0.25)
+            assert them._sign(gamma) == sign * seen
+
+
+def test_frequencies_close_together_are_each_found_once() -> None:
+    """In a stretch that has to be cut for them, within which they are near one side, the middle or the other."""
+    high = Fraction(3, 4)
+    for place in (0.05, 0.3, 0.42, 0.7, 0.74):
+        roots = [place, place + 1e-3, place + 3e-3]
+        F = arb_poly([1])
+        for root in roots:
+            F *= arb_poly([-(arb(root) ** 4), 1])
+        with flint.ctx.workprec(BITS):
+            found = frequencies_of(F, "1e-30")._between(Fraction(0), high, 0)
+        assert len(found) == 3
+        assert all(low < root < top and top - low < 1e-4 for root, (low, top) in zip(roots, found, strict=True))

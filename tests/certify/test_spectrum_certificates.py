@@ -236,6 +236,13 @@ def test_rigid_motions_are_no_eigenvalues_of_the_elastic_one() -> None:
         assert verify(data | {"complete_to": bound, "eigenvalues": []}).count == 0
 
 
+def test_a_square_holds_a_real_number_that_is_in_it_and_not_one_below_it() -> None:
+    for re, im in ((0, 0), (0, 5), (3, F(1, 10)), (3, 0), (F(-1, 10), F(1, 20)), (3, 5)):
+        each = Enclosed(re=F(re), im=F(im), radius=F(1, 10))
+        for real in (F(0), F(3), F(-1, 5)):
+            assert each.contains(real) == (max(abs(each.re - real), abs(each.im)) <= each.radius)
+
+
 def test_a_limit_of_vanishing_damping_has_no_spectrum() -> None:
     data = certificate("internal damping")
     damping = {"of_M": "0", "of_E": "1", "vanishing": True}

@@ -17,7 +17,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import arb, arb_poly, arb_series
+from flint import arb, arb_mat, arb_poly, arb_series
 
 import freebeam as fb
 from freebeam_derive.certify import verifier
@@ -734,3 +734,39 @@ def test_a_crossing_without_a_speed_is_refused(power: int, told: str) -> None:
         return
     with pytest.raises(verifier.Refused, match=told):
         verifier.Series.check_crossing(series, *loads, square)
+
+
+@pytest.mark.parametrize("N", [1, 2, 3, 5])
+def test_each_root_of_g_is_to_be_between_two_of_h(N: int) -> None:
+    """h has the roots 2, 4, …, 2N, g 3, 5, …, 2N − 1: one that is elsewhere is refused, whichever it is."""
+
+    def product_of(roots: list[float]) -> list[arb_poly]:
+        factors = np.array([1.0])
+        for root in roots:
+            factors = np.convolve(factors, [root, -1.0])
+        return [arb_poly([float(v)]) for v in factors]
+
+    series: Any = object.__new__(verifier.Series)
+    series.N, series.of_g, series.resting, series.damped, series.touching = N, N - 1, 0, True, False
+    series.h, between = product_of([2.0 * k for k in range(1, N + 1)]), [2.0 * k + 1 for k in range(1, N)]
+    lines = tuple((F(k, 2), F(0)) for k in ([2, *(4 * j + s for j in range(1, N) for s in (1, 3)), 4 * N + 1]))
+    stretch = verifier.Stretch(F(0), F(1), F(1), lines)
+    series.g = product_of(between)
+    series.check_stable(stretch)
+    for k in range(N - 1):
+        for elsewhere in (1.5, between[k] - 2, between[k] + 2, 2 * N + 1.0):
+            series.g = product_of([*between[:k], elsewhere, *between[k + 1 :]])
+            with pytest.raises(verifier.Refused, match="the roots of g are not separated"):
+                series.check_stable(stretch)
+
+
+def test_a_mass_that_vanishes_beside_damping_that_does_not_is_refused() -> None:
+    """(m − P) ẍ + ẋ + (1 − P) x = 0 diverges at P = 1; its mass is nothing at P = 1, or at 2."""
+    one = arb_mat([[1]])
+    for m, told in ((1, "det M may vanish"), (2, None)):
+        series = verifier.Series(verifier.System([m * one, -one], [one], [one, -one], False), F(3, 4), [F(0), F(2)])
+        if told is None:
+            series.check_crossing(F(9, 10), F(11, 10), None)
+            continue
+        with pytest.raises(verifier.Refused, match=told):
+            series.check_crossing(F(9, 10), F(11, 10), None)

@@ -504,3 +504,18 @@ def test_code_of_constants_that_are_no_fractions() -> None:
     for constant in (sp.E, sp.pi, sp.exp(1) * a / 3, sp.exp(sp.Rational(-1, 2)) - sp.pi * a):
         found = eval(source.code(constant), {"a": 0.7, "_exp": np.exp, "np": np})
         assert found == pytest.approx(float(constant.subs(a, 0.7)), rel=1e-14)
+
+
+def test_roots_of_numbers_are_of_the_caller_s_kind() -> None:
+    """√2 and a fraction are taken of `one`, in as many digits as that has."""
+
+    def root(number: Any) -> Any:
+        assert isinstance(number, mpmath.mpf)  # of a number of Python's it would be a float
+        return mpmath.sqrt(number)
+
+    a = sp.Symbol("a")
+    with mpmath.workdps(50):
+        given = {"a": mpmath.mpf(3), "one": mpmath.mpf(1), "_sqrt": root}
+        for expression in (sp.sqrt(2) * a, a**2 + sp.sqrt(sp.Rational(3, 7)), sp.Rational(1, 3) + 1 / sp.sqrt(5)):
+            found = eval(source.exact(expression), given)
+            assert abs(found - mpmath.mpf(str(expression.subs(a, 3).evalf(50)))) < 1e-45

@@ -11,10 +11,13 @@ import pytest
 import freebeam_sym as fb
 from freebeam.maps.surface import first_crossing
 from freebeam_sym.checks import InputError
+from freebeam_sym.stability.arnoldi import _told_apart
 from freebeam_sym.stability.crossings import first_loss
 from freebeam_sym.stability.derivatives import crossing_derivative
+from freebeam_sym.stability.equations import newton
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil
+from freebeam_sym.stability.problem import Crossing
 
 Matrices = list[np.ndarray]
 
@@ -286,3 +289,60 @@ def test_a_coordinate_without_mass_does_not_hide_a_flutter() -> None:
     found, known = (first_loss(General([X], [0 * X], [Y, Z])).crossing for X, Y, Z in (tuple(with_r), (M, E, H)))
     assert known is not None and known.kind == "flutter" and known.load == pytest.approx(7 / 2 - 2**0.5)
     assert found is not None and found.kind == "flutter" and found.load == pytest.approx(known.load, rel=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_load_that_enters_squared_is_the_root_of_one_that_does_not(seed: int) -> None:
+    """K = E + P²H loses stability at the root of the load of K = E + P H, undamped and where damping vanishes."""
+    rng = np.random.default_rng(seed)
+    n, none = 4, np.zeros((4, 4))
+    E, H, S = np.diag(np.arange(1.0, n + 1) ** 2), rng.normal(size=(n, n)), rng.normal(size=(n, n))
+    H, C = H - H.T + 0.3 * np.diag(np.arange(n)), np.eye(n) + 0.2 * S @ S.T
+    for damping in (none, C):
+        once, twice = (
+            first_loss(General([np.eye(n)], [damping], K, vanishing=damping is C), top).crossing
+            for K, top in (([E, H], 100.0), ([E, none, H], 10.0))
+        )
+        assert once is not None and twice is not None and once.kind == twice.kind == "flutter"
+        assert twice.load == pytest.approx(math.sqrt(once.load), rel=1e-9)
+
+
+def test_a_meeting_of_two_that_grow_is_no_flutter() -> None:
+    """det(K − s) = (s + 3)² − (2 − P)² + 1 has a double root at P = 1: s = −3, of two λ that are real."""
+    M, zero = np.array([np.eye(2)]), np.zeros((1, 2, 2))
+    K = np.array([[[-1.0, 1], [-1, -5]], [[-1.0, 0], [0, 1]]])
+    for lift, expected in ((0.0, -1.0), (4.0, 1.0)):
+        K[0] += lift * np.eye(2)
+        found = newton(M, M + zero, K, 0.0, lift - 3 + 1e-5, 1 + 1e-5, np.array([1, -1 + 1e-5]), -np.ones(2) / 2, 3.0)
+        assert found is not None and found[:2] == pytest.approx((expected, 1.0), rel=1e-6)
+
+
+def test_a_scan_sees_what_grows_between_two_of_its_steps() -> None:
+    """Something grows on a stretch of loads that is little more than a step of the scan, wherever that is."""
+    for low in np.linspace(0.1, 0.9, 9):
+        problem = object.__new__(General)
+        problem.__dict__["_operator"] = None
+        problem.unstable = lambda P, manner=None, low=low: int(low < P < low + 1.1 / 256)  # type: ignore[method-assign]
+        problem.onset = lambda P: Crossing(P, 1.0, np.ones(1, complex), "flutter")  # type: ignore[method-assign]
+        (event,) = problem.flutters(1.0)
+        assert event.crossing.load == pytest.approx(low, rel=1e-12)
+
+
+def test_rounding_of_a_load_is_not_that_of_rates_alone_where_something_is_damped() -> None:
+    """With no damping rounding splits frequencies that meet by its root; with little the load has nearly all digits."""
+    J = np.array([[0.0, -1], [1, 0]])
+    problem = General([np.eye(2)], [40 * J + 0.01 * np.eye(2)], [np.diag([2.0, 3.0]), J])
+    found = first_loss(problem, 100.0).crossing
+    assert found is not None and found.kind == "flutter" and problem.rounding(found) < 1e-14
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])
+def test_loads_that_differ_are_told_apart_in_any_unit_of_the_eigenvalues(unit: float) -> None:
+    """One load of both where they differ by less than their eigenvalues; else that of the mean eigenvalue."""
+    mu = unit * np.array([1 + 1e-6j, 1 - 1e-6j])
+    for apart, at in ((1e-9, 2.0), (1e-6, 3.0)):
+        roots: list[Crossing | None] = [
+            Crossing(2 * (1 + side * apart / 2), 1.0, np.ones(1, complex), "flutter") for side in (-1, 1)
+        ]
+        (event,) = _told_apart(mu, roots, lambda _: 3.0, 1)
+        assert event.crossing.load == pytest.approx(at, rel=1e-12) and not event.simple

@@ -197,6 +197,16 @@ def test_centres_are_named_with_their_frequencies() -> None:
         assert named[label] == pytest.approx(value, rel=1e-9)
 
 
+def test_what_does_not_oscillate_has_no_centre() -> None:
+    """External damping that lets the first mode creep and the second swing: its frequency is the first that is."""
+    question = asked("beck", 2, beta=10.0, eta=1.0)
+    found = grid(question, 1.0, [1.0, 100.0], 0.0)
+    omega = sorted({abs(v) for v in found.eigenvalues.imag})
+    assert len(omega) == 2 and omega[0] == 0
+    named = {centre.label: centre.frequency for centre in found.centres()}
+    assert named == pytest.approx({r"$\omega_1$": omega[1], r"$2\omega_1$": 2 * omega[1]})
+
+
 # --- laws of the monodromy matrix -------------------------------------------------------------------------------
 
 

@@ -18,7 +18,7 @@ def uniform(kernel: Any, **own: Any) -> Uniform | None:
         return None
     try:
         found = Uniform(kernel)
-        found.equation(0, **own), found.end_conditions(0, **own)
+        found.equation(0, 0, 0, **own), found.end_conditions(0, 0, 0, **own)
         forms = found.forms(1, **own)
         dampers = [_form(*part) for part in kernel.forms(1, 0, 0, **own)["C"]]
     except (NotUniform, AttributeError, TypeError, ValueError):
@@ -38,7 +38,7 @@ class Uniform:
         self._kernel = kernel
         self.COLUMN = {key: value for key, value in kernel.COLUMN.items() if key != "general"}
 
-    def equation(self, P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, **own: Any) -> dict[Any, Any]:
+    def equation(self, P: Any, alpha: Any, beta: Any, one: Any = 1, **own: Any) -> dict[Any, Any]:
         """(p, r) -> factor of ∂ᵖ⁺ʳy/∂xᵖ∂tʳ, ascending in powers of x."""
         (table,) = self._kernel.equations(alpha, beta, one, **own)
         found: dict[Any, list[Any]] = {}
@@ -51,7 +51,7 @@ class Uniform:
                 row[n] = row[n] + value * P**k
         return {key: tuple(row) for key, row in found.items()}
 
-    def end_conditions(self, P: Any, alpha: Any = 0, beta: Any = 0, one: Any = 1, **own: Any) -> tuple[Any, Any]:
+    def end_conditions(self, P: Any, alpha: Any, beta: Any, one: Any = 1, **own: Any) -> tuple[Any, Any]:
         """Two conditions at x = 0 and two at x = 1: (p, r) -> factor."""
         ends: tuple[list[Any], list[Any]] = [], []
         for condition in self._kernel.conditions(alpha, beta, one, **own):

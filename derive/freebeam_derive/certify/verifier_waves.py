@@ -247,6 +247,16 @@ class Apart:
             reached += segment.length
         return rest
 
+    def waves(self, epsilon: arb) -> list[tuple[tuple[int, ...], acb, acb]]:
+        """σ, and what e^(iσ·θ) is multiplied by in f and in its slope by γ: of two conjugate waves one, twice."""
+        found = []
+        for wave, (B,) in self.stages[-1].items():
+            turn = sum((sign * L for sign, L in zip(wave, self.lengths, strict=True)), arb(0))
+            if wave[0] > 0:
+                value = 2 * B(epsilon)
+                found.append((wave, value, acb(0, 1) * turn * value - 2 * epsilon**2 * B.derivative()(epsilon)))
+        return found
+
     def _cells_apart(self, epsilon: arb, G: arb, apart: arb) -> bool:
         """Whether from each point of the phases on, up to `apart` further, f or its slope is not zero.
 
@@ -257,13 +267,7 @@ class Apart:
         if value is None or wide is None:
             return False
         blurs = [size * arb(0, 1) for size in (value, wide / eta)]  # of the slope by Cauchy's estimate
-        kept = {wave: B for wave, (B,) in self.stages[-1].items() if wave[0] > 0}
-        values: list[acb] = []
-        slopes: list[acb] = []
-        for wave, B in kept.items():
-            turn = sum((sign * L for sign, L in zip(wave, self.lengths, strict=True)), arb(0))
-            values.append(2 * B(epsilon))
-            slopes.append(acb(0, 1) * turn * values[-1] - 2 * epsilon**2 * B.derivative()(epsilon))
+        kept, values, slopes = zip(*self.waves(epsilon), strict=True)
         cells = [([(Fraction(0), Fraction(1))] * len(self.lengths), 0)]
         steps = [L * arb(0).union(apart) for L in self.lengths]
         while cells:
