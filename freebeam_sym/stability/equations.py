@@ -143,6 +143,6 @@ def moved(
     left, _, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
     a, uv = u @ G_P @ v, np.outer(u, v)
-    if G_omega is None or abs(b := u @ G_omega @ v) < meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
-        return float(np.linalg.norm(change * uv) / abs(a))
-    return float(np.linalg.norm(change * (b.conj() * uv).imag) / abs((a * b.conj()).imag))
+    if G_omega is not None and abs(b := u @ G_omega @ v) >= meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
+        a, uv = (a * b.conj()).imag, (b.conj() * uv).imag
+    return float(np.linalg.norm(change * uv) / abs(a)) if a else math.inf

@@ -61,7 +61,7 @@ class Opened:
         return found
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def own_column(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """A user's own column, with a full mass matrix that depends on a parameter and one of the two dampings.
 
@@ -78,7 +78,7 @@ def own_column(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
         yield file
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="package")
 def written(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., Path]:
     """The file of a column's page, written once; by name, or by the path of a user's own column."""
     folder = tmp_path_factory.mktemp("explorer")

@@ -97,6 +97,16 @@ def test_zieglers_pendulum() -> None:
     assert General([M], [E], [E, H], vanishing=True).rounding(vanishing) < 1e-12
 
 
+def test_an_undamped_part_beside_a_damped_one_is_lost_where_it_is_alone() -> None:
+    """Its frequencies meet, where damping elsewhere decides nothing of the load to first order."""
+    M, E, H = (np.kron(np.eye(2), X) for X in ZIEGLER)
+    half = np.kron(np.diag([2.0, 0.0]), ZIEGLER[1])  # with it the damped one is lost at 3.46
+    problem = General([M], [half], [E, H])
+    found = first_loss(problem).crossing
+    assert found is not None and found.kind == "flutter"
+    assert found.load == pytest.approx(7 / 2 - math.sqrt(2), rel=1e-9) and problem.rounding(found) == 1.0
+
+
 @pytest.mark.parametrize("name", ["beck", "free-free"])
 @pytest.mark.parametrize("modes", [4, 9])
 @pytest.mark.parametrize(
