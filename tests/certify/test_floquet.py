@@ -96,6 +96,16 @@ def test_remainders_cover_what_is_left_out() -> None:
             assert max(x.rad() for x in coarse.entries()) > 1e10 * max(x.rad() for x in fine.entries())
 
 
+def test_a_step_takes_hardly_more_terms_than_its_exponential_needs() -> None:
+    """‖B‖h < 16: the exponential alone takes the m for which 16^m/m! falls below the tolerance."""
+    with precision(128):
+        pulsation = Pulsation(Fraction(12), Fraction(1, 2), Fraction(9))
+        moving = floquet.motion(BECK.kernel, Question(4, Fraction(0), Fraction(1, 10)), pulsation)
+        h = floquet.REACH / sum(moving.norms, arb(0))
+        least = next(m for m in range(1, 1000) if arb(floquet.REACH) ** m / arb(m + 1).gamma() < arb(2) ** -128)
+        assert least < moving._rest(h, arb(9), 128)[1] < 2 * least
+
+
 @pytest.mark.parametrize(
     ("frequency", "amplitude", "kind"), [(5, "3/10", "stable"), (12, "3/10", "unstable"), (12, "1/50", "stable")]
 )
