@@ -291,7 +291,7 @@ class Column:
         """The dampings that the virtual work contains, of alpha and beta."""
         return tuple(str(s) for s in (alpha, beta) if self.energies.dW_nc.has(s))
 
-    @property
+    @cached_property
     def load_unit(self) -> str:
         """The load's unit in SI, where Eq. (5) gives it one: "N", of a torque "N m", of a force per length "N/m"; ""
         where it does not, as of a flow's velocity and of what acts on coordinates.
