@@ -1,5 +1,10 @@
 """Certificates: accepted as they were written; refused with any field altered or left out, and where they claim what is
-not so. What is refused is false or unproven; a certificate that claims less than it could is no less a proof."""
+not so. What is refused is false or unproven; a certificate that claims less than it could is no less a proof.
+
+    PYTHONPATH=. python -m tests.certify.test_verifier 24
+
+tries the forgeries of so many random questions, by seeds from 0 on.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +12,7 @@ import copy
 import json
 import math
 import random
+import sys
 from collections.abc import Callable, Iterator
 from fractions import Fraction
 from functools import cache
@@ -460,7 +466,8 @@ def forged(data: Data, crossings: list[Any], column: fb.Column, modes: int, give
         yield reaching(claim, F(later["load"][0]))
 
 
-@pytest.mark.parametrize("seed", range(24))
+# without two of the modes of a beam, which take longer than the others together; they are in the command above
+@pytest.mark.parametrize("seed", [seed for seed in range(24) if seed not in (11, 21)])
 def test_forgeries_are_refused_and_true_certificates_accepted(seed: int) -> None:
     case = drawn(seed)
     data, _, column, modes, given = case
@@ -770,3 +777,13 @@ def test_a_mass_that_vanishes_beside_damping_that_does_not_is_refused() -> None:
             continue
         with pytest.raises(verifier.Refused, match=told):
             series.check_crossing(F(9, 10), F(11, 10), None)
+
+
+def main(count: int) -> None:
+    for seed in range(count):
+        test_forgeries_are_refused_and_true_certificates_accepted(seed)
+        print(f"{seed}: as it should be", flush=True)
+
+
+if __name__ == "__main__":
+    main(*map(int, sys.argv[1:]))

@@ -116,7 +116,7 @@ def log_uniform(low: float, high: float) -> st.SearchStrategy[float]:
     return st.floats(math.log(low), math.log(high)).map(math.exp)
 
 
-@settings(max_examples=250, deadline=None, derandomize=True)
+@settings(max_examples=120, deadline=None, derandomize=True)
 @given(
     name=st.sampled_from(NAMES),
     modes=st.integers(1, 12),
@@ -136,7 +136,7 @@ def test_first_crossing_agrees_with_a_scan(name: str, modes: int, eta: float, al
         assert found is not None and found.load == pytest.approx(expected, rel=1e-6)
 
 
-@settings(max_examples=150, deadline=None, derandomize=True)
+@settings(max_examples=70, deadline=None, derandomize=True)
 @given(data=st.data(), modes=st.integers(2, 6), seed=st.integers(0, 10**6))
 def test_first_crossing_of_any_matrices(data: st.DataObject, modes: int, seed: int) -> None:
     """H without symmetry, of rank one or full: flutter of weakly coupled modes over a short interval of loads too."""
@@ -768,8 +768,9 @@ def test_arnoldis_method_finds_all_eigenvalues_of_greater_modulus(floor: float) 
 
 
 def test_random_questions_against_dense_eigenvalues_and_roots_at_200_bits() -> None:
-    """Every column, both bases, N to 24, all damping and its limits, many next to the touch at η = 1/2."""
-    wrong = [(case, why) for case in cases(150, 3, most=24) if (why := disagreement(case, answer(case))) is not None]
+    """Every column, both bases, N to 24, all damping and its limits, many next to the touch at η = 1/2. More of them:
+    python -m tests.reference.dense 1000 1."""
+    wrong = [(case, why) for case in cases(70, 3, most=24) if (why := disagreement(case, answer(case))) is not None]
     assert not wrong
 
 
