@@ -18,7 +18,14 @@ from flint import acb, arb, arb_poly
 import freebeam as fb
 import freebeam_kernels.beck as beck
 import freebeam_kernels.free_free as free_free
-from freebeam_derive.certify import beam_cells, beam_stability, verifier, verifier_cells, verifier_of_beam, verifier_signs
+from freebeam_derive.certify import (
+    beam_cells,
+    beam_stability,
+    verifier,
+    verifier_cells,
+    verifier_of_beam,
+    verifier_signs,
+)
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped

@@ -1232,7 +1232,7 @@ def test_what_cannot_be_stated_in_fractions_or_is_not_stable_is_refused(
         first_crossing.certify(kernel, Question(3, F(1, 10), own=parameters(kernel)), None, 8, F(1))
 
 
-def main() -> None:
+def every_part() -> None:
     for name in CASES:
         data = written(name)
         parts = [place for place in places(data) if counts(data, place)]
@@ -1242,4 +1242,4 @@ def main() -> None:
 
 
 if __name__ == "__main__":
-    main()
+    every_part()
