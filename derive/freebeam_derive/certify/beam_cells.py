@@ -15,9 +15,10 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
+import flint
 from flint import arb
 
-from freebeam_derive.certify.balls import Exact, Unproven, ends, exact
+from freebeam_derive.certify.balls import Exact, Unproven, ends, exact, precision
 from freebeam_derive.certify.beam_itself import Damped, Itself, Onset, VanishingRates
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.krawczyk import image, one_to_one
@@ -26,6 +27,7 @@ from freebeam_derive.certify.local_series import DEGREE_OF_ANY, FINER, Local
 MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
 MOST_CELLS_OF_ANY = 400  # the same where F comes from Taylor steps, whose series cost as much as a hundred cells
 MOST_CUTS = 7
+BITS_OF_SERIES = 64  # tried first: Beck's column with damping takes half as long as with 128, and no cell more
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
 MOST_SERIES_OF_ANY = 60  # the same where each takes a second or two; of four columns with damping one took 30
 
@@ -70,9 +72,10 @@ class Cells:
 
     def _tile(self, problem: Onset, P: Side, x: Side, depth: int) -> None:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
-        degrees = (DEGREE_OF_ANY, FINER) if isinstance(self.beam, ExactSystem) else (None,)
-        if not any(self._with_one_series(problem, P, x, degree) for degree in degrees):
-            if depth == MOST_CUTS or self._series > (MOST_SERIES_OF_ANY if degrees[0] else MOST_SERIES):
+        of_any = isinstance(self.beam, ExactSystem)
+        tries = ((DEGREE_OF_ANY, None), (FINER, None)) if of_any else ((None, BITS_OF_SERIES), (None, None))
+        if not any(self._with_one_series(problem, P, x, *given) for given in tries):
+            if depth == MOST_CUTS or self._series > (MOST_SERIES_OF_ANY if of_any else MOST_SERIES):
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
                     "cells: that there is no other crossing is not known near the load "
@@ -82,14 +85,16 @@ class Cells:
                 for other in _halves(x):
                     self._tile(problem, part, other, depth + 1)
 
-    def _with_one_series(self, problem: Onset, P: Side, x: Side, degree: int | None) -> bool:
+    def _with_one_series(self, problem: Onset, P: Side, x: Side, degree: int | None, bits: int | None = None) -> bool:
+        """bits: of the series alone, which is a ball whatever they are; the precision in hand where None."""
         around = [side.mid() + (side - side.mid()) * (1 + arb(2) ** -10) for side in (_over(P), _over(x))]
         for known in self._near([_over(P), _over(x)]):  # the equations are looked at on a cell and on it together
             around = [side.union(part) for side, part in zip(around, known, strict=True)]
         local, self._series = copy(problem), self._series + 1
         try:
             rates = isinstance(problem, VanishingRates)
-            local.beam = Local(self.beam, *problem.place(around), rates, degree)  # type: ignore[assignment]
+            with precision(bits or flint.ctx.prec):
+                local.beam = Local(self.beam, *problem.place(around), rates, degree)  # type: ignore[assignment]
         except Unproven:
             return False
         waiting, count, covered = [(P, x)], 0, Fraction(0)
