@@ -184,6 +184,20 @@ def test_a_cell_that_is_left_out_is_missed(monkeypatch: pytest.MonkeyPatch) -> N
         assert refused(asked).startswith("cells: they do not cover all loads and frequencies")
 
 
+def test_where_few_bits_do_not_tell_a_series_is_taken_to_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked, taken = static(beck, 2.4674, beta=HALF, eta=NONE), []
+    right = beam_cells.Cells._with_one_series
+
+    def seen(self: Any, problem: Any, P: Any, x: Any, degree: Any, bits: Any) -> bool:
+        taken.append((bits, right(self, problem, P, x, degree, bits)))
+        return taken[-1][1]
+
+    monkeypatch.setattr(beam_cells, "BITS_OF_SERIES", 8)
+    monkeypatch.setattr(beam_cells.Cells, "_with_one_series", seen)
+    assert complete(*asked)[1] is not None
+    assert (8, False) in taken and (None, True) in taken
+
+
 def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> None:
     with precision(beam_stability.BITS):
         beam = Beam(beck)
