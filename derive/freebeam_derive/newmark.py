@@ -450,7 +450,6 @@ def _energy() -> Step:
 
 
 @cache
-@cache
 def derive_newmark() -> Newmark:
     """Derive Newmark's method; pure. Raises ArithmeticError where a step of the proof fails."""
     recurrence, steps = _recurrence()
