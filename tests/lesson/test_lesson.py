@@ -608,6 +608,15 @@ def test_primes_can_be_counted(browser: Any, tmp_path: Path) -> None:
     shown.close()
 
 
+@pytest.mark.parametrize("letter", ["y", r"\varphi_j", r"\varphi_{jk}"])
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_primes_of_any_letter_stand_at_one_height(letter: str, count: int) -> None:
+    """However they are written in LaTeX."""
+    written = mathml(letter + "'" * count)
+    assert written == mathml(letter + "^{" + r"\prime" * count + "}")
+    assert re.findall("′+", written) == ["′" * count]
+
+
 # --- words of a column --------------------------------------------------------------------------------------------
 
 HOSTILE = (

@@ -23,6 +23,8 @@ def mathml(latex: str, block: bool = False) -> str:
         from latex2mathml.converter import convert_to_element
     except ImportError:
         raise InputError("lessons need latex2mathml, which is not installed: pip install 'freebeam[lesson]'") from None
+    # of primes over a letter with an index latex2mathml raises all but the first once more
+    latex = re.sub(r"(_(?:\w|{\w+}))('{2,})(?!\^)", lambda m: m[1] + "^{" + r"\prime" * len(m[2]) + "}", latex)
     root = convert_to_element(latex, display="block" if block else "inline")
     for parent in root.iter():
         if parent.tag == "mtable" and parent.get("columnspacing") != "0em":
