@@ -62,6 +62,14 @@ def certificate(case: str) -> Data:
     return data
 
 
+def assert_within(stated: Any, column: str, given: dict[str, Any]) -> None:
+    """The load of one value of the parameter is in that of its piece."""
+    exact = enclosed_load(fb.column(column), digits=9, **given)
+    value = F(given[stated.parameter])
+    (at, *_) = (p for p in stated.pieces if p.low <= value <= p.high)
+    assert at.load[0] < F(exact.load[0]) and F(exact.load[1]) < at.load[1] and at.kind == exact.kind  # type: ignore[index]
+
+
 @pytest.mark.parametrize("case", CASES)
 def test_a_range_is_accepted_as_it_was_written(case: str) -> None:
     column, (name, low, high), given = CASES[case]
@@ -69,9 +77,7 @@ def test_a_range_is_accepted_as_it_was_written(case: str) -> None:
     assert (stated.parameter, stated.low, stated.high) == (name, F(low), F(high)) and not stated.open
     for share in (F(0), F(1, 3), F(1)):
         value = stated.low + share * (stated.high - stated.low)
-        exact = enclosed_load(fb.column(column), digits=9, **given | {name: value})
-        (at, *_) = (p for p in stated.pieces if p.low <= value <= p.high)
-        assert at.load[0] < F(exact.load[0]) and F(exact.load[1]) < at.load[1] and at.kind == exact.kind  # type: ignore[index]
+        assert_within(stated, column, given | {name: value})
     said = str(stated)
     assert f"linear in {name} between what this file says of its two ends" in said
     assert f"for each value of {name} from {low} to {high}" in said and "the first over all modes" in said

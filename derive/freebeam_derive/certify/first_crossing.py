@@ -324,33 +324,24 @@ def certify(
     Raises Unproven with what could not be established.
     """
     say = progress or (lambda _: None)
+
+    def seen(rest: bool) -> Enclosure:
+        """Two planes that a turning frame couples from rest, or, where that does not do, from a frame."""
+        try:
+            return _with_bits(kernel, question, near, digits, load_max, say, rest)
+        except Unproven as error:
+            if isinstance(error, Together) or not rest or not from_rest(kernel, question):
+                raise
+        # a top falls where its frequencies are zero as seen from rest, which is no divergence
+        return seen(False)
+
     while True:
         try:
-            return _either_way(kernel, question, near, digits, load_max, say)
+            return seen(True)
         except Together:
             if 2 * digits > MOST_APART:
                 raise
             digits *= 2
-
-
-def _either_way(
-    kernel: ModuleType,
-    question: Question,
-    near: tuple[float | Fraction, float] | None,
-    digits: int,
-    load_max: Fraction,
-    say: Callable[[str], None],
-) -> Enclosure:
-    """Two planes that a turning frame couples seen from rest, or, where that does not do, from a frame."""
-    try:
-        return _with_bits(kernel, question, near, digits, load_max, say, True)
-    except Together:
-        raise
-    except Unproven:
-        if not from_rest(kernel, question):
-            raise
-    # a top falls where its frequencies are zero as seen from rest, which is no divergence
-    return _with_bits(kernel, question, near, digits, load_max, say, False)
 
 
 def _with_bits(
