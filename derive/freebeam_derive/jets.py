@@ -357,9 +357,12 @@ def at_place(expression: Expr, place: Expr, name: str = "") -> Expr:
 
 def varied(expression: Expr) -> Expr:
     """First variation of an expression in jets. Eq. (7)."""
-    epsilon = Dummy("epsilon")
-    moved = {j: j + epsilon * jet(varying(name_of(j.args[0])), *j.args[1:]) for j in jets(expression, 0)}
-    return expand(expression.xreplace(moved).diff(epsilon).xreplace({epsilon: S.Zero}))
+    changes: dict[Expr, Expr] = {j: jet(varying(name_of(j.args[0])), *j.args[1:]) for j in jets(expression, 0)}
+    changes |= {whole: Integral(varied(whole.function), *whole.limits) for whole in expression.atoms(Integral)}
+    letters = {changed: Dummy() for changed in changes}
+    plain, back = expression.xreplace(letters), {letter: changed for changed, letter in letters.items()}
+    parts = (plain.diff(letter).xreplace(back) * changes[changed] for changed, letter in letters.items())
+    return expand(Add(*parts))
 
 
 @dataclass(frozen=True)
