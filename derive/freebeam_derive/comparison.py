@@ -70,7 +70,7 @@ def natural_orders() -> dict[int, int]:
     return {
         order: next(
             int(j.args[1])
-            for j in bracket.coeff(jet(Integer(1), Integer(order), Integer(0), ALONG)).atoms(jet)
+            for j in jets(bracket.coeff(jet(Integer(1), Integer(order), Integer(0), ALONG)))
             if j.args[0] == 0
         )
         for order in range(2)

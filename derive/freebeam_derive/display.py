@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from sympy import Add, Expr, Integral, Mul, S, factor
 
-from freebeam_derive.jets import ALONG, Beam, Functional, jet, segment_of, show
+from freebeam_derive.jets import ALONG, Beam, Functional, jet, jets, segment_of, show
 from freebeam_derive.notation import F_0, x
 
 
@@ -18,8 +18,8 @@ def display(functional: Functional, length: Expr = S.One, cuts: Sequence[Expr] =
     beam = Beam(length, tuple(cuts))
     found: dict[Expr, list[int]] = {}
     for term in Add.make_args(functional.density):
-        (segment,) = {k for j in term.atoms(jet) if (k := segment_of(j.args[3])) is not None} or {0}
-        along = {j: jet(*j.args[:3], ALONG) for j in term.atoms(jet) if j.args[3] == beam.along(segment)}
+        (segment,) = {k for j in jets(term) if (k := segment_of(j.args[3])) is not None} or {0}
+        along = {j: jet(*j.args[:3], ALONG) for j in jets(term) if j.args[3] == beam.along(segment)}
         found.setdefault(term.xreplace(along), []).append(segment)
     densities: dict[tuple[int, int], Expr] = {}
     for term, segments in found.items():

@@ -11,7 +11,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
-from functools import cache
+from functools import cache, lru_cache
 from typing import Any
 
 from sympy import (
@@ -341,7 +341,7 @@ def at_place(expression: Expr, place: Expr, name: str = "") -> Expr:
 
     Raises StatementError where what leaps, or is taken beside a place, is not linear in the unknowns, or piecewise.
     """
-    moved = {j: jet(*j.args[:3], place) for j in expression.atoms(jet) if segment_of(j.args[3]) is not None}
+    moved = {j: jet(*j.args[:3], place) for j in jets(expression) if segment_of(j.args[3]) is not None}
     if place.func == leap:
         if not moved:
             raise StatementError(f"{name}: jump({show(expression)}, {place.args[0]}): it does not vary along the beam")
@@ -443,7 +443,7 @@ def _with_steps(density: Expr) -> Expr:
 def _leaps(points: Expr, name: str) -> tuple[Expr, frozenset[tuple[str, int, Expr]]]:
     """Jumps as differences of values on either side, and what they are of."""
     opened, sides = set(), {}
-    for j in points.atoms(jet):
+    for j in jets(points):
         which, p, r, place = j.args
         if place.func != leap:
             continue
@@ -540,14 +540,14 @@ def on_segments(reading: Reading, beam: Beam) -> Functional:
                 points.append(expand(Integral(bare, (x, *beam.places[segment : segment + 2])).doit()))
             total.append(
                 (held - bare).xreplace(
-                    {j: jet(*j.args[:3], beam.along(segment)) for j in held.atoms(jet) if j.args[3] == ALONG}
+                    {j: jet(*j.args[:3], beam.along(segment)) for j in jets(held) if j.args[3] == ALONG}
                 )
             )
     return Functional(expand(Add(*total)), expand(Add(*points)), reading.opened)
 
 
 def _runs(term: Expr) -> bool:
-    return any(segment_of(j.args[3]) is not None for j in term.atoms(jet)) or not term.atoms(jet)
+    return any(segment_of(j.args[3]) is not None for j in jets(term)) or not jets(term)
 
 
 def _on_segment(name: str, density: Expr, beam: Beam, segment: int) -> Expr:
@@ -596,7 +596,7 @@ def show(expression: Expr, functions: Mapping[Expr, Any] | None = None) -> Expr:
 
     functions: those that the other unknowns are; plain ones of their names where not given.
     """
-    return expression.xreplace({j: _shown(*j.args, (functions or {}).get(j.args[0])) for j in expression.atoms(jet)})
+    return expression.xreplace({j: _shown(*j.args, (functions or {}).get(j.args[0])) for j in jets(expression)})
 
 
 @cache
@@ -612,7 +612,10 @@ def _shown(which: Expr, p: Expr, r: Expr, place: Expr, function: Any) -> Expr:
     return Subs(derivative, x, place) if int(p) or place.func in (beside, leap) else derivative.subs(x, place)
 
 
-def jets(expression: Expr, which: int | None = None) -> list[Expr]:
+@lru_cache(maxsize=4096)  # the jets of each term are asked for again and again while a column is derived
+def jets(expression: Expr, which: int | None = None) -> tuple[Expr, ...]:
     """The jets of an expression in a fixed order: all, those of the unknowns (0) or of their variations (1)."""
-    found = [j for j in expression.atoms(jet) if which is None or virtual(j.args[0]) == bool(which)]
-    return sorted(found, key=lambda j: tuple(str(a) for a in j.args))
+    # by AppliedUndef, for SymPy asks of each node in Python whether it is of a function's own class
+    found = (e for e in expression.atoms(AppliedUndef) if e.func == jet)
+    chosen = [j for j in found if which is None or virtual(j.args[0]) == bool(which)]
+    return tuple(sorted(chosen, key=lambda j: tuple(str(a) for a in j.args)))

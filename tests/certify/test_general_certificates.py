@@ -218,33 +218,50 @@ def eigenvalues(name: str, load: float, N: int | None = None) -> Any:
 
 def of_matrices(M: Any, C: Any, K: Any) -> Any:
     """The finite eigenvalues."""
+    (found,) = of_each(M[None], C[None], K[None])
+    return found[np.isfinite(found)]
+
+
+def of_each(M: Any, C: Any, K: Any) -> Any:
+    """Eigenvalues of each system of a stack, (loads, 2 n); not a number where one is infinite."""
     if not C.any():
-        s = eigvals(-K, M)
-        half = np.sqrt(s[np.isfinite(s) & (np.abs(s) < 1e12)].astype(complex))
-        return np.concatenate([half, -half])
-    one = np.eye(len(K))
-    found = eigvals(np.block([[0 * K, one], [-K, -C]]), np.block([[one, 0 * K], [0 * K, M]]))
-    return found[np.isfinite(found) & (np.abs(found) < 1e12)]
+        half = np.sqrt(finite(-K, M).astype(complex))
+        return np.concatenate([half, -half], axis=1)
+    one = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
+    return finite(np.block([[0 * M, one], [-K, -C]]), np.block([[one, 0 * M], [0 * M, M]]))
 
 
-def unstable(name: str, load: float, N: int | None = None) -> int:
-    values = eigenvalues(name, load, N)
-    damped = matrices(name, N or CASES[name].modes).C and name not in GYROSCOPIC
-    return int((values.real > (1e-11 if damped else 1e-6) * np.abs(values).max()).sum())
+def finite(A: Any, B: Any) -> Any:
+    if np.linalg.cond(B).max() < 1e8:
+        found = np.linalg.eigvals(np.linalg.solve(B, A))
+    else:
+        found = np.array([eigvals(a, b) for a, b in zip(A, B, strict=True)])
+    return np.where(np.isfinite(found) & (np.abs(found) < 1e12), found, np.nan)
+
+
+def unstable(name: str, loads: Any, N: int | None = None) -> Any:
+    """How many eigenvalues grow at each load, (loads,)."""
+    N = N or CASES[name].modes
+    loads = np.asarray(loads)[:, None, None]
+    n = matrices(name, N).M[0].shape
+    values = of_each(*(np.broadcast_to(X, (len(loads), *n)) for X in matrices(name, N).at(loads)))
+    damped = matrices(name, N).C and name not in GYROSCOPIC
+    largest = np.nanmax(np.abs(values), axis=1, keepdims=True)
+    return (values.real > (1e-11 if damped else 1e-6) * largest).sum(axis=1)
 
 
 @cache
 def crossings(name: str, N: int | None = None) -> list[tuple[float, float, int, int]]:
     """Loads at which the number of unstable eigenvalues changes, the frequency of what does, and the numbers."""
     loads = np.linspace(0, CASES[name].top, 2500)[1:]
-    counts = [unstable(name, P, N) for P in loads]
+    counts = unstable(name, loads, N)
     found = []
     for (a, before), (b, after) in pairwise(zip(loads, counts, strict=True)):
         if before != after:
             low, high = a, b
             for _ in range(45):
                 middle = (low + high) / 2
-                low, high = (middle, high) if unstable(name, middle, N) == before else (low, middle)
+                low, high = (middle, high) if unstable(name, [middle], N) == before else (low, middle)
             here = eigenvalues(name, high if after > before else low, N)
             found.append((high, abs(here[here.real.argmax()].imag), before, after))
     return found
@@ -1206,7 +1223,7 @@ def test_all_crossings_are_those_of_a_dense_scan(name: str) -> None:
     for k, (low, high) in enumerate(pairwise(edges)):
         if high - low > high / 1000:
             for share in np.linspace(0.02, 0.98, 25):
-                assert unstable(name, low + share * (high - low)) == count
+                assert unstable(name, [low + share * (high - low)]) == count
         if k < len(listed):
             assert listed[k].unstable == count
             count += listed[k].change
