@@ -5,8 +5,9 @@ Mutants are drawn at random by the seed from the places where an operator of cos
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
 the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
 run, the quickest first, until one fails or half a minute has passed; those that reach the file where it runs on import.
-Those that survive are listed in build/mutants.json, with what was changed. A change that docs/mutants.md lists as
-equivalent, with the reason, is passed over and the next one drawn: it tells nothing of the tests.
+Tests that do not end within a limit of time tell nothing: such a change is counted apart, neither killed nor alive.
+Those that are not killed are listed in build/mutants.json, with what was changed. A change that docs/mutants.md lists
+as equivalent, with the reason, is passed over and the next one drawn: it tells nothing of the tests.
 """
 
 from __future__ import annotations
@@ -70,9 +71,10 @@ OPERATORS = (
     *(f"core/Replace{name}" for name in ("OrWithAnd", "TrueWithFalse", "FalseWithTrue", "BreakWithContinue")),
     *(f"core/{name}" for name in ("NumberReplacer", "AddNot", "ZeroIterationForLoop")),
 )
+OUTCOMES = "killed", "survives", "out of time"
 LIMIT = 120.0, 6.0
-"""Seconds, and multiples of the tests' own time, after which tests that do not end have seen the change: a search that
-no longer stops. Generous, for a machine with other work."""
+"""Seconds, and multiples of the tests' own time, after which tests that do not end are halted. It may be a search that
+no longer stops, or a machine with other work: the change is counted as out of time, not as killed."""
 
 MOST = 30.0
 """Seconds of tests that a change is given: one that lives through them is a survivor, whatever slower tests see."""
@@ -230,10 +232,10 @@ def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str,
     return [test for test, total in zip(tests, sums, strict=True) if total <= MOST] or tests[:1]
 
 
-def survives(
+def outcome(
     mutant: Mutant, copies: Queue[Path], reach: dict[str, dict[str, dict[str, object]]]
-) -> tuple[bool, str, str]:
-    """Whether no test fails, the change, and what ran for how long."""
+) -> tuple[str, str, str]:
+    """One of `OUTCOMES`, the change, and what ran for how long."""
     copy = copies.get()
     try:
         file = copy / mutant.file
@@ -241,7 +243,7 @@ def survives(
         change = "\n".join(unified_diff(before.split("\n"), after.split("\n"), lineterm="", n=1))
         tests = tests_of(mutant, before, after, reach)
         if not tests:
-            return True, change, "no test reaches it"
+            return "survives", change, "no test reaches it"
         seconds = reach[mutant.part]["seconds"]
         usual = sum(seconds.get(test, 0.0) for test in tests) or sum(seconds.values())
         file.write_text(after, encoding="utf-8")
@@ -249,12 +251,12 @@ def survives(
         start = time.monotonic()
         command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--no-header", "@build/tests"]
         try:
-            alive = subprocess.run(command, **_settings(copy), timeout=LIMIT[0] + LIMIT[1] * usual).returncode == 0
-            ended = ""
+            done = subprocess.run(command, **_settings(copy), timeout=LIMIT[0] + LIMIT[1] * usual)
+            state = "killed" if done.returncode else "survives"
         except subprocess.TimeoutExpired:
-            alive, ended = False, ", by the limit of time"
+            state = "out of time"
         file.write_text(before, encoding="utf-8")
-        return alive, change, f"{len(tests)} tests of {usual:.0f} s in {time.monotonic() - start:.1f} s{ended}"
+        return state, change, f"{len(tests)} tests of {usual:.0f} s in {time.monotonic() - start:.1f} s"
     finally:
         copies.put(copy)
 
@@ -289,7 +291,7 @@ def reach_of(part: str, copies: Queue[Path]) -> dict[str, dict[str, object]]:
 
 def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
     chosen = drawn(count, seed, names)
-    alive: list[dict[str, object]] = []
+    counts, left = dict.fromkeys(OUTCOMES, 0), []
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(jobs) as pool:
         copies: Queue[Path] = Queue()
         for number in range(jobs):
@@ -297,17 +299,18 @@ def main(count: int = 300, seed: int = 1, jobs: int = 2, *names: str) -> int:
         reach = dict(zip(PARTS, pool.map(lambda part: reach_of(part, copies), PARTS), strict=True))
         (ROOT / "build").mkdir(exist_ok=True)
         (ROOT / "build" / "reach.json").write_text(json.dumps(reach), encoding="utf-8")
-        results = pool.map(lambda mutant: survives(mutant, copies, reach), chosen)
-        for number, (mutant, (left, change, what)) in enumerate(zip(chosen, results, strict=True), 1):
-            state = "survives" if left else "killed"
+        results = pool.map(lambda mutant: outcome(mutant, copies, reach), chosen)
+        for number, (mutant, (state, change, what)) in enumerate(zip(chosen, results, strict=True), 1):
             print(f"{number}/{count} {state}: {what}  {mutant.file}  {mutant.operator}", flush=True)
-            if left:
-                alive.append({"file": mutant.file, "operator": mutant.operator, "change": change})
+            counts[state] += 1
+            if state != "killed":
+                left.append({"file": mutant.file, "operator": mutant.operator, "outcome": state, "change": change})
                 print(change, flush=True)
-    record = {"count": count, "seed": seed, "killed": count - len(alive), "survivors": alive}
+    record = {"count": count, "seed": seed, **counts, "left": left}
     (ROOT / "build" / "mutants.json").write_text(json.dumps(record, indent=1, ensure_ascii=False), encoding="utf-8")
-    print(f"{count - len(alive)} of {count} killed, seed {seed}; survivors in build/mutants.json")
-    return 0 if count - len(alive) >= 0.9 * count else 1
+    told = ", ".join(f"{number} {state}" for state, number in counts.items())
+    print(f"{count} changes of seed {seed}: {told}; those not killed are in build/mutants.json")
+    return 0 if counts["killed"] >= 0.9 * count else 1
 
 
 if __name__ == "__main__":
