@@ -135,6 +135,14 @@ def test_eigenvalues_are_in_their_discs_and_their_vectors_near_the_modes(series:
     assert 0.4 < furthest <= 1  # and the bound is not idle
 
 
+def test_the_share_of_the_load_is_above_that_in_a_series_and_not_idle(series: Series) -> None:
+    """Of X in the limit of vanishing damping: ‖p B Ω⁻¹‖."""
+    size = float(series.load) * np.linalg.norm(series.B / series.omega, 2)
+    with precision(BITS):
+        X = float(damped_gaps._load(series.found.gaps, series.left, series.found.lowest, series.load, True))
+    assert size <= X * (1 + 1e-6) < 1.2 * size  # rounding of the series
+
+
 def test_no_high_eigenvalue_reaches_the_axis(series: Series) -> None:
     """Of the series, at loads up to the one of Lemma 11; the low ones do at some."""
     m, n = series.found.lowest, len(series.omega)

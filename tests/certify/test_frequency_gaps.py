@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import acb, arb
 from numpy.polynomial import Legendre
 from numpy.polynomial.legendre import leggauss
 from scipy.linalg import eigh, eigvalsh, null_space
@@ -156,6 +156,38 @@ def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remain
         *_, g1, g0, _, _ = local(1.0)
         rest += g1 * 0.5**2 + 2 * g0 * 0.5 * 0.5
     assert abs(energy / (c**4 * (uniform + rest)) - 1) < 1e-9
+
+
+def test_what_springs_along_a_variable_section_add_is_in_the_remainder() -> None:
+    """∫ k y² + n y'² dx = c⁴ ∫ (what they add to A w'² + 2B w w' + G w²) dz for y = ρ w: the two densities in x."""
+    m, EI = [Fraction(2), Fraction(-3, 2)], [Fraction(3), Fraction(-1), Fraction(-1, 2)]
+    springs = {0: [Fraction(5), Fraction(7)], 1: [Fraction(-4), Fraction(6)]}
+    forms = [
+        SimpleNamespace(kinds=("clamped", "free"), masses={}, m=[m], EI=[EI], elastic=[of]) for of in ({}, springs)
+    ]
+    with precision(BITS):
+        bare, held = (VariableSection(of) for of in forms)  # type: ignore[arg-type]
+        c = float(held.scale)
+        for x, w, dw in product((0.2, 0.5, 0.9), (1.0, -2.0), (0.0, 3.0)):
+            A, B, G = (float(a - b) for a, b in zip(held._local(arb(x))[:3], bare._local(arb(x))[:3], strict=True))
+
+            def rho(at: float) -> float:
+                return float((held._local(arb(at))[5] / arb(2 - 1.5 * at)).sqrt())
+
+            rate, h = float(held._local(arb(x))[5]), 1e-4
+            slope = rho(x) * rate * dw + (rho(x + h) - rho(x - h)) / (2 * h) * w
+            density = (5 + 7 * x) * (rho(x) * w) ** 2 + (-4 + 6 * x) * slope**2
+            assert density == pytest.approx(c**4 * rate * (A * dw**2 + 2 * B * w * dw + G * w**2), rel=1e-6)
+
+
+def test_a_wave_and_its_slope_are_not_both_small() -> None:
+    """2 b cos(L γ + φ) and its slope: at any phase one is larger than what is left out, if that is in their ellipse."""
+    b, L = 0.5, 3
+    for value, slope in ((0.9, 0.3), (0.2, 0.9), (0.9, 0.5), (0.6, 0.9)):
+        waves = {(sign,): (acb(0, sign).exp() * b, acb(0)) for sign in (1, -1)}
+        rest = arb(2 * b * value), arb(2 * b * L * slope)
+        apart = stepped_section._cells_apart(waves, rest, [arb(L)], arb("0.001"))
+        assert apart == (value**2 + slope**2 < 1)
 
 
 @pytest.mark.parametrize(

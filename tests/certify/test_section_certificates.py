@@ -10,15 +10,17 @@ from fractions import Fraction
 from functools import cache
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb, arb_poly, fmpq_poly
+from flint import acb, acb_poly, arb, arb_poly, fmpq_poly
+from scipy.linalg import expm
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_of_sections
+from freebeam_derive.certify import verifier, verifier_of_sections, verifier_waves
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _sections
 from freebeam_derive.certify.verifier_boxes import Box
@@ -323,6 +325,36 @@ def test_waves_and_a_rest_are_the_characteristic_function(case: str) -> None:
         assert bound is not None and wide is not None and abs(off[0]) > 1e-5 * float(bound)
 
 
+def test_what_is_left_out_of_waves_is_no_less_than_where_all_is_coupled_as_much_as_it_may_be() -> None:
+    """w' = (5/8 ε A + ε³ H) w + E v, v' = −(γ − E) v + E w, E = ε A + ε³ H: the waves and the others on a segment."""
+    other = verifier_waves._wedge(*([acb(k) ** d / 2 for d in range(4)] for k in (1, -1)))
+    same = [[acb_poly([int(i == j)]) for j in range(6)] for i in range(6)]
+    L, g = 2.0, 7.0
+    for A, H, w, v in product((0.0, 0.8), (0.0, 60.0), (0.0, 1.0), (0.0, 1.0)):
+        them: Any = object.__new__(Apart)
+        them.segments = [SimpleNamespace(length=arb(L), A=(arb(A), arb(A * L)), H=(arb(H), arb(H * L)))]
+        z = [acb_poly([w * u + v * x]) for u, x in zip(verifier_waves.UNITS[1], other, strict=True)]
+        them.joints, them.stages = [None, same], [{(): z}]
+        E = A / g + H / g**3
+        end = expm(L * np.array([[5 / 8 * A / g + H / g**3, E], [E, E - g]])) @ [w, v]
+        truth = end[0] - w + end[1]
+        with flint.ctx.workprec(BITS):
+            rest = them.rest(arb(g), arb(0))
+            assert rest is not None and truth <= float(rest) * (1 + 1e-12) <= 3 * truth + 1e-9
+
+
+def test_a_wave_and_its_slope_are_not_both_small() -> None:
+    """2 b cos(L γ + φ) and its slope: at any phase one is larger than what is left out, if that is in their ellipse."""
+    b, L = 0.5, 3
+    for value, slope in ((0.9, 0.3), (0.2, 0.9), (0.9, 0.5), (0.6, 0.9)):
+        them: Any = object.__new__(Apart)
+        them.stages = [{(sign,): [acb_poly([acb(0, sign).exp() * b])] for sign in (1, -1)}]
+        them.lengths, them.whole = [arb(L)], arb(L)
+        of_slope = 2 * b * slope  # of L times it, by Cauchy's estimate on a circle of 1/L
+        them.rest = lambda G, eta, value=value, of_slope=of_slope: arb(of_slope if eta > 0 else 2 * b * value)
+        assert them._cells_apart(arb(0), arb(9), arb("0.001")) == (value**2 + slope**2 < 1)
+
+
 def test_a_gap_that_is_too_wide_is_not_claimed() -> None:
     """With the rest of the waves left out two zeros would seem further apart than they are."""
     _, of = column("step and mass")
@@ -405,6 +437,21 @@ def test_a_load_at_a_place_is_of_that_place_or_of_the_two_ends() -> None:
             sections(("free", "free"), breaks, forms)
 
 
+@pytest.mark.parametrize(("at", "of"), [*product((0, 2), (0, 2))])
+def test_a_moment_may_follow_the_slope_of_either_end(at: int, of: int) -> None:
+    """On a pinned beam, with s = 0: y is a cubic, and bends over without more where the moment is 6 or −3 times it."""
+    along = {name: {"along": [[n, 0, p, p, "1"] for n in (0, 1)], "points": []} for name, p in (("M", 0), ("E", 2))}
+    forms = along | {"H": {"along": [], "points": [[at, 1, of, 1, "1"]]}}
+    static = 6 if at != of else -3
+    with flint.ctx.workprec(BITS):
+        F = Pieces(sections(("pinned", "pinned"), (Fraction(0), Fraction(1, 2), Fraction(1)), forms))
+        below, there, above = (
+            Box(F, p, arb(0), 0).value(p, arb(0))
+            for p in (arb(static) - arb("0.01"), arb(static), arb(static) + arb("0.01"))
+        )
+    assert there.contains(0) and below * above < 0
+
+
 def frequencies_of(F: arb_poly, rest: str) -> Frequencies:
     """Those of a function of u = ω², known but for a rest."""
     them = object.__new__(Frequencies)
@@ -418,6 +465,19 @@ def test_a_sign_is_none_where_the_rest_is_larger() -> None:
         for off, seen in (("-0.002", -1), ("-0.0009", 0), ("0.0009", 0), ("0.002", 1)):
             gamma = Fraction((1 / 16 + float(off)) ** 0.25)
             assert them._sign(gamma) == sign * seen
+
+
+def test_of_the_rest_no_slope_is_known_beyond_half_of_its_disc() -> None:
+    """Cauchy's estimate of what is bounded for u ≤ 1 is 1/(1 − u): no more than twice it up to u = 1/2."""
+    them = frequencies_of(arb_poly([arb(1), 1]), "0.001")
+    for u, known in ((0.3, True), (0.49, True), (0.51, False), (0.9, False), (1.5, False)):
+        gamma = Fraction(u**0.25)
+        for asked in (lambda g=gamma: them._sign(g), lambda g=gamma: them._between(g * Fraction(15, 16), g, 0)):
+            if known:
+                asked()
+            else:
+                with pytest.raises(Refused, match="too far"):
+                    asked()
 
 
 def test_frequencies_close_together_are_each_found_once() -> None:

@@ -153,6 +153,16 @@ def test_reaches_grow_with_m_and_none_is_above_that_of_a_line() -> None:
             strips.reaches(arb(10) ** 6)
 
 
+def test_a_line_that_is_not_free_is_below_every_m() -> None:
+    """Whichever line it is: m is said of lines that are all free."""
+    for line in range(1, 9):
+        them: Any = object.__new__(Strips)
+        them.modes, them.reach_from = SimpleNamespace(count=12), lambda k: arb(50)
+        them.reach = lambda k, line=line: arb(3) if k == line else arb(70)
+        assert [*them.reaches(arb(40))] == [*range(9, line, -1)]
+        assert all(reach <= (50 if m > line else 3) for m, reach in them.reaches(arb(2)).items())
+
+
 def stated(kernel: ModuleType, **changes: Any) -> Any:
     """A kernel with other forms."""
     forms = kernel.forms(Fraction(1)) | changes
