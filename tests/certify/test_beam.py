@@ -432,6 +432,17 @@ def test_a_restabilisation_is_refused() -> None:
         beam_itself.flutter_damped(Beam(reversed_load(beck, 50)), NONE, HALF, (50 - 20.1, 11.0), 20)
 
 
+def test_an_enclosure_that_gets_no_finer_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As where rounding outweighs what more bits give: here the second image of a box is the box."""
+    _, problem, start = problems()[0]
+    right, images = beam_itself.image, iter(range(9))
+    monkeypatch.setattr(
+        beam_itself, "image", lambda x, value, slopes, box: [*box] if next(images) else right(x, value, slopes, box)
+    )
+    with pytest.raises(Unproven, match="does not shrink"):
+        beam_itself._enclose(problem, start, 400, 96)
+
+
 def test_a_start_that_leads_nowhere_is_reported() -> None:
     with pytest.raises(
         beam_itself.NoZero, match=r"undamped flutter at the load \(and ω²\) 5, 9 is not proven: Newton's method"

@@ -113,6 +113,7 @@ def test_a_range_is_accepted_as_it_was_written(case: str) -> None:
     load = Fraction(enclosed_load(fb.column("beck"), **{name: middle}).load[0])
     (at,) = [p for p in stated.pieces if p.low <= middle < p.high]
     assert at.load[0] < load < at.load[1] and at.kind == certificate("range", case)["pieces"][0]["kind"]
+    assert all(stated.load[0] <= p.load[0] and p.load[1] <= stated.load[1] for p in stated.pieces)
     assert f"each value of {name} from {low} to {high}" in str(stated)
     record = stated.record()
     changed = [at[name] for at in record["parameters"]] if name == "eta" else record[name]

@@ -104,6 +104,16 @@ def test_forged_matrices_are_refused() -> None:
     refused({key: value for key, value in data.items() if key != "beside"}, "beside")
 
 
+def test_what_is_no_list_of_matrices_is_refused() -> None:
+    """Even where nothing would be read from it; and more powers of the load than are served, of matrices of nothing."""
+    data = written("undamped")
+    nothing = [["0"] * len(row) for row in data["K"][0]]
+    for letter in "MCK":
+        for junk in ({}, "", "00", {"0": nothing}, (nothing,), None, 0, [nothing] * 10, data[letter] + [nothing] * 10):
+            refused(data | {letter: junk}, "no list by powers of the load, or too many")
+        refused(data | {letter: [[*nothing, nothing[0]]]}, "rows and columns")
+
+
 def test_parts_of_matrices_have_exactly_nothing_between_them() -> None:
     data = written("two planes")
     for entry in ("1/1000000", ["0", "1/1000000"]):
