@@ -626,3 +626,23 @@ def test_the_growth_rate_of_a_limit_rises_where_its_branch_bends_upwards(curvatu
     else:
         with pytest.raises(Unproven, match="a restabilisation"):
             limit.onset([arb(1), arb(1)], taylor)
+
+
+@pytest.mark.parametrize("factor", ["-70", "-0.01", "0.01", "70"])
+@pytest.mark.parametrize("rises", [True, False])
+def test_the_direction_of_a_crossing_is_that_of_the_branch_whatever_the_function_is_multiplied_by(
+    factor: str, rises: bool
+) -> None:
+    """F = a (s² + c p) parts into a complex pair, a (s + c p) into s < 0, a (s + c p w) grows with w: where c > 0."""
+    a, c = arb(factor), 3 if rises else -3
+    asked: list[tuple[Any, dict[Any, Any]]] = [
+        (beam_itself.Coalescence(Beam(beck)), {(0, 2): a, (1, 0): a * c}),
+        (beam_itself.Static(Beam(beck)), {(0, 1): a, (1, 0): a * c}),
+        (object.__new__(beam_itself.VanishingRates), {(0, 1, 0): a, (1, 0, 0): a * 0, (1, 0, 1): a * c, (0, 1, 1): a}),
+    ]
+    for problem, taylor in asked:
+        if rises:
+            problem.onset([arb(1), arb(1)], taylor)
+        else:
+            with pytest.raises(beam_itself.NoOnset):
+                problem.onset([arb(1), arb(1)], taylor)

@@ -72,19 +72,19 @@ def vanishing(part: Part, flutter: bool, limit: bool) -> fmpq_poly | None:
 def _boundary(
     M: list[fmpq_mat], C: list[fmpq_mat], K: list[fmpq_mat], limit: bool
 ) -> tuple[list[fmpq_poly], list[fmpq_poly]]:
-    """h and g as of a `Boundary`, but for a factor: polynomials in P by powers of x."""
+    """h and g of det(K + λ² M + λ C) = h(x) + λ g(x), but for a factor: polynomials in P by powers of x = λ²."""
     n = M[0].nrows()
     loads = [fmpq(k) for k in range(1, 2 + n * (max(map(len, (M, C, K))) - 1))]
     rates = [fmpq(k) for k in range(n + 1 if limit else 2 * n + 1)]
     of_h, of_g = [], []
     for P in loads:
         m, c, k = (sum((X * P**a for a, X in enumerate(of)), 0 * M[0]) for of in (M, C, K))
-        if limit:  # x for the rates, and of damping ε C the first order in ε
-            whole = [_through(rates, [(k - x * m + e * c).det() for e in rates]) for x in rates]
+        if limit:  # of damping ε C the first order in ε
+            whole = [_through(rates, [(k + x * m + e * c).det() for e in rates]) for x in rates]
             h, g = (_through(rates, [p[order] for p in whole]) for order in (0, 1))
         else:
             p = _through(rates, [(rate * rate * m + rate * c + k).det() for rate in rates])
-            h, g = (fmpq_poly([(-1) ** b * p[2 * b + odd] for b in range(n + 1)]) for odd in (0, 1))
+            h, g = (fmpq_poly([p[2 * b + odd] for b in range(n + 1)]) for odd in (0, 1))
         of_h.append(h)
         of_g.append(g)
     by_x = [_without_zeros([_through(loads, [p[b] for p in of]) for b in range(n + 1)]) for of in (of_h, of_g)]
