@@ -76,6 +76,29 @@ def test_the_gaps_of_high_frequencies_are_no_wider_than_they_are(name: str, tmp_
             assert omega[k - 1] < np.sqrt(R) - gap / 2.01 and np.sqrt(R) + gap / 2.1 < omega[k]
 
 
+def test_gaps_of_high_frequencies_are_as_many_times_as_wide_as_is_asked() -> None:
+    """Of one part and of more."""
+    for name, load in (("pflueger", arb(16)), ("point-mass", arb(1))):
+        with precision(BITS):
+            gaps = FrequencyGaps(system(name, {}), load, 4)
+            assert gaps.gap(gaps.count) > 4 * load * gaps.size
+
+
+def test_far_gaps_are_in_the_units_of_the_column() -> None:
+    """With bending and springs 81 times as stiff each frequency is 9 times as high, and so is each gap."""
+    found = []
+    for stiff in (1, 81):
+        forms: Any = SimpleNamespace(
+            kinds=("clamped", "free"), masses={}, m=[[Fraction(4), Fraction(-1)]], elastic=[{0: [Fraction(7 * stiff)]}],
+            EI=[[Fraction(3 * stiff), Fraction(-stiff)]], springs={(Fraction(1), 0): Fraction(5 * stiff)},
+            pieces=lambda: [(0, (arb(k) / 32).union(arb(k + 1) / 32)) for k in range(32)],
+        )  # fmt: skip
+        with precision(BITS):
+            found.append([*map(float, VariableSection(forms).far_gap(9))])
+    (R, gap), stiffer = found
+    assert gap > 0 and stiffer == pytest.approx([81 * R, 9 * gap], rel=1e-9)
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_the_load_is_no_larger_than_its_bound(name: str) -> None:
     """‖M^(−1/2) H A^(−1/2)‖ of a series is at most C, and C is not idle."""
