@@ -613,6 +613,19 @@ def test_roots_beside_the_one_near_an_asymptote_are_told() -> None:
             balls._isolated(three, 1)
 
 
+def test_a_root_of_another_asymptote_is_not_taken() -> None:
+    """sin δ has one root near each of its asymptotes, π from each other: a start may lead to that of the next."""
+    sine = ModuleType("sine")
+    sine.characteristic = lambda delta, *_: ([delta[0].sin()], [delta[0].cos()])  # type: ignore[attr-defined]
+    for start, taken in ((1e-14, True), (np.pi, False), (-np.pi, False)):
+        sine.basis = lambda modes, at=start: SimpleNamespace(quarter=[2], sigma=[1], delta=[at])  # type: ignore[attr-defined]
+        if taken:
+            assert balls.roots(sine, 1)[2][0].contains(0)
+        else:
+            with pytest.raises(Unproven, match="does not lie near its asymptote"):
+                balls.roots(sine, 1)
+
+
 @pytest.mark.parametrize("curvature", [-1, 1])
 @pytest.mark.parametrize("factor", [-7, 0, 7])
 def test_the_growth_rate_of_a_limit_rises_where_its_branch_bends_upwards(curvature: int, factor: int) -> None:
