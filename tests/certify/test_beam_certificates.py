@@ -29,7 +29,7 @@ from freebeam_derive.certify import (
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped
-from freebeam_derive.certify.strips import Strips
+from freebeam_derive.certify.strips import Strips, modes_of
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form
@@ -427,6 +427,10 @@ def test_lengths_of_the_modes_derivatives_are_bounded(ends: tuple[str, str]) -> 
         squares = lines.integrals(0, 1, 1)
         for i, (bound, g) in enumerate(zip(lines.norms, lines.gamma, strict=True)):
             assert squares[i, i].sqrt() < bound + arb("1e-30") and bound < lines.longest * g + arb("1e-30")
+        modes = modes_of(ends, 9, 128)
+        for end in (0, 1):  # and their slopes, as the prover has them
+            for slope, g in zip(modes.derivative(end, 1), modes.gamma, strict=True):
+                assert abs(slope) < lines.steepest * g + arb("1e-30")
 
 
 def test_a_certificate_of_the_limit_says_so() -> None:

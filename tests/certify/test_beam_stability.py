@@ -76,6 +76,9 @@ def test_the_first_loss_of_stability_of_the_beam_itself_is_proven(name: str) -> 
     assert [s.start for s in evidence.stretches] == whole[:-1] and whole[0] == 0
     if damping == [NONE, NONE, None]:
         assert abs(float(whole[-1]) - float(crossing.load)) < 1e-12
+        assert evidence.cells == evidence.frequency == 0  # it needs none
+    else:
+        assert evidence.cells > 0 and evidence.frequency > 0
 
 
 LATER: dict[str, Callable[[], Asked]] = {
