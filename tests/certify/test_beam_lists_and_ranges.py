@@ -15,7 +15,7 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from math import pi
 from types import SimpleNamespace
 from typing import Any
@@ -34,6 +34,7 @@ from freebeam_derive.certify import (
     verifier_cells,
     verifier_of_beam,
     verifier_shooting,
+    verifier_signs,
     verifier_touches,
 )
 from freebeam_derive.certify.balls import precision
@@ -458,6 +459,35 @@ def test_zeros_of_one_less_the_cosine_are_at_even_multiples(monkeypatch: pytest.
     monkeypatch.setattr(verifier_touches, "_sign", lambda F, R: -1)
     with precision(128):
         assert touches(Shooting(*of_kernel(beck)), 0, Fraction(160)) == [2, 4]
+
+
+def test_one_and_the_cosine_alone_pass_zero_nowhere(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of one size and of one power of k; as powers of k, cos k and sin k with factors."""
+    for whole, sign in (
+        ({(3, 0, 0): 2, (3, 1, 0): 2}, 1), ({(3, 0, 0): -2, (3, 1, 0): 2}, -1), ({(3, 1, 0): 1, (3, 0, 1): 1}, 0),
+        ({(3, 0, 0): 1, (3, 0, 1): 1}, 0), ({(3, 0, 0): 1, (4, 1, 0): 1}, 0), ({(3, 0, 0): 2, (3, 1, 0): 1}, 0),
+        ({(3, 0, 0): 1}, 0), ({}, 0), ({(3, 0, 0): 1, (3, 1, 0): 1, (5, 0, 0): 1}, 0),
+        ({(3, 1, 0): 1, (4, 0, 0): 1}, 0),
+    ):  # fmt: skip
+        monkeypatch.setattr(verifier_touches, "_determinant", lambda rows, whole=whole: whole)
+        if sign:
+            assert verifier_touches._sign(Shooting(*of_kernel(beck)), 0) == sign
+        else:
+            with pytest.raises(Refused, match="pass zero nowhere"):
+                verifier_touches._sign(Shooting(*of_kernel(beck)), 0)
+
+
+def test_between_ends_of_one_known_sign_what_is_monotone_has_no_zero(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Nor is anything known between ends of which one is 0, as far as can be told, unless a zero there is known."""
+    monkeypatch.setattr(verifier_signs, "Box", lambda *of: SimpleNamespace(value=lambda *at: arb(1)))
+    a, b = Fraction(3), Fraction(5)
+    for low, high in product((-1, 0, 1), repeat=2):
+        them: Any = object.__new__(Signs)
+        them.F, them.R = None, 0
+        them.sign = lambda x, y, s, low=low, high=high: low if x == 3 else high
+        assert them._one_zero(a, b, []) == (low == high != 0)
+        assert them._one_zero(a, b, [(Fraction(4), Fraction(9, 2))])
+        assert not them._one_zero(a, b, [(Fraction(4), Fraction(6))])
 
 
 def test_a_crossing_is_of_one_direction_alone() -> None:

@@ -43,9 +43,8 @@ def _sign(F: Shooting, R: int) -> int:
         rows.append(row)
     whole = {key: f for key, f in _determinant(rows).items() if f}
     require(len(whole) == 2, PASSES)
-    k = min(whole)[0]
-    one, cosine = whole.get((k, 0, 0), Fraction(0)), whole.get((k, 1, 0), Fraction(0))
-    require(abs(one) == abs(cosine) != 0, PASSES)
+    ((k, c, s), one), (other, cosine) = sorted(whole.items())
+    require((c, s) == (0, 0) and other == (k, 1, 0) and abs(one) == abs(cosine), PASSES)
     return 1 if one == cosine else -1
 
 
