@@ -321,7 +321,7 @@ def test_a_true_certificate_is_accepted_and_says_what_it_proves(name: str) -> No
 @pytest.mark.parametrize("name", CASES)
 def test_the_verifier_s_matrices_have_the_kernel_s_eigenvalues(name: str) -> None:
     data, asked = written(name), CASES[name]
-    _, N, system, *_ = verifier._of_forms(data)
+    _, N, system, *_ = verifier.of_forms(data)
     load = 0.7 * crossings(name)[0][0]
     with flint.ctx.workprec(300):
         found = system()

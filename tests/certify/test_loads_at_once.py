@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_loads
+from freebeam_derive.certify import verifier, verifier_lists, verifier_loads
 from freebeam_derive.certify.one_load import equal, vanishing
 from freebeam_derive.certify.parts import Part, split
 from tests.stated import file_of
@@ -84,6 +84,9 @@ def test_a_divergence_and_a_flutter_at_one_load_are_both_said() -> None:
     assert "and at exactly that load by" in str(said) and len(said.record()["at_once"]) == 1
     listed = fb.certified_crossings(column("links"), 1, load_max=4, digits=12)
     assert {c.kind for c in listed[:2]} == {"flutter", "divergence"} and listed[1].unstable_above == 3
+    all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
+    assert {p.kind for p in all_of.passings} == {"flutter", "divergence"} and "overlap" in str(all_of)
+    assert {(p.unstable, p.change) for p in all_of.passings} == {(0, 3)}  # below both, and above both
 
 
 @pytest.mark.parametrize(("b", "kind"), [("1e-40", "flutter"), ("-1e-40", "divergence")])

@@ -27,6 +27,7 @@ from freebeam_derive.certify import (
     commutant,
     first_crossing,
     verifier,
+    verifier_lists,
     verifier_motions,
     verifier_of_matrices,
     verifier_parts,
@@ -145,11 +146,14 @@ def test_two_planes_of_other_mass_are_lost_at_one_load_with_other_frequencies() 
     load, other = proven(name).load, proven("two planes").load
     assert load is not None and other is not None and max(F(load[0]), F(other[0])) < min(F(load[1]), F(other[1]))
     said = verifier.verify(written(name))
-    assert isinstance(said, verifier.OfForms) and said.times == 2 and said.rescaled and "unit of time" in str(said)
+    assert isinstance(said, verifier.OfForms) and "unit of time" in str(said)
+    assert said.times == 2 and set(said.scales) in ({1, 4}, {1, F(1, 4)})
     found = fb.certified_crossings(column(name), 3, load_max=21, digits=10)
     assert [(c.unstable_below, c.unstable_above) for c in found] == [(0, 2), (2, 4)]
     slow, fast = (float(c.frequency[0]) for c in found)
     assert fast == pytest.approx(2 * slow, rel=1e-9)
+    stated = verifier_lists.verify(json.loads(json.dumps(found.certificate))).record()["crossings"]
+    assert [float(c["frequency_lower"]) for c in stated] == pytest.approx([slow, fast], rel=1e-9)
     data = written(name)
     for letter, k in (("M", 0), ("K", 0), ("K", 1)):
         for n, term in enumerate(data["forms"][letter][k]["along"]):
@@ -386,7 +390,7 @@ def first(terms: Terms, names: list[str], near: tuple[float, float] | None, top:
             with precision(bits * times):
                 parts = split(*terms, names, False, rest)
                 found = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in parts]
-                return first_crossing._certify(found, Question(1), near, 12, bits * times, F(top))
+                return first_crossing.certify_parts(found, Question(1), near, 12, bits * times, F(top))
         except Unproven as error:
             reason = error
     raise reason
@@ -449,6 +453,11 @@ def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
             values = rates(name, float(middle))
             assert (values.real > 1e-4 * abs(values).max()).sum() == one.unstable_above == following.unstable_below
         assert found[0].unstable_above == (times if found[0].kind == "divergence" else 2 * times)
+        said = verifier_lists.verify(json.loads(json.dumps(found.certificate)))
+        for one in found:
+            (same,) = {(p.unstable, p.unstable + p.change) for p in said.passings if p.load[0] < F(one.load[1]) and
+                       F(one.load[0]) < p.load[1]}  # fmt: skip
+            assert same == (one.unstable_below, one.unstable_above)
 
 
 def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:
@@ -634,11 +643,12 @@ def test_the_verifier_takes_parts_for_one_another_where_one_factor_or_one_unit_o
     for factors in itertools.product((1, 2, -3), repeat=3):
         same = len(set(factors)) == 1
         assert verifier_parts.alike(one, terms(*factors, rate=1)) == same
-        assert not verifier_parts.rescaled(one, terms(*factors, rate=1))
-        assert verifier_parts.rescaled(still, terms(*factors)) == (min(factors[::2]) > 0)
+        assert verifier_parts.rescaled(one, terms(*factors, rate=1)) is None
+        of_time = fmpq(factors[2], factors[0]) if min(factors[::2]) > 0 else None
+        assert verifier_parts.rescaled(still, terms(*factors)) == of_time
     for of in (one, still):
         for other in (terms(1, 1, 1, size=3), [of[0], of[1], of[2][:1]], [of[0], of[1], of[2][::-1]]):
-            assert not verifier_parts.alike(of, other) and not verifier_parts.rescaled(of, other)
+            assert not verifier_parts.alike(of, other) and verifier_parts.rescaled(of, other) is None
 
 
 # --- factors that are no fractions ------------------------------------------------------------------------------------

@@ -118,10 +118,15 @@ class Statement:
     def forms(self) -> str:
         return f"the forms in this file (which names them {self.named}; that they are its is not checked)"
 
-    def proven(self, what: str, damped: bool, above_zero: bool = False, also: str = "") -> str:
+    @property
+    def of(self) -> str:
+        """What it is a statement of, in words: the forms, the functions and the damping."""
+        raise NotImplementedError
+
+    def proven(self, damped: bool, above_zero: bool = False, also: str = "") -> str:
         """The statement in full, in one line. also: what else is lost at that load."""
         loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
-        stable = f"proven of {what}: stable at {loads}"
+        stable = f"proven of {self.of}: stable at {loads}"
         if self.load is None:
             return f"{stable} {said(self.end)}"
         low, high = shown(*self.load)
@@ -156,10 +161,14 @@ class OfBeam(Statement):
     kappa: Fraction | float | None
     damping: Damping | None
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"column {self.named}" if self.ours else self.forms
         what += f", {self.ends[0]} at x = 0 and {self.ends[1]} at x = 1, N = {self.modes} ({self.basis})"
-        return self.proven(f"{what}, {self.damped}", self.damping is not None)
+        return f"{what}, {self.damped}"
+
+    def __str__(self) -> str:
+        return self.proven(self.damping is not None)
 
     def record(self) -> dict[str, Any]:
         return super().record() | {"basis": self.basis} | self.of_column
@@ -209,9 +218,8 @@ class OfForms(Statement):
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
     damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0. times: how many of the parts are the first, itself counted; rescaled: some in another unit of
-    time, with frequencies that are those of the first times a factor. at_once: other parts that are lost at exactly the
-    same load.
+    said is said of P > 0. scales: of λ² in the parts that are the first again, itself counted, but for the unit of
+    time. at_once: other parts that are lost at exactly the same load.
     """
 
     breaks: tuple[Fraction, ...]
@@ -223,11 +231,15 @@ class OfForms(Statement):
     above_zero: bool
     gyroscopic: bool = False
     parts: tuple[tuple[str, ...], ...] = ()
-    times: int = 1
-    rescaled: bool = False
+    scales: tuple[Fraction, ...] = (Fraction(1),)
     turn: fmpq | None = None
     whirls: bool = False
     at_once: tuple[Lost, ...] = ()
+
+    @property
+    def times(self) -> int:
+        """How many of the parts are the first."""
+        return len(self.scales)
 
     @property
     def of_one(self) -> str:
@@ -240,7 +252,8 @@ class OfForms(Statement):
             return super().frequency
         return whirl(self.square, self.turn)
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
         what += f", N = {self.modes} ({self.size} functions)"
         if self.motions:
@@ -254,17 +267,19 @@ class OfForms(Statement):
             each = (f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
             of += f", {' and '.join(each)} leaving each other alone"
         if self.times > 1:
-            but = " but for the unit of time" if self.rescaled else ""
-            of += f", {self.times} of them the same{but}, of which each is lost at that load where one is"
-        if self.turn is not None and not self.whirls:
-            frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
-            of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
-        return self.proven(what + of, self.damped, self.above_zero, self._also)
+            but = " but for the unit of time" if set(self.scales) != {1} else ""
+            of += f", {self.times} of them the same{but}, of which each is lost at a load where one is"
+        return what + of
+
+    def __str__(self) -> str:
+        return self.proven(self.damped, self.above_zero, self._also)
 
     @property
     def _also(self) -> str:
-        """What else is lost at the same load, in words."""
+        """How its frequency is seen, and what else is lost at the same load, in words."""
         text = ""
+        if self.turn is not None and not self.whirls:
+            text += f" as seen from rest (in the frame each omega is omega - {self.turn} and omega + {self.turn})"
         for of in self.at_once:
             where = "where det K = 0" if of.omega is None else f"with omega between {' and '.join(shown(*of.omega))}"
             text += f", and at exactly that load by {of.kind} of motions of {'-'.join(of.names)}, {where}"

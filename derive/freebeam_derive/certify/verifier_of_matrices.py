@@ -52,7 +52,8 @@ class OfMatrices(Statement):
     def of_one(self) -> str:
         return " of one of these" if len(self.parts) > 1 else ""
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"every M, C and K within those in this file (which names them {self.named}; that they are its is not "
         what += f"checked), N = {self.modes} ({self.size} functions), entries within {float(self.widest):.1e}"
         of = f", said to be at alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
@@ -60,7 +61,10 @@ class OfMatrices(Statement):
             of = f", in the limit of vanishing damping along C, said to be {vanishing(self.kappa)}"
         if len(self.parts) > 1:
             of += f", {' and '.join('-'.join(names) for names in self.parts)} leaving each other alone"
-        return self.proven(what + of, self.damped, self.above_zero)
+        return what + of
+
+    def __str__(self) -> str:
+        return self.proven(self.damped, self.above_zero)
 
     def record(self) -> dict[str, Any]:
         return super().record() | {
@@ -70,8 +74,8 @@ class OfMatrices(Statement):
         }  # fmt: skip
 
 
-def verify(data: dict[str, Any]) -> OfMatrices:
-    """Check a certificate of matrices in balls. Raises Refused."""
+def read(data: dict[str, Any]) -> verifier.Read:
+    """A certificate of matrices in balls. Raises Refused."""
     require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
     claims, names, kappa = claims_of(data), data["names"], ratio(data["kappa"])
     size = len(names)
@@ -97,8 +101,12 @@ def verify(data: dict[str, Any]) -> OfMatrices:
     others: list[verifier.Checked] = [
         (part.system, part.stretches(of, stated.top), None) for part, of in zip(parts[1:], beside, strict=True)
     ]
-    verifier.check(stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), others)
-    return stated
+    return stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), others
+
+
+def verify(data: dict[str, Any]) -> Statement:
+    """Check a certificate of matrices in balls. Raises Refused."""
+    return verifier.check(*read(data))
 
 
 FORMATS: verifier.Others = {FORMAT: verify}

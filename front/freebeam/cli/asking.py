@@ -102,13 +102,15 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
             return
         self.check()
         found = self.compute()
-        if self.certificate and found.proven is not None:
+        if self.certificate and found.crossings is not None:
+            missing = found.crossings.missing
+            refuse(missing, f"{self.certificate}: is not written: {missing}")
+            self.keep(found.crossings.certificate)
+        elif self.certificate and found.proven is not None:
             missing = found.proven.missing
             why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
             refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             self.keep(found.proven.certificate)
-        elif self.certificate and found.crossings is not None:
-            self.keep(found.crossings.certificate)
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title())
