@@ -604,6 +604,61 @@ def test_of_two_planes_that_whirl_the_determinant_is_one_s_at_both_senses(turn: 
         assert abs(whole - p[0] * p[1]) < 1e-8 * abs(whole)
 
 
+def turning(*planes: tuple[Any, Any, Any, int]) -> Terms:
+    """Pairs of planes alike, each as in a frame that turns at a rate: M, E and H of one of two."""
+    blocks: list[list[Any]] = [[], [], [], []]
+    for M, E, H, rate in planes:
+        for of, one, other in zip(
+            blocks, (M, 0 * M, E - rate**2 * M, H), (0 * M, 2 * rate * M, 0 * M, 0 * M), strict=True
+        ):
+            of.append(np.block([[one, -other], [other, one]]))
+
+    def beside(parts: list[Any]) -> Any:
+        n = [0, *itertools.accumulate(map(len, parts))]
+        whole = np.full((n[-1], n[-1]), fmpq(0))
+        for k, X in enumerate(parts):
+            whole[n[k] : n[k + 1], n[k] : n[k + 1]] = [[fmpq(int(v)) for v in row] for row in X]
+        return whole
+
+    M, C, K, H = map(beside, blocks)
+    return [M], [C], [K, H]
+
+
+def test_planes_that_are_seen_from_rest_may_be_lost_at_one_load() -> None:
+    """At rest two frequencies meet at P = 1, ω = 2; of another mass and stiffness matrix too, in a faster frame."""
+    one, T = np.eye(2, dtype=int), np.array([[1, 1], [0, 2]])
+    E, H = np.diag([3, 5]), np.array([[0, -1], [1, 0]])
+    terms = turning((one, E, H, 1), (T.T @ T, T.T @ E @ T, T.T @ H @ T, 3))
+    found = first(terms, [f"q{i}" for i in range(8)], (1.0, 1.0), 12)
+    data = certificate_of(terms, found)
+    said = verifier.verify(data)
+    assert isinstance(said, verifier.OfForms) and said.load is not None and said.load[0] < 1 < said.load[1]
+    ((kind, omega),) = found.at_once
+    assert kind == "flutter" and omega is not None and omega[0] < 1 < omega[1]  # 3 - 2
+    (lost,) = said.at_once
+    assert lost.turn == 3 and lost.omega is not None and lost.omega[0] < 2 < lost.omega[1]
+    assert str(said).count("as seen from rest") == 2 and said.record()["at_once"][0]["turn"] == "3"
+    for n, (row, column_, value) in enumerate(data["forms"]["K"][1]["points"]):
+        if {row[0], column_[0]} <= {"q4", "q5", "q6", "q7"}:  # the loads differ, by less than the interval is wide
+            unlike = copy.deepcopy(data)
+            unlike["forms"]["K"][1]["points"][n][2] = str(F(value) * (1 + F(1, 10**25)))
+            refused(unlike)
+    (other,) = data["beside"]
+    refused(
+        data | {"beside": [other | {"kind": "divergence", "frequency_squared": None}]}, "no divergence|not one of a"
+    )
+
+
+def test_what_buckles_as_seen_from_rest_grows_in_the_frame_at_its_rate() -> None:
+    E, rate = np.array([[3, 1], [1, 5]]), 2
+    terms = turning((np.eye(2, dtype=int), E, -np.eye(2, dtype=int), rate))
+    found = first(terms, [f"q{i}" for i in range(4)], (4 - 2**0.5, float(rate)), 12)
+    said = verifier.verify(certificate_of(terms, found))
+    for of in (found, said):
+        assert of.kind == "flutter" and of.load is not None and (4 - of.load[1]) ** 2 < 2 < (4 - of.load[0]) ** 2
+        assert of.frequency is not None and of.frequency[0] < rate < of.frequency[1]
+
+
 def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
     """K = [[6 − P, 0], [1, 2]]: at P = 4 one frequency is double with one mode, and a motion grows with time there."""
     M, K = [[1, 0], [0, 1]], [[[6, 0], [1, 2]], [[-1, 0], [0, 0]]]

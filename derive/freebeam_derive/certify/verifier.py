@@ -637,12 +637,12 @@ class Part:
         claimed = crossing(data | {"load": load})
         require(claimed["load"] is not None, "a part beside is lost, and the first is not")
         square = claimed["square"]
+        require(self.turn is None or square is not None, "a divergence is not one of a frame that turns")
         omega = square if square is None else roots(*square)
-        if self.turn is not None:
-            require(self.whirls and square is not None, "what is lost at the same load is not seen from a frame")
+        if self.whirls and square is not None and self.turn is not None:
             omega = whirl(square, self.turn)
             require(omega[0] > 0, "the frequency of a whirl may be zero")
-        return Lost(tuple(self.names), claimed["kind"], square, omega)
+        return Lost(tuple(self.names), claimed["kind"], square, omega, None if self.whirls else self.turn)
 
     def beside(self, first: Part, stated: OfForms, data: Any, lost: Lost | None) -> Checked:
         """What is to be checked of it beside the first; data: its stretches, or how it is lost at the same load."""

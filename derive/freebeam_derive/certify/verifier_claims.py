@@ -204,12 +204,13 @@ class OfBeam(Statement):
 @dataclass(frozen=True)
 class Lost:
     """A part that is lost at the same load as the first: its fields and coordinates, the kind, intervals of ω² (of
-    ω + turn where planes whirl) and of ω."""
+    ω + turn where planes whirl) and of ω; turn: the rate of the frame of planes that are seen from rest."""
 
     names: tuple[str, ...]
     kind: str
     square: tuple[Fraction, Fraction] | None
     omega: tuple[Fraction, Fraction] | None
+    turn: fmpq | None = None
 
 
 @dataclass(frozen=True)
@@ -277,11 +278,10 @@ class OfForms(Statement):
     @property
     def _also(self) -> str:
         """How its frequency is seen, and what else is lost at the same load, in words."""
-        text = ""
-        if self.turn is not None and not self.whirls:
-            text += f" as seen from rest (in the frame each omega is omega - {self.turn} and omega + {self.turn})"
+        text = "" if self.whirls else _from_rest(self.turn)
         for of in self.at_once:
             where = "where det K = 0" if of.omega is None else f"with omega between {' and '.join(shown(*of.omega))}"
+            where += _from_rest(of.turn)
             text += f", and at exactly that load by {of.kind} of motions of {'-'.join(of.names)}, {where}"
         return text
 
@@ -295,10 +295,16 @@ class OfForms(Statement):
             "parts": [*map(list, self.parts)], "times": self.times,
             "turn": None if self.turn is None or self.whirls else str(self.turn),
             "at_once": [
-                {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high}
+                {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high,
+                 "turn": None if of.turn is None else str(of.turn)}
                 for of in self.at_once for low, high in [shown(*of.omega) if of.omega else ("0", "0")]
             ],
         }  # fmt: skip
+
+
+def _from_rest(turn: fmpq | None) -> str:
+    """How a frequency is seen, in words."""
+    return "" if turn is None else f" as seen from rest (in the frame each omega is omega - {turn} and omega + {turn})"
 
 
 def whirl(square: tuple[Fraction, Fraction], turn: fmpq) -> tuple[Fraction, Fraction]:
