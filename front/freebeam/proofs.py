@@ -53,7 +53,8 @@ class Certified:
     rests that the load alone restores, or nothing is damped. touches: of the beam itself, loads below at each of which
     an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others. at_once:
     of a series, kind and frequency (lower, upper) of each further loss at exactly the same load, of motions that these
-    leave alone, such as those in the other of two planes.
+    leave alone, such as those in the other of two planes. lasting: names of motions that nothing damps beside others
+    that are damped, and that these leave alone: stable is there that none grows, and elsewhere that all die out.
     """
 
     load: tuple[str, str] | None
@@ -69,6 +70,7 @@ class Certified:
     above_zero: bool = False
     touches: tuple[CertifiedCrossing, ...] = ()
     at_once: tuple[tuple[str, tuple[str, str]], ...] = ()
+    lasting: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -378,6 +380,7 @@ def certified_load(
         missing=missing,
         above_zero=enclosure.above_zero,
         at_once=tuple((kind, _frequency(asked, omega, digits)) for kind, omega in enclosure.at_once),
+        lasting=tuple("-".join(names) for names in enclosure.lasting),
     )
 
 

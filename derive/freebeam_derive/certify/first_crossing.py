@@ -84,6 +84,12 @@ class Enclosure:
     beside: tuple[tuple[Stretch, ...] | Enclosure | None, ...] = ()
 
     @property
+    def lasting(self) -> tuple[tuple[str, ...], ...]:
+        """Names of parts that nothing damps beside others that are damped."""
+        damped = [part.damped(self.question.kappa is not None) for part in self.parts]
+        return tuple(part.names for part, of in zip(self.parts, damped, strict=True) if any(damped) and not of)
+
+    @property
     def at_once(self) -> tuple[tuple[str, tuple[Fraction, Fraction] | None], ...]:
         """Kind and rational interval of ω of each other part that is lost at exactly this load; as `frequency`."""
         found: list[tuple[str, tuple[Fraction, Fraction] | None]] = []

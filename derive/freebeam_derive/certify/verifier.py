@@ -462,8 +462,7 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 
 def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], limit: bool) -> list[Part]:
     """The parts of a file. Those of different names: each trial function is of one, and no matrix couples two. Those of
-    the same names are all that `motions` finds. Either all have damping, or none."""
-    damped = not (limit or degrees(terms[0], terms[1], terms[2]).even)
+    the same names are all that `motions` finds."""
     parts = _list(parts, MOST_NAMES)
     require(all(set(part) == {"names", "motion", "frame"} for part in parts), "a part is not names, motion and frame")
     names = [_list(part["names"], MOST_NAMES) for part in parts]
@@ -489,7 +488,9 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         if frame is not None:  # seen from a frame first, then taken apart
             require(all(of == frame for of in frames), "parts of two planes are not seen from one frame")
             inner, turn, whirls = _seen(inner, frame, [held[n][-1] for n in own], limit)
-        each = motions(inner, limit or damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
+        rates = [] if nothing(*inner[1]) else inner[1]
+        damped = bool(rates) if limit else not degrees(inner[0], rates, inner[2]).even
+        each = motions(inner, damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
         order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
@@ -500,7 +501,6 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
                 )
             else:
                 found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
-    require(not damped or all(part and part.damped for part in found), "what is damped is not apart from what is not")
     return [part for part in found if part]
 
 
@@ -537,6 +537,7 @@ def of_forms(data: dict[str, Any]) -> Read:
     beside = _list(data.get("beside", []), MOST_NAMES)
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
     first, damped = each[0], any(part.damped for part in each)
+    lasting = tuple(tuple(part.names) for part in each if damped and not part.damped)
     again = [lines is None for lines in beside]
     those = [part for part, same in zip(each[1:], again, strict=True) if same]
     scales = [part.scale(first) for part in those]
@@ -545,7 +546,7 @@ def of_forms(data: dict[str, Any]) -> Read:
     lost = [part.lost(data["load"], of) if type(of) is dict else None for part, of in others]
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
-        motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
+        motions=len(motions), damped=damped, lasting=lasting, gyroscopic=bool(rates) and not damped,
         above_zero=any(part.above_zero for part in each),
         parts=tuple(tuple(part["names"]) for part in data.get("parts", [])),
         scales=(Fraction(1), *filter(None, scales)), turn=first.turn, whirls=first.whirls,
@@ -583,18 +584,19 @@ class Part:
         M, C, K = motion.terms
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
+        limit = limit and bool(C)
         if frame is not None:
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
             (M, C, K), turn, whirls = _seen([M, C, K], frame, rows, limit)
         known = degrees(M, C, K)
         if limit:
-            require(bool(C), "there is no damping that could vanish")
             still = degrees(M, [], K).highest
             if known.highest > still:
                 require(motion.count == 1, "damping acts on what has no mass, where roots tell motions apart")
                 fast = Fast.of(M, C, K, still, known.highest - still)
             known = replace(known, highest=still + (fast is not None))
-        known = known.each(motion.count, not limit and (known.even or motion.even))
+        even = not C or motion.even or (known.even and motion.count == 1)
+        known = known.each(motion.count, not limit and even)
         require(known.highest > 1, "no motion has a frequency")
         return Part(M, C, K, motion, limit, known, fast, turn, whirls, names)
 
@@ -653,7 +655,7 @@ class Part:
         def check(series: Series) -> None:
             require(series.check_crossing(low, high, lost.square) > 0, "stability is not lost there")
             both = [(part._terms, kind == "flutter") for part, kind in ((first, stated.kind), (self, lost.kind))]
-            check_one_load(both, self.limit, ball(low).union(ball(high)))
+            check_one_load(both, first.limit or self.limit, ball(low).union(ball(high)))
 
         return self.system, self.stretches(data["stretches"], low), check
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -27,6 +27,7 @@ Form = tuple[tuple[tuple[int, int, int, Fraction], ...], tuple[tuple[int, int, i
 # More than any certificate holds that is written: files that would only use up time and memory are not begun.
 LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
 MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
+LASTING = "there stable says that all lambda^2 are real, negative and simple"
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 
 
@@ -123,8 +124,9 @@ class Statement:
         """What it is a statement of, in words: the forms, the functions and the damping."""
         raise NotImplementedError
 
-    def proven(self, damped: bool, above_zero: bool = False, also: str = "") -> str:
-        """The statement in full, in one line. also: what else is lost at that load."""
+    def proven(self, damped: bool, above_zero: bool = False, also: str = "", lasting: bool = False) -> str:
+        """The statement in full, in one line. also: what else is lost at that load; lasting: some parts are undamped
+        beside others."""
         loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
         stable = f"proven of {self.of}: stable at {loads}"
         if self.load is None:
@@ -135,6 +137,8 @@ class Statement:
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
         other = f"eigenvalue{self.of_one} has Re = 0" if damped else f"frequencies{self.of_one} meet"
+        if lasting:
+            other = "eigenvalue of a damped part has Re = 0, and no frequencies of an undamped one meet,"
         return f"{stable} {low}; {lost}, {where}{also}; no other {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
@@ -218,9 +222,9 @@ class OfForms(Statement):
     """A statement of the forms in a file, of fields on segments and coordinates.
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
-    damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0. scales: of λ² in the parts that are the first again, itself counted, but for the unit of
-    time. at_once: other parts that are lost at exactly the same load.
+    damped: C is not nothing, and not gyroscopic alone; lasting: parts that it does not damp beside others; above_zero:
+    but is at P = 0, or K is singular there, and what is said is said of P > 0. scales: of λ² in the parts that are the
+    first again, itself counted, but for the unit of time. at_once: other parts that are lost at exactly the same load.
     """
 
     breaks: tuple[Fraction, ...]
@@ -230,6 +234,7 @@ class OfForms(Statement):
     motions: int
     damped: bool
     above_zero: bool
+    lasting: tuple[tuple[str, ...], ...] = ()
     gyroscopic: bool = False
     parts: tuple[tuple[str, ...], ...] = ()
     scales: tuple[Fraction, ...] = (Fraction(1),)
@@ -264,16 +269,16 @@ class OfForms(Statement):
         if self.kappa is not None:
             of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
         if len(self.parts) > 1:
-            named = {names: self.parts.count(names) for names in self.parts}
-            each = (f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
-            of += f", {' and '.join(each)} leaving each other alone"
+            of += f", {_motions(self.parts)} leaving each other alone"
+        if self.lasting:
+            of += f", {_motions(self.lasting)} undamped ({LASTING})"
         if self.times > 1:
             but = " but for the unit of time" if set(self.scales) != {1} else ""
             of += f", {self.times} of them the same{but}, of which each is lost at a load where one is"
         return what + of
 
     def __str__(self) -> str:
-        return self.proven(self.damped, self.above_zero, self._also)
+        return self.proven(self.damped, self.above_zero, self._also, bool(self.lasting))
 
     @property
     def _also(self) -> str:
@@ -292,7 +297,7 @@ class OfForms(Statement):
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
             "kappa": _said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
-            "parts": [*map(list, self.parts)], "times": self.times,
+            "parts": [*map(list, self.parts)], "lasting": [*map(list, self.lasting)], "times": self.times,
             "turn": None if self.turn is None or self.whirls else str(self.turn),
             "at_once": [
                 {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high,
@@ -300,6 +305,12 @@ class OfForms(Statement):
                 for of in self.at_once for low, high in [shown(*of.omega) if of.omega else ("0", "0")]
             ],
         }  # fmt: skip
+
+
+def _motions(parts: Sequence[tuple[str, ...]]) -> str:
+    """Parts in words, those of the same names counted."""
+    named = {names: parts.count(names) for names in parts}
+    return " and ".join(f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
 
 
 def _from_rest(turn: fmpq | None) -> str:

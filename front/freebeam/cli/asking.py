@@ -257,6 +257,8 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
         for other, frequency in proven.at_once:
             where = _interval(frequency) + self.units.of("frequency")
             rows += [["at that load too", other + (f" at the frequency {where}" if other == "flutter" else "")]]
+        if proven.lasting:
+            rows += [["undamped", f"motions of {' and '.join(proven.lasting)}: stable is there that none grows"]]
         for touch in proven.touches:
             where = _interval(touch.load) + self.units.of("load")
             rows += [["proven touch", f"{where}: an eigenvalue is zero there alone, and stability is not lost"]]
@@ -295,7 +297,7 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
     if not exact:
         also = [{"kind": kind, **_ends("frequency", frequency)} for kind, frequency in proven.at_once]
-        added |= {"above_zero": proven.above_zero, "at_once": also}
+        added |= {"above_zero": proven.above_zero, "at_once": also, "lasting": [*proven.lasting]}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
         added |= {"proven_touches": [_crossing(touch) for touch in proven.touches]}
