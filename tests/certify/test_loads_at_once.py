@@ -19,7 +19,8 @@ from scipy.linalg import eigvals
 
 import freebeam as fb
 from freebeam_derive.certify import verifier, verifier_lists, verifier_loads, verifier_of_matrices
-from freebeam_derive.certify.one_load import equal, vanishing
+from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.one_load import equal, obstacle, vanishing
 from freebeam_derive.certify.parts import Part
 from tests.stated import file_of
 
@@ -231,6 +232,31 @@ def test_the_polynomial_of_a_flutter_known_in_closed_form_holds_it() -> None:
     M, K = matrices([[[1, 0], [0, 1]]]), matrices([[[3, 0], [8, 5]], [[0, -1], [-1, 0]]])
     found = vanishing(Part(("r", "s"), M, [0 * M[0]], K), True, False)  # 4 = 4 P (8 - P)
     assert found is not None and found % fmpq_poly([1, -8, 1]) == 0 and found.degree() == 2
+
+
+def test_divergences_of_many_functions_are_told_to_be_at_one_load_and_flutter_is_not() -> None:
+    """The least eigenvalue of a matrix of whole numbers, and of the same in other coordinates; 24 of each."""
+    dice, n = np.random.default_rng(1), 24
+    A, T = dice.integers(-3, 4, (n, n)), np.triu(dice.integers(-2, 3, (n, n)), 1) + np.eye(n, dtype=int)
+    E, one = A @ A.T + np.eye(n, dtype=int), np.eye(n, dtype=int)
+    parts = [
+        Part((name,), *(matrices([X.tolist() for X in of]) for of in ([M], [], [K, -M])))
+        for name, M, K in (("r", one, E), ("s", T.T @ T, T.T @ E @ T))
+    ]
+    least = F(float(np.linalg.eigvalsh(E.astype(float))[0]))
+    low, high = least * (1 - F(1, 10**9)), least * (1 + F(1, 10**9))
+    assert equal([(part, False) for part in parts], False, low, high)
+    given = [([[fmpq_mat(X.tolist()) for X in of] for of in (part.M, part.C, part.K)], False) for part in parts]
+    with precision(300):
+        verifier_loads.check_one_load(given, False, verifier.ball(low).union(verifier.ball(high)))
+        other = [[given[1][0][0], [], [given[1][0][2][0] * fmpq(10**15 + 1, 10**15), given[1][0][2][1]]], False]
+        with pytest.raises(verifier.Refused, match="not known to be one"):
+            verifier_loads.check_one_load(
+                [given[0], tuple(other)], False, verifier.ball(low).union(verifier.ball(high))
+            )
+    assert not equal([(part, True) for part in parts], False, low, high)
+    assert "24 functions, and up to 20 are feasible" in obstacle([(parts[0], False), (parts[1], True)])
+    assert obstacle([(part, False) for part in parts]) == ""
 
 
 # --- at random --------------------------------------------------------------------------------------------------------

@@ -42,7 +42,7 @@ from freebeam_derive.certify.first_crossing import (
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
-from freebeam_derive.certify.one_load import equal
+from freebeam_derive.certify.one_load import equal, obstacle
 from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
@@ -212,18 +212,14 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
         raise Inseparable(lowest.low, lowest.high, found)
     found.sort(key=lambda c: c.load.mid())
     for one, following in pairwise(found):
-        if not (one.load < following.load or _at_once(parts, one, following, limit)):
+        pairs = [(parts[c.part].part, c.square is not None) for c in (one, following)]
+        both = [(part, flutter) for part, flutter in pairs if part]
+        if not (one.load < following.load or equal(both, limit, *ends(one.load.union(following.load)))):
             raise Unproven(
                 f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
+                + (f": {why}" if (why := obstacle(both)) else "")
             )
     return found
-
-
-def _at_once(parts: list[Boundary], one: _Found, other: _Found, limit: bool) -> bool:
-    """Whether crossings of two parts are known to be at exactly one load."""
-    low, high = ends(one.load.union(other.load))
-    both = [(parts[c.part].part, c.square is not None) for c in (one, other)]
-    return equal([(part, flutter) for part, flutter in both if part], limit, low, high)
 
 
 def _refined(
