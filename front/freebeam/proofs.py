@@ -53,7 +53,8 @@ class Certified:
     rests that the load alone restores, or nothing is damped. touches: of the beam itself, loads below at each of which
     an eigenvalue is zero, and on the same side of it below and above: stability below is said of all others. at_once:
     of a series, kind and frequency (lower, upper) of each further loss at exactly the same load, of motions that these
-    leave alone, such as those in the other of two planes.
+    leave alone, such as those in the other of two planes. lasting: names of motions that nothing damps beside others
+    that are damped, and that these leave alone: stable is there that none grows, and elsewhere that all die out.
     """
 
     load: tuple[str, str] | None
@@ -69,6 +70,7 @@ class Certified:
     above_zero: bool = False
     touches: tuple[CertifiedCrossing, ...] = ()
     at_once: tuple[tuple[str, tuple[str, str]], ...] = ()
+    lasting: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -90,9 +92,11 @@ class CertifiedCrossing:
 
 
 class CertifiedCrossings(tuple[CertifiedCrossing, ...]):
-    """All of them, ascending. certificate: the data that prove it, for a file; None of a series and in SI units."""
+    """All of them, ascending. certificate: the data that prove it, for a file, up to a millionth beyond load_max where
+    a crossing cannot be told from it; None in SI units, and where missing says why."""
 
     certificate: Mapping[str, Any] | None = None
+    missing: str = ""
 
 
 @dataclass(frozen=True)
@@ -376,6 +380,7 @@ def certified_load(
         missing=missing,
         above_zero=enclosure.above_zero,
         at_once=tuple((kind, _frequency(asked, omega, digits)) for kind, omega in enclosure.at_once),
+        lasting=tuple("-".join(names) for names in enclosure.lasting),
     )
 
 
@@ -427,7 +432,8 @@ def certified_crossings(
 
     load_max is one of these loads, and a crossing that balls cannot tell from it is listed too. Ascending. Inputs as in
     `certified_load`; relative widths are below 10^-digits. A restabilisation is one of them, and so is a further
-    eigenvalue that turns unstable where others are already. Eqs. (24), (25).
+    eigenvalue that turns unstable where others are already. `certificate` of the tuple holds the data of the proof.
+    Eqs. (24), (25).
 
     >>> import freebeam as fb
     >>> [c.kind for c in fb.certified_crossings(fb.column("beck"), 4, eta="0.4", load_max=60)]
@@ -438,6 +444,7 @@ def certified_crossings(
     """
     from freebeam_derive.certify import all_crossings
     from freebeam_derive.certify.balls import Unproven
+    from freebeam_derive.certify.certificate import write_crossings
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
     asked = _Asked.of(column, modes, parameters, kappa, beam, alpha=alpha, beta=beta, load_max=load_max)
@@ -445,7 +452,12 @@ def certified_crossings(
         found = all_crossings.survey(column.kernel, asked.certified, asked.exact["load_max"], digits, progress)
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
-    return CertifiedCrossings(_told(asked, c, digits) for c in found)
+    told = CertifiedCrossings(_told(asked, c, digits) for c in found)
+    try:
+        told.certificate = None if asked.squares else write_crossings(column.kernel, asked.certified, found)
+    except Unproven as error:
+        told.missing = str(error)
+    return told
 
 
 def _told(asked: _Asked, c: Crossing, digits: int) -> CertifiedCrossing:
@@ -827,6 +839,7 @@ def verify_certificate(path: str) -> Statement:
     prove what it claims.
     """
     from freebeam_derive.certify import (
+        verifier_lists,
         verifier_of_beam,
         verifier_of_matrices,
         verifier_of_sections,
@@ -838,7 +851,8 @@ def verify_certificate(path: str) -> Statement:
 
     try:
         modules = (
-            verifier_of_beam, verifier_of_matrices, verifier_of_sections, verifier_over_sections, verifier_spectrum
+            verifier_lists, verifier_of_beam, verifier_of_matrices, verifier_of_sections, verifier_over_sections,
+            verifier_spectrum,
         )  # fmt: skip
         return verify_file(path, {name: check for of in modules for name, check in of.FORMATS.items()})
     except Refused as error:

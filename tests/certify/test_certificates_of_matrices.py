@@ -18,7 +18,7 @@ from flint import fmpq, fmpq_mat
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_degrees, verifier_loads
+from freebeam_derive.certify import verifier, verifier_degrees, verifier_lists, verifier_loads
 from freebeam_derive.certify.verifier_of_matrices import FORMATS, OfMatrices
 from tests.stated import file_of
 
@@ -177,6 +177,15 @@ def held(name: str, shares: tuple[float, ...], count: int) -> list[bool]:
             terms = within(wide, dice)
             assert all(growth(terms, end * k / 8) < 1e-6 for k in range(9))
     return accepted
+
+
+def test_a_list_of_all_crossings_is_one_of_matrices_in_balls_too() -> None:
+    listed = fb.certified_crossings(column(False), 2, load_max=30, digits=12, **CASES["damped"][1])
+    data = json.loads(json.dumps(listed.certificate))
+    (said,) = verifier_lists.verify(data).passings
+    assert F(listed[0].load[0]) < said.load[1] and said.load[0] < F(listed[0].load[1]) and said.change == 2
+    with pytest.raises(verifier.Refused, match="may lie between"):
+        verifier_lists.verify(data | {"crossings": [[]]})
 
 
 @pytest.mark.parametrize("name", ["undamped", "damped"])

@@ -18,17 +18,19 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_loads
-from freebeam_derive.certify.one_load import equal, vanishing
-from freebeam_derive.certify.parts import Part, split
+from freebeam_derive.certify import verifier, verifier_lists, verifier_loads, verifier_of_matrices
+from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.one_load import equal, obstacle, vanishing
+from freebeam_derive.certify.parts import Part
 from tests.stated import file_of
 
 F = Fraction
-LINKS = {  # p and q diverge where (3 + b - P)(5 - P) = 1, r and s flutter where P (8 - P) = 14: both at 4 - √2
+# p and q diverge where (3 + b - P)(5 - P) = 1, r and s flutter where P (8 - P) = 14 (1 + 4 β²): at 4 - √2 both
+LINKS = {
     "T": "(p.diff(t)**2 + q.diff(t)**2 + (r := Coordinate('r')).diff(t)**2 + (s := Coordinate('s')).diff(t)**2) / 2",
     "V": "((3 + b) * p**2 + 2 * p * q + 5 * q**2 + 3 * r**2 + 5 * s**2) / 2",
     "W_c": "P * (p**2 + q**2) / 2",
-    "dW_nc": "P * s * delta(r) - (8 - P) * r * delta(s) / 14",
+    "dW_nc": "P * s * delta(r) - (8 - P) * r * delta(s) / 14 - beta * (r.diff(t) * delta(r) + s.diff(t) * delta(s))",
     "ends": "()",
     "parameters": "(own(b, 0),)",
 }
@@ -84,6 +86,9 @@ def test_a_divergence_and_a_flutter_at_one_load_are_both_said() -> None:
     assert "and at exactly that load by" in str(said) and len(said.record()["at_once"]) == 1
     listed = fb.certified_crossings(column("links"), 1, load_max=4, digits=12)
     assert {c.kind for c in listed[:2]} == {"flutter", "divergence"} and listed[1].unstable_above == 3
+    all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
+    assert {p.kind for p in all_of.passings} == {"flutter", "divergence"} and "overlap" in str(all_of)
+    assert {(p.unstable, p.change) for p in all_of.passings} == {(0, 3)}  # below both, and above both
 
 
 @pytest.mark.parametrize(("b", "kind"), [("1e-40", "flutter"), ("-1e-40", "divergence")])
@@ -150,19 +155,63 @@ def matrices(rows: list[list[list[int]]]) -> list[Any]:
     return [np.array([[fmpq(v) for v in row] for row in X], dtype=object) for X in rows]
 
 
-def test_damped_parts_are_apart_only_where_each_is_damped() -> None:
-    M, K = matrices([[[1, 0], [0, 2]]]), matrices([[[3, 0], [0, 4]], [[-1, 0], [0, -1]]])
-    for own, parts in (([[1, 0], [0, 1]], 2), ([[1, 0], [0, 0]], 1)):
-        C = matrices([own])
-        assert len(split(M, C, K, ["r", "s"], False, True)) == parts
-        space = verifier.Space((F(0), F(1)), {}, ("r", "s"), 3)
-        named = [{"names": [name], "motion": 0, "frame": None} for name in space.coordinates]
-        given = [[fmpq_mat(X.tolist()) for X in of] for of in (M, C, K)]
-        if parts == 2:
-            assert len(verifier.apart(space, named, fmpq_mat([[1, 0], [0, 1]]), given, False)) == 2
-        else:
-            with pytest.raises(verifier.Refused, match="not apart from what is not"):
-                verifier.apart(space, named, fmpq_mat([[1, 0], [0, 1]]), given, False)
+@pytest.mark.parametrize(
+    ("b", "kind", "load", "above"),
+    [("0", "divergence", 4 - 2**0.5, [1, 3]), ("1", "flutter", 14 / 5, [2, 3])],
+)
+def test_damped_links_and_undamped_ones_are_proven_each_for_themselves(
+    b: str, kind: str, load: float, above: list[int]
+) -> None:
+    """r and s are damped at a rate of 1/10, and p and q are not: a loss of either, and all losses."""
+    found = fb.certified_load(column("links"), 1, beta="0.1", digits=12, load_max=4, b=b)
+    assert found.load is not None and found.kind == kind and float(found.load[0]) == pytest.approx(load, rel=1e-11)
+    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    assert isinstance(said, verifier.OfForms) and all(found.proof.values())
+    for lasting in (found.lasting, tuple("-".join(names) for names in said.lasting)):
+        assert sorted(lasting) == ["p-q", "p-q"] if len(lasting) > 1 else ["p-q"]
+    assert "undamped (there stable says" in str(said) and said.record()["lasting"]
+    listed = fb.certified_crossings(column("links"), 1, beta="0.1", load_max=4, digits=10, b=b)
+    all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
+    assert [c.unstable_above for c in listed] == above == [p.unstable + p.change for p in all_of.passings]
+
+
+def test_in_a_limit_of_damping_undamped_links_are_lost_with_the_others() -> None:
+    found = fb.certified_load(column("links"), 1, kappa="inf", digits=12, load_max=4)
+    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    assert isinstance(said, verifier.OfForms) and found.load is not None and found.lasting
+    low, high = (4 - F(v) for v in found.load)
+    assert low**2 > 2 > high**2 and {found.kind, found.at_once[0][0]} == {"flutter", "divergence"}
+    assert {said.kind, said.at_once[0].kind} == {"flutter", "divergence"} and said.lasting
+
+
+def test_what_is_damped_is_not_taken_for_undamped() -> None:
+    """In a file r and s are damped, and p and q are not: the other way round, and with damping that makes p grow."""
+    found = fb.certified_load(column("links"), 1, beta="0.1", digits=12, load_max=4, b="1")
+    data = json.loads(json.dumps(found.certificate))
+
+    def refused(changed: dict[str, Any]) -> None:
+        with pytest.raises(verifier.Refused):
+            verifier.verify(data | changed)
+
+    for k, of in enumerate(data["beside"]):
+        refused({"stretches": of, "beside": [data["stretches"] if j == k else v for j, v in enumerate(data["beside"])]})
+    refused({"parts": data["parts"][::-1]})
+    refused({"beta": "-1/10"})
+    for rate in ("1/10", "-1/1000000"):
+        forms = copy.deepcopy(data["forms"])
+        forms["C_beta"][0]["points"].append([["p", 0, None, 0], ["p", 0, None, 0], rate])
+        refused({"forms": forms})
+
+
+def test_in_balls_too_an_undamped_part_may_be_beside_a_damped_one(tmp_path: Path) -> None:
+    stated = LINKS | {"V": LINKS["V"].replace("5 * q**2", "sqrt(24) * q**2").replace("2 * p * q", "0")}
+    found = fb.certified_load(
+        fb.column(file_of(tmp_path, "rooted", stated)), 1, beta="0.1", digits=10, load_max=3, b="1"
+    )
+    data = json.loads(json.dumps(found.certificate))
+    said = verifier.verify(data, verifier_of_matrices.FORMATS)
+    assert isinstance(said, verifier_of_matrices.OfMatrices) and float(said.end) == pytest.approx(14 / 5)
+    assert sorted(said.lasting) == [("p",), ("q",)] and "p and q undamped" in str(said)
 
 
 @pytest.mark.parametrize(("damping", "limit"), [(0, False), (1, False), (1, True)])
@@ -183,6 +232,31 @@ def test_the_polynomial_of_a_flutter_known_in_closed_form_holds_it() -> None:
     M, K = matrices([[[1, 0], [0, 1]]]), matrices([[[3, 0], [8, 5]], [[0, -1], [-1, 0]]])
     found = vanishing(Part(("r", "s"), M, [0 * M[0]], K), True, False)  # 4 = 4 P (8 - P)
     assert found is not None and found % fmpq_poly([1, -8, 1]) == 0 and found.degree() == 2
+
+
+def test_divergences_of_many_functions_are_told_to_be_at_one_load_and_flutter_is_not() -> None:
+    """The least eigenvalue of a matrix of whole numbers, and of the same in other coordinates; 24 of each."""
+    dice, n = np.random.default_rng(1), 24
+    A, T = dice.integers(-3, 4, (n, n)), np.triu(dice.integers(-2, 3, (n, n)), 1) + np.eye(n, dtype=int)
+    E, one = A @ A.T + np.eye(n, dtype=int), np.eye(n, dtype=int)
+    parts = [
+        Part((name,), *(matrices([X.tolist() for X in of]) for of in ([M], [], [K, -M])))
+        for name, M, K in (("r", one, E), ("s", T.T @ T, T.T @ E @ T))
+    ]
+    least = F(float(np.linalg.eigvalsh(E.astype(float))[0]))
+    low, high = least * (1 - F(1, 10**9)), least * (1 + F(1, 10**9))
+    assert equal([(part, False) for part in parts], False, low, high)
+    given = [([[fmpq_mat(X.tolist()) for X in of] for of in (part.M, part.C, part.K)], False) for part in parts]
+    with precision(300):
+        verifier_loads.check_one_load(given, False, verifier.ball(low).union(verifier.ball(high)))
+        other = [[given[1][0][0], [], [given[1][0][2][0] * fmpq(10**15 + 1, 10**15), given[1][0][2][1]]], False]
+        with pytest.raises(verifier.Refused, match="not known to be one"):
+            verifier_loads.check_one_load(
+                [given[0], tuple(other)], False, verifier.ball(low).union(verifier.ball(high))
+            )
+    assert not equal([(part, True) for part in parts], False, low, high)
+    assert "24 functions, and up to 20 are feasible" in obstacle([(parts[0], False), (parts[1], True)])
+    assert obstacle([(part, False) for part in parts]) == ""
 
 
 # --- at random --------------------------------------------------------------------------------------------------------

@@ -27,6 +27,7 @@ from freebeam_derive.certify import (
     commutant,
     first_crossing,
     verifier,
+    verifier_lists,
     verifier_motions,
     verifier_of_matrices,
     verifier_parts,
@@ -145,11 +146,14 @@ def test_two_planes_of_other_mass_are_lost_at_one_load_with_other_frequencies() 
     load, other = proven(name).load, proven("two planes").load
     assert load is not None and other is not None and max(F(load[0]), F(other[0])) < min(F(load[1]), F(other[1]))
     said = verifier.verify(written(name))
-    assert isinstance(said, verifier.OfForms) and said.times == 2 and said.rescaled and "unit of time" in str(said)
+    assert isinstance(said, verifier.OfForms) and "unit of time" in str(said)
+    assert said.times == 2 and set(said.scales) in ({1, 4}, {1, F(1, 4)})
     found = fb.certified_crossings(column(name), 3, load_max=21, digits=10)
     assert [(c.unstable_below, c.unstable_above) for c in found] == [(0, 2), (2, 4)]
     slow, fast = (float(c.frequency[0]) for c in found)
     assert fast == pytest.approx(2 * slow, rel=1e-9)
+    stated = verifier_lists.verify(json.loads(json.dumps(found.certificate))).record()["crossings"]
+    assert [float(c["frequency_lower"]) for c in stated] == pytest.approx([slow, fast], rel=1e-9)
     data = written(name)
     for letter, k in (("M", 0), ("K", 0), ("K", 1)):
         for n, term in enumerate(data["forms"][letter][k]["along"]):
@@ -386,7 +390,7 @@ def first(terms: Terms, names: list[str], near: tuple[float, float] | None, top:
             with precision(bits * times):
                 parts = split(*terms, names, False, rest)
                 found = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in parts]
-                return first_crossing._certify(found, Question(1), near, 12, bits * times, F(top))
+                return first_crossing.certify_parts(found, Question(1), near, 12, bits * times, F(top))
         except Unproven as error:
             reason = error
     raise reason
@@ -449,6 +453,11 @@ def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
             values = rates(name, float(middle))
             assert (values.real > 1e-4 * abs(values).max()).sum() == one.unstable_above == following.unstable_below
         assert found[0].unstable_above == (times if found[0].kind == "divergence" else 2 * times)
+        said = verifier_lists.verify(json.loads(json.dumps(found.certificate)))
+        for one in found:
+            (same,) = {(p.unstable, p.unstable + p.change) for p in said.passings if p.load[0] < F(one.load[1]) and
+                       F(one.load[0]) < p.load[1]}  # fmt: skip
+            assert same == (one.unstable_below, one.unstable_above)
 
 
 def certificate_of(terms: Terms, found: first_crossing.Enclosure) -> Data:
@@ -595,6 +604,61 @@ def test_of_two_planes_that_whirl_the_determinant_is_one_s_at_both_senses(turn: 
         assert abs(whole - p[0] * p[1]) < 1e-8 * abs(whole)
 
 
+def turning(*planes: tuple[Any, Any, Any, int]) -> Terms:
+    """Pairs of planes alike, each as in a frame that turns at a rate: M, E and H of one of two."""
+    blocks: list[list[Any]] = [[], [], [], []]
+    for M, E, H, rate in planes:
+        for of, one, other in zip(
+            blocks, (M, 0 * M, E - rate**2 * M, H), (0 * M, 2 * rate * M, 0 * M, 0 * M), strict=True
+        ):
+            of.append(np.block([[one, -other], [other, one]]))
+
+    def beside(parts: list[Any]) -> Any:
+        n = [0, *itertools.accumulate(map(len, parts))]
+        whole = np.full((n[-1], n[-1]), fmpq(0))
+        for k, X in enumerate(parts):
+            whole[n[k] : n[k + 1], n[k] : n[k + 1]] = [[fmpq(int(v)) for v in row] for row in X]
+        return whole
+
+    M, C, K, H = map(beside, blocks)
+    return [M], [C], [K, H]
+
+
+def test_planes_that_are_seen_from_rest_may_be_lost_at_one_load() -> None:
+    """At rest two frequencies meet at P = 1, ω = 2; of another mass and stiffness matrix too, in a faster frame."""
+    one, T = np.eye(2, dtype=int), np.array([[1, 1], [0, 2]])
+    E, H = np.diag([3, 5]), np.array([[0, -1], [1, 0]])
+    terms = turning((one, E, H, 1), (T.T @ T, T.T @ E @ T, T.T @ H @ T, 3))
+    found = first(terms, [f"q{i}" for i in range(8)], (1.0, 1.0), 12)
+    data = certificate_of(terms, found)
+    said = verifier.verify(data)
+    assert isinstance(said, verifier.OfForms) and said.load is not None and said.load[0] < 1 < said.load[1]
+    ((kind, omega),) = found.at_once
+    assert kind == "flutter" and omega is not None and omega[0] < 1 < omega[1]  # 3 - 2
+    (lost,) = said.at_once
+    assert lost.turn == 3 and lost.omega is not None and lost.omega[0] < 2 < lost.omega[1]
+    assert str(said).count("as seen from rest") == 2 and said.record()["at_once"][0]["turn"] == "3"
+    for n, (row, column_, value) in enumerate(data["forms"]["K"][1]["points"]):
+        if {row[0], column_[0]} <= {"q4", "q5", "q6", "q7"}:  # the loads differ, by less than the interval is wide
+            unlike = copy.deepcopy(data)
+            unlike["forms"]["K"][1]["points"][n][2] = str(F(value) * (1 + F(1, 10**25)))
+            refused(unlike)
+    (other,) = data["beside"]
+    refused(
+        data | {"beside": [other | {"kind": "divergence", "frequency_squared": None}]}, "no divergence|not one of a"
+    )
+
+
+def test_what_buckles_as_seen_from_rest_grows_in_the_frame_at_its_rate() -> None:
+    E, rate = np.array([[3, 1], [1, 5]]), 2
+    terms = turning((np.eye(2, dtype=int), E, -np.eye(2, dtype=int), rate))
+    found = first(terms, [f"q{i}" for i in range(4)], (4 - 2**0.5, float(rate)), 12)
+    said = verifier.verify(certificate_of(terms, found))
+    for of in (found, said):
+        assert of.kind == "flutter" and of.load is not None and (4 - of.load[1]) ** 2 < 2 < (4 - of.load[0]) ** 2
+        assert of.frequency is not None and of.frequency[0] < rate < of.frequency[1]
+
+
 def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
     """K = [[6 − P, 0], [1, 2]]: at P = 4 one frequency is double with one mode, and a motion grows with time there."""
     M, K = [[1, 0], [0, 1]], [[[6, 0], [1, 2]], [[-1, 0], [0, 0]]]
@@ -634,11 +698,12 @@ def test_the_verifier_takes_parts_for_one_another_where_one_factor_or_one_unit_o
     for factors in itertools.product((1, 2, -3), repeat=3):
         same = len(set(factors)) == 1
         assert verifier_parts.alike(one, terms(*factors, rate=1)) == same
-        assert not verifier_parts.rescaled(one, terms(*factors, rate=1))
-        assert verifier_parts.rescaled(still, terms(*factors)) == (min(factors[::2]) > 0)
+        assert verifier_parts.rescaled(one, terms(*factors, rate=1)) is None
+        of_time = fmpq(factors[2], factors[0]) if min(factors[::2]) > 0 else None
+        assert verifier_parts.rescaled(still, terms(*factors)) == of_time
     for of in (one, still):
         for other in (terms(1, 1, 1, size=3), [of[0], of[1], of[2][:1]], [of[0], of[1], of[2][::-1]]):
-            assert not verifier_parts.alike(of, other) and not verifier_parts.rescaled(of, other)
+            assert not verifier_parts.alike(of, other) and verifier_parts.rescaled(of, other) is None
 
 
 # --- factors that are no fractions ------------------------------------------------------------------------------------

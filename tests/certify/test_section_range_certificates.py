@@ -83,6 +83,21 @@ def refused(data: Data, match: str) -> None:
         verify(data)
 
 
+def test_stretches_out_of_order_are_refused_before_anything_is_computed(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = certificate()
+    for name in ("check", "_frequencies"):
+        monkeypatch.setattr(Gaps, name, lambda *_: pytest.fail("computed"))
+    (piece,) = data["pieces"]
+    for n, stretch in enumerate(piece["stretches"]):
+        for unlike, match in (
+            ({"start": "1/7"}, "leave a gap"),
+            ({"points": [*stretch["points"][:-1], str(2 * F(piece["line"]))]}, "beyond the line"),
+            ({"moving": None if stretch["moving"] is not None else 0}, "a point moves"),
+        ):
+            stretches = [stretch | unlike if k == n else of for k, of in enumerate(piece["stretches"])]
+            refused(data | {"pieces": [piece | {"stretches": stretches}]}, match)
+
+
 def test_a_range_is_accepted_as_it_was_written() -> None:
     name, (parameter, low, high), given = CASES[CASE]
     stated = verify(certificate())

@@ -718,10 +718,10 @@ def test_a_mass_that_vanishes_within_the_interval_is_refused(leading: list[int],
     """h = (1 − P) + (leading) x and g = 1: det K changes sign at P = 1, and there det M does too, or does not."""
     series: Any = object.__new__(verifier.Series)
     series.system = verifier.System([], [], [], False)
-    series.h, series.g, series.odd = [arb_poly([1, -1]), arb_poly(leading)], [arb_poly([1])], False
+    series.h, series.g, series.odd, series.damped = [arb_poly([1, -1]), arb_poly(leading)], [arb_poly([1])], False, True
     interval = Fraction(99, 100), Fraction(101, 100)
     if not told:
-        verifier.Series.check_crossing(series, *interval, None)
+        assert verifier.Series.check_crossing(series, *interval, None) == 1
         return
     with pytest.raises(verifier.Refused, match=told):
         verifier.Series.check_crossing(series, *interval, None)
@@ -734,10 +734,10 @@ def test_a_crossing_without_a_speed_is_refused(power: int, told: str) -> None:
     series: Any = object.__new__(verifier.Series)
     series.system = verifier.System([], [], [], False)
     series.h = [arb_poly([-1, 1]) ** power + arb_poly([0, 1]), arb_poly([-1])]
-    series.g, series.odd = [arb_poly([0, -1]), arb_poly([1])], False
+    series.g, series.odd, series.damped = [arb_poly([0, -1]), arb_poly([1])], False, True
     loads, square = (Fraction(99, 100), Fraction(101, 100)), (Fraction(98, 100), Fraction(102, 100))
     if not told:
-        verifier.Series.check_crossing(series, *loads, square)
+        assert verifier.Series.check_crossing(series, *loads, square) == -2  # h_P g_x − h_x g_P is 1
         return
     with pytest.raises(verifier.Refused, match=told):
         verifier.Series.check_crossing(series, *loads, square)

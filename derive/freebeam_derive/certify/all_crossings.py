@@ -28,17 +28,21 @@ from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of
 from freebeam_derive.certify.first_crossing import (
     LOWEST_BITS,
+    Enclosure,
     Stretch,
     alone,
+    between,
     bits_for,
+    certify_parts,
     check_fast,
     holds,
     refined,
     separators_at,
+    spread_of,
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
-from freebeam_derive.certify.one_load import equal
+from freebeam_derive.certify.one_load import equal, obstacle
 from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
@@ -55,7 +59,7 @@ class Crossing:
 
     change: how many eigenvalues more are unstable above it: 2 or −2 where a pair crosses, 1 or −1 where one does, so
     many times that as parts are the same; 0 where one touches zero (of the beam itself alone).
-    unstable: how many are below it.
+    unstable: how many are below it. part, place: of a series, which part it is of, and an interval of its x.
     """
 
     kind: str
@@ -63,6 +67,8 @@ class Crossing:
     square: tuple[Fraction, Fraction] | None
     change: int
     unstable: int
+    part: int = 0
+    place: tuple[Fraction, Fraction] | None = None
 
     @property
     def stability(self) -> str:
@@ -72,6 +78,22 @@ class Crossing:
         if self.unstable == 0:
             return "lost"
         return "regained" if self.unstable + self.change == 0 else "unchanged"
+
+
+class Crossings(list[Crossing]):
+    """All up to a load. every, load_max: what a certificate states, up to a millionth beyond that load where balls do
+    not tell whether one lies at it. parts, bits: how they were found."""
+
+    def __init__(self, every: list[Crossing], load_max: Fraction, parts: list[Boundary], bits: int) -> None:
+        super().__init__(every)
+        self.every, self.load_max, self.parts, self.bits = every, load_max, parts, bits
+
+    def below(self, question: Question) -> Enclosure:
+        """That the series is stable up to a load below all of them. Raises Unproven."""
+        first = min((crossing.load[0] for crossing in self.every), default=None)
+        end = self.load_max if first is None else between(first * 7 / 8, first * 15 / 16)
+        with precision(self.bits):
+            return certify_parts(self.parts, question, None, 0, self.bits, end)
 
 
 @dataclass
@@ -109,7 +131,7 @@ def survey(
     load_max: Fraction,
     digits: int,
     progress: Callable[[str], None] | None = None,
-) -> list[Crossing]:
+) -> Crossings:
     """Every crossing for 0 < P ≤ load_max, ascending, each to a relative width below 10^−digits.
 
     One of which balls do not tell whether it lies at load_max or next to it is among them.
@@ -122,12 +144,13 @@ def survey(
         if open_.high < load_max * NEXT_TO:
             raise
     found = _survey(kernel, question, load_max * BEYOND, digits, say)
-    return [crossing for crossing in found if crossing.load[0] <= load_max]
+    found[:] = [crossing for crossing in found if crossing.load[0] <= load_max]
+    return found
 
 
 def _survey(
     kernel: ModuleType, question: Question, load_max: Fraction, digits: int, say: Callable[[str], None]
-) -> list[Crossing]:
+) -> Crossings:
     functions = functions_of(kernel, question.modes)
     bits = bits_for(functions, 0)
     while True:
@@ -140,9 +163,10 @@ def _survey(
                 if 2 * bits > MOST_BITS:
                     raise
         bits *= 2
-    bits = max(bits, bits_for(functions, digits))
-    with precision(bits):
-        return _refined(boundaries(kernel, question, bits, rest), found, parts, digits, bits)
+    more = max(bits, bits_for(functions, digits))
+    with precision(more):
+        every = _refined(boundaries(kernel, question, more, rest), found, parts, digits, more)
+    return Crossings(every, load_max, parts, bits)
 
 
 def _parts(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> tuple[list[Boundary], bool | None]:
@@ -188,18 +212,14 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
         raise Inseparable(lowest.low, lowest.high, found)
     found.sort(key=lambda c: c.load.mid())
     for one, following in pairwise(found):
-        if not (one.load < following.load or _at_once(parts, one, following, limit)):
+        pairs = [(parts[c.part].part, c.square is not None) for c in (one, following)]
+        both = [(part, flutter) for part, flutter in pairs if part]
+        if not (one.load < following.load or equal(both, limit, *ends(one.load.union(following.load)))):
             raise Unproven(
                 f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
+                + (f": {why}" if (why := obstacle(both)) else "")
             )
     return found
-
-
-def _at_once(parts: list[Boundary], one: _Found, other: _Found, limit: bool) -> bool:
-    """Whether crossings of two parts are known to be at exactly one load."""
-    low, high = ends(one.load.union(other.load))
-    both = [(parts[c.part].part, c.square is not None) for c in (one, other)]
-    return equal([(part, flutter) for part, flutter in both if part], limit, low, high)
 
 
 def _refined(
@@ -221,7 +241,8 @@ def _refined(
                 raise Unproven(f"whether the frequency at the load {float(P.mid()):.10g} is zero is not known")
             told = None if square is None else _interval(square, digits - 1)
             kind, change = "divergence" if square is None else "flutter", times * crossing.change
-            result.append(Crossing(kind, _interval(P, digits), told, change, unstable))
+            load = _interval(P, digits)
+            result.append(Crossing(kind, load, told, change, unstable, crossing.part, _place(of, load, places, digits)))
             unstable += change
     return result
 
@@ -253,6 +274,19 @@ def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:
     if not (exact(middle - spread) < ball < exact(middle + spread)):
         raise Unproven(f"the crossing near {float(middle):.10g} could not be enclosed to {digits} digits")
     return middle - spread, middle + spread
+
+
+def _place(
+    of: Boundary, load: tuple[Fraction, Fraction], places: list[arb], digits: int
+) -> tuple[Fraction, Fraction] | None:
+    """An interval of x about a crossing in which the root of g stays for all loads of an interval."""
+    if not places:
+        return None
+    middle, point = (load[0] + load[1]) / 2, rational(places[0], 400 + 4 * digits)
+    spread = spread_of(of.about(exact(middle), exact(point)), middle, point, (load[1] - load[0]) / middle)
+    if not exact(point - spread) < places[0] < exact(point + spread):
+        raise Unproven(f"the frequency at the load {float(middle):.10g} could not be enclosed to the digits asked for")
+    return point - spread, point + spread
 
 
 class _Survey:

@@ -325,7 +325,10 @@ def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool | N
         return [boundary(kernel, question, bits)]
     with precision(bits):
         parts = _parts(kernel, question, rest)
-        found = [replace(_of_any(p.M, p.C, p.K, question.kappa is not None, p.known), part=p) for p in parts]
+        limit = question.kappa is not None
+        if limit and not any(p.damped(limit) for p in parts):
+            raise Unproven("kappa: there is no damping that could vanish")
+        found = [replace(_of_any(p.M, p.C, p.K, limit and p.damped(limit), p.known), part=p) for p in parts]
     if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
     return found
@@ -347,8 +350,6 @@ def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool, exactly: Stru
     """h and g of matrices of fractions or balls; exactly: what is known of these. Raises Unproven."""
     known, fast = (exactly, 0) if exactly else _structure((M, C, K), limit)
     of_M, of_C, of_K = ball_matrices(M, C, K)
-    if limit and not of_C:
-        raise Unproven("kappa: something has no damping that could vanish")
     found = expansion(of_M, of_C, of_K, limit, known)
     return replace(found, fast=_fast(M, C, K, fast)) if fast else found
 

@@ -18,7 +18,7 @@ from typing import Any
 from flint import acb, arb, fmpq
 from flint.utils.flint_exceptions import DomainError
 
-from freebeam_derive.certify.all_crossings import Crossing
+from freebeam_derive.certify.all_crossings import Crossing, Crossings
 from freebeam_derive.certify.balls import Exact, Unproven, ends, named_matrices, parameters, precision
 from freebeam_derive.certify.beam_crossings import Survey
 from freebeam_derive.certify.beam_itself import ExactCrossing
@@ -29,19 +29,20 @@ from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
 from freebeam_derive.certify.parts import Part
 
-FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS, MATRICES = (
-    f"freebeam certificate {n}" for n in range(1, 10)
+FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS, MATRICES, CROSSINGS = (
+    f"freebeam certificate {n}" for n in range(1, 11)
 )
 LARGEST_FILE = 2_000_000  # bytes that the verifier reads
 Open = tuple[Fraction, Fraction, str]
 MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the bound of |λ|, and digits of an eigenvalue
 
 
-def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
+def write(kernel: ModuleType, found: Enclosure, width: int = 1) -> dict[str, Any]:
     """The certificate of an enclosure whose dampings are rational numbers, as a JSON object.
 
-    Of a column beyond the textbook's with a factor that is no fraction it is one of its matrices, in balls. Raises
-    Unproven where that is larger than the verifier reads.
+    width: bits in which the ends of an interval of loads agree that is stated besides. Of a column beyond the
+    textbook's with a factor that is no fraction it is one of its matrices, in balls. Raises Unproven where that is
+    larger than the verifier reads.
     """
     question = found.question
     own = parameters(kernel, question.own)
@@ -51,7 +52,7 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
     except Unproven:
         if not general:
             raise
-        return _of_matrices(kernel, found, own)
+        return _of_matrices(kernel, found, own, width)
     return {
         "format": GENERAL if general else FORMAT,
         "column": kernel.COLUMN["name"],
@@ -64,10 +65,10 @@ def write(kernel: ModuleType, found: Enclosure) -> dict[str, Any]:
     }
 
 
-def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction]) -> dict[str, Any]:
+def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction], width: int) -> dict[str, Any]:
     """The same of M, C and K by powers of the load, entries that are no fractions as a middle and a radius."""
     question, limit = found.question, found.question.kappa is not None
-    width = 1 if found.load is None else int(found.load[1] / (found.load[1] - found.load[0])).bit_length()
+    width = width if found.load is None else _agreeing(found.load)
     bits = 200 + 20 * functions_of(kernel, question.modes) + width  # of the verifier's
     with precision(bits + 100):
         M, C, K, names = named_matrices(kernel, question.modes, own, question.dampings, limit)
@@ -94,6 +95,38 @@ def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction])
             f"{LARGEST_FILE // 10**6} MB that the verifier reads; give a lower N"
         )
     return data
+
+
+def _agreeing(interval: tuple[Fraction, Fraction]) -> int:
+    """In how many bits the ends of an interval agree."""
+    return int(interval[1] / (interval[1] - interval[0])).bit_length()
+
+
+def write_crossings(kernel: ModuleType, question: Question, found: Crossings) -> dict[str, Any]:
+    """The certificate of all crossings of a series up to a load, as a JSON object. Raises Unproven."""
+    below, parts = found.below(question), [of.part for of in found.parts]
+    width = max((_agreeing(c.load) for c in found.every), default=1)
+    lists = []
+    for k, part in enumerate(parts):
+        if k and below.beside[k - 1] is None:
+            continue
+        scales = ((j, other.scale(part)) for j, other in enumerate(parts[:k]) if part and other)
+        of, scale = next(((j, scale) for j, scale in scales if scale is not None), (k, fmpq(1)))
+        factor = Fraction(int(scale.p), int(scale.q))
+        lists.append({
+            c.load: {
+                "kind": "divergence" if c.place is None else "flutter",
+                "load": [written(v) for v in c.load],
+                "frequency_squared": None if c.place is None else [written(factor * v) for v in c.place],
+            }
+            for c in found.every if c.part == of
+        })  # fmt: skip
+    return {
+        "format": CROSSINGS,
+        "below": write(kernel, below, width),
+        "load_max": written(found.load_max),
+        "crossings": [list(of.values()) for of in lists],
+    }
 
 
 def _entries(X: Any, bits: int) -> list[list[str | list[str]]]:
@@ -461,6 +494,7 @@ def _text(value: Any) -> str:
 
 
 __all__ = [
+    "CROSSINGS",
     "FORMAT",
     "GENERAL",
     "ITSELF",
@@ -470,6 +504,7 @@ __all__ = [
     "SECTIONS",
     "SPECTRUM",
     "write",
+    "write_crossings",
     "write_list",
     "write_of_beam",
     "write_range",

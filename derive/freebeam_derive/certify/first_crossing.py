@@ -34,7 +34,7 @@ from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
 from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
-from freebeam_derive.certify.one_load import equal
+from freebeam_derive.certify.one_load import equal, obstacle
 from freebeam_derive.certify.parts import Part
 
 LOWEST_BITS = 160
@@ -82,6 +82,12 @@ class Enclosure:
     above_zero: bool = False
     parts: tuple[Part, ...] = ()
     beside: tuple[tuple[Stretch, ...] | Enclosure | None, ...] = ()
+
+    @property
+    def lasting(self) -> tuple[tuple[str, ...], ...]:
+        """Names of parts that nothing damps beside others that are damped."""
+        damped = [part.damped(self.question.kappa is not None) for part in self.parts]
+        return tuple(part.names for part, of in zip(self.parts, damped, strict=True) if any(damped) and not of)
 
     @property
     def at_once(self) -> tuple[tuple[str, tuple[Fraction, Fraction] | None], ...]:
@@ -180,7 +186,7 @@ def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
 def stretch_over(found: Boundary, a: Fraction, b: Fraction, centre: Boundary | None = None) -> Stretch | None:
     """A stretch that proves stability for a ≤ P ≤ b, None where none was found. Raises Unproven where it is not stable
     in the middle."""
-    middle = _between(a, b)
+    middle = between(a, b)
     separators = separators_at(centre or found, middle)
     if separators is None:
         raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
@@ -204,7 +210,7 @@ def _with_lowest(found: Boundary, P: Fraction, separators: Sequence[Separator]) 
     return (*((rational(m, 100), Fraction(0)) for m in middles), *upper)
 
 
-def _between(a: Fraction, b: Fraction) -> Fraction:
+def between(a: Fraction, b: Fraction) -> Fraction:
     """A rational of few bits near the middle of an interval."""
     width = (b - a) / 8
     grid = Fraction(1, 2) ** max(0, (width.denominator // max(1, width.numerator)).bit_length())
@@ -230,7 +236,7 @@ def cover(
             raise Unproven(f"stability is not shown on {MOST_STRETCHES} stretches, for frequencies stay too close")
         if depth == deepest:
             raise Unproven(f"stability could not be shown between the loads {float(a):.12g} and {float(b):.12g}")
-        middle = _between(a, b)
+        middle = between(a, b)
         waiting += [(middle, b, depth + 1), (a, middle, depth + 1)]
     return sorted(done, key=lambda s: s.start)
 
@@ -360,7 +366,7 @@ def _with_bits(
         with precision(bits):
             say(f"{bits} bits")
             try:
-                return _certify(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
+                return certify_parts(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
             except Together:
                 raise
             except Unproven as error:
@@ -371,7 +377,7 @@ def _with_bits(
     raise Unproven(reason)
 
 
-def _certify(
+def certify_parts(
     parts: list[Boundary],
     question: Question,
     near: tuple[float | Fraction, float] | None,
@@ -379,7 +385,8 @@ def _certify(
     bits: int,
     load_max: Fraction,
 ) -> Enclosure:
-    """Of parts that leave each other alone: one loses stability, and none of the others up to there."""
+    """As `certify`, of parts that leave each other alone, in balls of so many bits: one loses stability, and none of
+    the others up to there."""
     if near is None:
         proof = {"crossing": False, "first": False, "stable_below": True, "kind": True}
         first, others, end = parts[0], parts[1:], load_max
@@ -441,6 +448,7 @@ def _lost_within(part: Boundary, first: Enclosure, digits: int, bits: int) -> En
             raise Together(
                 f"motions that leave each other alone are lost at loads near {float(middle):.10g} that agree to "
                 f"{digits} digits; whether they are one load is not known"
+                + (f": {why}" if (why := obstacle(each)) else "")
             )
         return replace(found, parts=(part.part,))
     return None
@@ -523,10 +531,8 @@ def _certify_near(
     if point is None:
         single = not found.slopes([exact(low).union(exact(high))])[0, 0].contains(0)
     else:
-        # the root of g that passes through the crossing stays within for all loads of the interval
         local = found.about(exact(middle), exact(point))
-        J = local.slopes([arb(0), arb(0)])
-        spread = tolerance * (point + middle * rational(abs(J[1, 0] / J[1, 1]).upper(), 60))
+        spread = spread_of(local, middle, point, tolerance)
         square = point - spread, point + spread
         if not exact(square[0]) < squares[0] < exact(square[1]):
             raise Unproven("the frequency could not be enclosed to the digits asked for")
@@ -542,6 +548,13 @@ def _certify_near(
     return Enclosure(question, kind, (low, high), square, None, stretches, proof, found.above_zero)
 
 
+def spread_of(local: Boundary, load: Fraction, point: Fraction, tolerance: Fraction) -> Fraction:
+    """So far the root of g that passes through a crossing at (load, x = point) stays from there for all loads within
+    this share of it, and farther. local: P and x counted from the crossing."""
+    J = local.slopes([arb(0), arb(0)])
+    return tolerance * (point + load * rational(abs(J[1, 0] / J[1, 1]).upper(), 60))
+
+
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:
     """Whether (h, g) is one to one on the box |P| ≤ r, |x| ≤ ρ about the point from which P and x are counted."""
     radii = [exact(r), exact(rho)]
@@ -552,7 +565,7 @@ def _last_stretch(found: Boundary, load: Fraction, point: Fraction | None, toler
     """A stretch to just below a crossing at (load, x = point), or a divergence (None). Raises Unproven."""
     end, reach = load * (1 - tolerance / 2), Fraction(1, 8)
     while reach > tolerance:
-        begin = _between(load * (1 - reach), load * (1 - reach / 2))
+        begin = between(load * (1 - reach), load * (1 - reach / 2))
         # the curves bend, the more so near a coalescence: a line close to the flatter one stays between them longest
         for share in (0.5, 2.0**-6, 2.0**-16):
             last = _towards(found, load, point, begin, end, share)

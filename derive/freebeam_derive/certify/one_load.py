@@ -17,7 +17,7 @@ from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
 from freebeam_derive.certify.balls import exact, precision
 from freebeam_derive.certify.parts import Part
 
-MOST_ROWS = 20  # of a part: the resultant of 20 is of degree 380 in P, and takes half a minute
+MOST_ROWS = 20  # of a part that flutters: the resultant of 20 is of degree 380 in P, and takes half a minute
 MOST_BITS = 20_000
 
 
@@ -44,17 +44,27 @@ def equal(parts: Sequence[tuple[Part, bool]], limit: bool, low: Fraction, high: 
     return False
 
 
+def obstacle(parts: Sequence[tuple[Part, bool]]) -> str:
+    """Why critical loads of parts are not told to be one, in words; empty where nothing is in the way."""
+    for part, flutter in parts:
+        every = [X for powers in part.together or (part.M, part.C, part.K) for X in powers]
+        if any(isinstance(v, arb) for X in every for v in X.flat):
+            return "a factor is no fraction, and no number of digits tells that two loads are one"
+        if flutter and len(every[0]) > MOST_ROWS:
+            return f"a part that flutters has {len(every[0])} functions, and up to {MOST_ROWS} are feasible; lower N"
+    return ""
+
+
 def vanishing(part: Part, flutter: bool, limit: bool) -> fmpq_poly | None:
-    """A polynomial in P that is zero where a part has a flutter, or a divergence; None where the matrices are none of
-    fractions, or too large."""
-    terms = part.together or (part.M, part.C, part.K)  # of the motions of several roots h and g are products
-    every = [X for powers in terms for X in powers]
-    if len(every[0]) > MOST_ROWS or any(isinstance(v, arb) for X in every for v in X.flat):
+    """A polynomial in P that is zero where a part has a flutter, or a divergence; None where there is an obstacle."""
+    if obstacle([(part, flutter)]):
         return None
+    terms = part.together or (part.M, part.C, part.K)  # of the motions of several roots h and g are products
     M, C, K = ([fmpq_mat(X.tolist()) for X in powers] for powers in terms)
-    h, g = _boundary(M, C, K, limit)
     if not flutter:
-        return h[0]
+        loads = [fmpq(k) for k in range(1, 2 + K[0].nrows() * (len(K) - 1))]
+        return _through(loads, [sum((X * P**a for a, X in enumerate(K)), 0 * K[0]).det() for P in loads])
+    h, g = _boundary(M, C, K, limit)
     if len(h) < 2 or not g:
         return None
     count = sum((len(one) - 1) * max(p.degree() for p in other) for one, other in ((h, g), (g, h))) + 1

@@ -54,6 +54,10 @@ class Part:
     together: tuple[Powers, Powers, Powers] | None = None
     before: bool = False
 
+    def damped(self, limit: bool) -> bool:
+        """Whether something damps it; limit: of damping that vanishes, and may be of any form."""
+        return any(held(X).any() for X in self.C) if limit else not is_even(self.M, self.C, self.K)
+
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
         matrices but for one factor; the quotient of two factors where M and K have one each, without C."""
@@ -83,8 +87,8 @@ def _factor(one: Powers, other: Powers) -> Any:
 
 
 def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool | None) -> list[Part]:
-    """The parts, in the order of their names; one where a part had no mass, or no damping beside others with it.
-    Where not all is exact parts are those of names alone.
+    """The parts, in the order of their names, some damped and others not; one where a part had no mass. Where not all
+    is exact parts are those of names alone.
 
     names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. rest: two
     planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl; None:
@@ -93,7 +97,6 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
     every = [*M, *C, *K]
     whole = Part(tuple(dict.fromkeys(names)), M, C, K)
     exact = not any(isinstance(v, arb) for X in every for v in X.flat)
-    damped = not (limit or is_even(M, C, K))
     linked = np.any([held(X) | held(X).T for X in every], axis=0)
     groups: list[set[str]] = []
     for name in whole.names:
@@ -108,17 +111,16 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
         if not exact:
             parts.append(part)
             continue
-        of = [names[int(i)] for i in rows]
-        motions = _motions(part, of, limit or damped)
-        if limit or damped or rest is None:
+        of, damped = [names[int(i)] for i in rows], part.damped(limit)
+        motions = _motions(part, of, damped)
+        if damped or limit or rest is None:
             parts += [motion for motion, _ in motions]
         elif any(motion.known and held(X).any() for motion, _ in motions for X in motion.C):
             parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
         else:
             parts += [_seen_from_frame(motion, each, rest) for motion, each in motions]
     massless = any(not any(held(X).any() for X in part.M) for part in parts)
-    undamped = damped and any(is_even(part.M, part.C, part.K) for part in parts)
-    return [whole] if massless or undamped else parts
+    return [whole] if massless else parts
 
 
 # --- what all matrices leave to itself --------------------------------------------------------------------------------
@@ -144,7 +146,7 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
                 return alone
             found.append((replace(part, M=M, C=C, K=K, kind=of.kinds[0]), [names[i] for i in last]))
             continue
-        known = replace(structure(M, C, K), even=not limit)
+        known = replace(structure(M, C, K), even=not limit or not any(held(X).any() for X in C))
         if (rates and not symmetric) or (limit and structure(M, [], K).degree != known.degree):
             return alone
         shared = known.shared(len(of.roots))

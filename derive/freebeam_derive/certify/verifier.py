@@ -140,7 +140,7 @@ Read = tuple[Statement, int, Callable[[], "System"], list[Stretch], list[Checked
 each of these that is lost at the same load a check that it is."""
 
 
-def _of_beam(data: dict[str, Any]) -> Read:
+def of_beam(data: dict[str, Any]) -> Read:
     """A certificate of M, E, H over one segment."""
     require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
     basis, N = data["basis"], data["modes"]
@@ -462,8 +462,7 @@ def reduced(space: Space, motions: list[list[fmpq]], *terms: list[fmpq_mat]) -> 
 
 def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], limit: bool) -> list[Part]:
     """The parts of a file. Those of different names: each trial function is of one, and no matrix couples two. Those of
-    the same names are all that `motions` finds. Either all have damping, or none."""
-    damped = not (limit or degrees(terms[0], terms[1], terms[2]).even)
+    the same names are all that `motions` finds."""
     parts = _list(parts, MOST_NAMES)
     require(all(set(part) == {"names", "motion", "frame"} for part in parts), "a part is not names, motion and frame")
     names = [_list(part["names"], MOST_NAMES) for part in parts]
@@ -489,7 +488,9 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         if frame is not None:  # seen from a frame first, then taken apart
             require(all(of == frame for of in frames), "parts of two planes are not seen from one frame")
             inner, turn, whirls = _seen(inner, frame, [held[n][-1] for n in own], limit)
-        each = motions(inner, limit or damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
+        rates = [] if nothing(*inner[1]) else inner[1]
+        damped = bool(rates) if limit else not degrees(inner[0], rates, inner[2]).even
+        each = motions(inner, damped) if len(mine) > 1 else [Motion(inner, list(range(len(own))))]
         order = sorted(_whole(parts[k]["motion"], 0, MOST_NAMES) for k in mine)
         require(order == list(range(len(each))), "the parts are not all of the motions that leave each other alone")
         for k in mine:
@@ -500,11 +501,10 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
                 )
             else:
                 found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
-    require(not damped or all(part and part.damped for part in found), "what is damped is not apart from what is not")
     return [part for part in found if part]
 
 
-def _of_forms(data: dict[str, Any]) -> Read:
+def of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
     differ = ", ".join(sorted(GENERAL_FIELDS ^ (set(data) - APART)))[:100]
     require(set(data) in (GENERAL_FIELDS, GENERAL_FIELDS | APART), f"fields are missing, or not known: {differ}")
@@ -537,19 +537,19 @@ def _of_forms(data: dict[str, Any]) -> Read:
     beside = _list(data.get("beside", []), MOST_NAMES)
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
     first, damped = each[0], any(part.damped for part in each)
+    lasting = tuple(tuple(part.names) for part in each if damped and not part.damped)
     again = [lines is None for lines in beside]
     those = [part for part, same in zip(each[1:], again, strict=True) if same]
-    fits = all(part.same(first) or part.rescaled(first) for part in those)
-    require(fits, "a part without stretches is not the first again")
+    scales = [part.scale(first) for part in those]
+    require(None not in scales, "a part without stretches is not the first again")
     others = list(zip(each[1:], beside, strict=True))
     lost = [part.lost(data["load"], of) if type(of) is dict else None for part, of in others]
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
-        motions=len(motions), damped=damped, gyroscopic=bool(rates) and not damped,
+        motions=len(motions), damped=damped, lasting=lasting, gyroscopic=bool(rates) and not damped,
         above_zero=any(part.above_zero for part in each),
-        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])), times=1 + len(those),
-        rescaled=not all(part.same(first) for part in those),
-        turn=first.turn, whirls=first.whirls,
+        parts=tuple(tuple(part["names"]) for part in data.get("parts", [])),
+        scales=(Fraction(1), *filter(None, scales)), turn=first.turn, whirls=first.whirls,
         at_once=tuple(filter(None, lost)),
     )  # fmt: skip
     require(first.turn is None or stated.kind != "divergence", "a divergence is not one of a frame that turns")
@@ -584,31 +584,33 @@ class Part:
         M, C, K = motion.terms
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
+        limit = limit and bool(C)
         if frame is not None:
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
             (M, C, K), turn, whirls = _seen([M, C, K], frame, rows, limit)
         known = degrees(M, C, K)
         if limit:
-            require(bool(C), "there is no damping that could vanish")
             still = degrees(M, [], K).highest
             if known.highest > still:
                 require(motion.count == 1, "damping acts on what has no mass, where roots tell motions apart")
                 fast = Fast.of(M, C, K, still, known.highest - still)
             known = replace(known, highest=still + (fast is not None))
-        known = known.each(motion.count, not limit and (known.even or motion.even))
+        even = not C or motion.even or (known.even and motion.count == 1)
+        known = known.each(motion.count, not limit and even)
         require(known.highest > 1, "no motion has a frequency")
         return Part(M, C, K, motion, limit, known, fast, turn, whirls, names)
 
-    def same(self, other: Part) -> bool:
-        """Whether it is another again: the same motions, or the same matrices but for one factor."""
+    def scale(self, other: Part) -> Fraction | None:
+        """λ² in it over those in another that it is again: 1 for the same motions, or the same matrices but for one
+        factor; another number where it is so but for the unit of time. None where it is not."""
         if self.names == other.names and self.motion.kind == other.motion.kind >= 0:
-            return True
-        return self.motion.count == other.motion.count == 1 and alike(self._terms, other._terms)
-
-    def rescaled(self, other: Part) -> bool:
-        """Whether it is another but for the unit of time."""
-        fractions = self.motion.count == other.motion.count == 1 and self.turn is None is other.turn
-        return fractions and rescaled(self._terms, other._terms)
+            return Fraction(1)
+        if not self.motion.count == other.motion.count == 1 or (self.turn, self.whirls) != (other.turn, other.whirls):
+            return None
+        if alike(self._terms, other._terms):
+            return Fraction(1)
+        found = rescaled(other._terms, self._terms) if self.turn is None else None
+        return None if found is None else Fraction(int(found.p), int(found.q))
 
     @property
     def _terms(self) -> list[list[fmpq_mat]]:
@@ -629,7 +631,7 @@ class Part:
             [[arb_mat(X) for X in powers] for powers in terms] if self.motion.count == 1 else self.motion.matrices()
         )
         C = C[: len(self.C)]
-        return System(M, C if self.C else [], K, self.limit, self.known, self.fast)
+        return System(M, C if self.C else [], K, self.limit, self.known, self.fast, self.turn, self.whirls)
 
     def lost(self, load: Any, data: Any) -> Lost:
         """What a file says of it, where that is that it is lost at the same load as the first."""
@@ -637,12 +639,12 @@ class Part:
         claimed = crossing(data | {"load": load})
         require(claimed["load"] is not None, "a part beside is lost, and the first is not")
         square = claimed["square"]
+        require(self.turn is None or square is not None, "a divergence is not one of a frame that turns")
         omega = square if square is None else roots(*square)
-        if self.turn is not None:
-            require(self.whirls and square is not None, "what is lost at the same load is not seen from a frame")
+        if self.whirls and square is not None and self.turn is not None:
             omega = whirl(square, self.turn)
             require(omega[0] > 0, "the frequency of a whirl may be zero")
-        return Lost(tuple(self.names), claimed["kind"], square, omega)
+        return Lost(tuple(self.names), claimed["kind"], square, omega, None if self.whirls else self.turn)
 
     def beside(self, first: Part, stated: OfForms, data: Any, lost: Lost | None) -> Checked:
         """What is to be checked of it beside the first; data: its stretches, or how it is lost at the same load."""
@@ -651,9 +653,9 @@ class Part:
         low, high = stated.load
 
         def check(series: Series) -> None:
-            series.check_crossing(low, high, lost.square)
+            require(series.check_crossing(low, high, lost.square) > 0, "stability is not lost there")
             both = [(part._terms, kind == "flutter") for part, kind in ((first, stated.kind), (self, lost.kind))]
-            check_one_load(both, self.limit, ball(low).union(ball(high)))
+            check_one_load(both, first.limit or self.limit, ball(low).union(ball(high)))
 
         return self.system, self.stretches(data["stretches"], low), check
 
@@ -820,7 +822,7 @@ class Fast:
 @dataclass(frozen=True)
 class System:
     """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction. known: what
-    holds exactly of their determinant; of none M is regular, and K without load."""
+    holds exactly of their determinant; of none M is regular, and K without load. turn, whirls: as of a `Part`."""
 
     M: list[arb_mat]
     C: list[arb_mat]
@@ -828,6 +830,8 @@ class System:
     vanishing: bool
     known: Degrees | None = None
     fast: Fast | None = None
+    turn: fmpq | None = None
+    whirls: bool = False
 
     @property
     def degrees(self) -> Degrees:
@@ -893,6 +897,11 @@ class Series:
         require(whole != 0, "the determinant may vanish at λ = 1 without load")
         return 1 if whole > 0 else -1
 
+    @property
+    def leading(self) -> list[Rows]:
+        """Of h and g those whose highest factor is that of the highest power of λ."""
+        return [self.g, self.h] if self.system.fast else [self.g] if self.odd else [self.h]
+
     def _without(self, which: Rows, of_load: int, of_rate: int) -> Rows:
         """Multiplied by the sign; and what is known to have no part is exactly nothing."""
         absent, zero = self.system.degrees.absent, arb(0)
@@ -942,22 +951,26 @@ class Series:
                     along = _divided(along)
                 require(positive(along, near, far), f"the roots of {name} are not separated {where}")
 
-    def check_crossing(self, low: Fraction, high: Fraction, square: tuple[Fraction, Fraction] | None) -> None:
-        """(ii) to (iv) of the proof: exactly one crossing for low ≤ P ≤ high, with ω² in `square`, or λ = 0 (None)."""
+    def check_crossing(self, low: Fraction, high: Fraction, square: tuple[Fraction, Fraction] | None) -> int:
+        """(ii) to (iv) of the proof: exactly one crossing for low ≤ P ≤ high, with ω² in `square`, or λ = 0 (None).
+
+        How many eigenvalues more are unstable above it: 2 or −2 of a pair, 1 or −1 of λ = 0.
+        """
         start, end = ball(low), ball(high)
         over = Over(start.union(end))
         h, g, h_P, g_P = self.h, self.g, by_load(self.h), by_load(self.g)
         turned_h, turned_g = h[::-1], g[::-1]  # x^N h(1/x), x^(N − 1) g(1/x)
-        leading = [g, h] if self.system.fast else [g] if self.odd else [h]
-        regular = all(over(which[-1:], arb(0)) != 0 for which in leading)
+        regular = all(over(which[-1:], arb(0)) != 0 for which in self.leading)
         if square is None:
-            require(over(h_P, arb(0)) < 0, "det K does not fall throughout the load's interval")
-            require(h[0](end) < 0, "det K does not change sign within the load's interval")
+            slope, rate = over(h_P, arb(0)), over(g, arb(0))
+            require(slope != 0, "det K does not fall, or rise, throughout the load's interval")
+            require(opposite(h[0](start), h[0](end)), "det K does not change sign within the load's interval")
             over.apart(h, g, arb(0), arb(1))
             over.apart(turned_h, turned_g, arb(0), arb(1))
             require(regular, "det M may vanish within the load's interval")
-            return
-        require(over(h, arb(0)) > 0, "det K may vanish within the load's interval")
+            require(rate != 0, "how an eigenvalue leaves zero is not known")
+            return 1 if (slope * rate < 0) == self.damped else -1
+        require(over(h, arb(0)) != 0, "det K may vanish within the load's interval")
         bottom, top = map(ball, square)
         box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
         across = opposite(over(g, bottom), over(g, top))
@@ -972,6 +985,7 @@ class Series:
         require(slope != 0, "the crossing is not known to be simple and alone")
         across = opposite(*(self._along_root(P, box) for P in (start, end)))
         require(across, "nothing is known to cross within the intervals of load and frequency")
+        return 2 if (slope * over(g_x, box) < 0) == self.damped else -2
 
     def _along_root(self, P: arb, box: arb) -> arb:
         """φ(P) = h(P, ξ(P)), where ξ is the root of g(P, ·) in the box, on which g_x is not zero."""
@@ -1087,7 +1101,7 @@ def positive(polynomial: arb_poly, low: arb, high: arb) -> bool:
         if not waiting:
             return True
         a, b = waiting.pop()
-        value = polynomial(a.union(b))
+        value = _near(polynomial, a.union(b))
         if not value > 0:
             # halves on a logarithmic scale: the polynomial goes to zero with P − origin towards a crossing
             middle = arb(((a * b).sqrt() if a > 0 and b > 4 * a else (a + b) / 2).mid())
@@ -1111,9 +1125,7 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
         require(kind in (FORMAT, GENERAL, *(others or ())), "this is no certificate of a known format")
         if others and kind in others:
             return others[kind](certificate)
-        stated, N, system, stretches, beside = (_of_forms if kind == GENERAL else _of_beam)(certificate)
-        check(stated, N, system, stretches, beside)
-        return stated
+        return check(*(of_forms if kind == GENERAL else of_beam)(certificate))
     except ArithmeticError as error:
         raise Refused(f"could not be checked: {error}") from error
     except (AttributeError, LookupError, TypeError, ValueError) as error:
@@ -1123,21 +1135,22 @@ def verify(certificate: dict[str, Any], others: Others | None = None) -> Stateme
 
 def check(
     stated: Statement, N: int, system: Callable[[], System], stretches: list[Stretch], beside: list[Checked]
-) -> None:
-    """The proof, of what was read. Raises Refused."""
+) -> Statement:
+    """The proof, of what was read; what it proves. Raises Refused."""
     widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
     # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
     with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
-        series = _stable(system(), stretches, stated.end, stated.top)
+        series = stable_series(system(), stretches, stated.end, stated.top)
         for of, separated, also in beside:
-            other = _stable(of(), separated, stated.top if also is None else stated.end, stated.top)
+            other = stable_series(of(), separated, stated.top if also is None else stated.end, stated.top)
             if also is not None:
                 also(other)
         if stated.load is not None:
-            series.check_crossing(*stated.load, stated.square)
+            require(series.check_crossing(*stated.load, stated.square) > 0, "stability is not lost there")
+    return stated
 
 
-def _stable(system: System, stretches: list[Stretch], end: Fraction, top: Fraction) -> Series:
+def stable_series(system: System, stretches: list[Stretch], end: Fraction, top: Fraction) -> Series:
     """The series, stable from no load to an end; coordinates without mass decay to the top."""
     if system.fast is not None:
         system.fast.decay(top)

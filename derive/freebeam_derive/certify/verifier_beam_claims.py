@@ -108,7 +108,7 @@ class OfAllCrossings(OfBeamItself):
     def record(self) -> dict[str, Any]:
         return super().record() | {
             "stable_to": None, "load_max": said(self.load_max or Fraction(0)),
-            "crossings": [_recorded(p) | {"unstable_below": p.unstable, "unstable_above": p.unstable + p.change}
+            "crossings": [recorded(p) | {"unstable_below": p.unstable, "unstable_above": p.unstable + p.change}
                           for p in self.passings],
         }  # fmt: skip
 
@@ -170,12 +170,12 @@ class OverRange(OfBeamItself):
         return {key: stated[key] for key in ("column", "of", "ends", "kind")} | {
             **{key: one if one == two else [one, two] for key, (one, two) in both.items()},
             "range": self.parameter, "low": said(self.low), "high": said(self.high),
-            "pieces": [{"low": said(p.low), "high": said(p.high)} | _recorded(p) for p in self.pieces],
+            "pieces": [{"low": said(p.low), "high": said(p.high)} | recorded(p) for p in self.pieces],
             "open": [[said(a), said(b)] for a, b in self.open],
         }  # fmt: skip
 
 
-def _recorded(claim: Passing | Piece) -> dict[str, Any]:
+def recorded(claim: Passing | Piece) -> dict[str, Any]:
     load = shown(*claim.load)
     frequency = ("0", "0") if claim.square is None else shown(*roots(*claim.square))
     return {

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import reduce
@@ -27,6 +27,7 @@ Form = tuple[tuple[tuple[int, int, int, Fraction], ...], tuple[tuple[int, int, i
 # More than any certificate holds that is written: files that would only use up time and memory are not begun.
 LARGEST_FILE = 2_000_000  # bytes; 30,000 or so at N = 8, 300,000 where 10,000 digits are proven
 MOST_MODES, MOST_TERMS, HIGHEST_POWER = 200, 100, 100
+LASTING = "there stable says that all lambda^2 are real, negative and simple"
 NARROWEST = Fraction(1, 10**10_050)  # width of an interval, in parts of its upper end
 
 
@@ -118,10 +119,16 @@ class Statement:
     def forms(self) -> str:
         return f"the forms in this file (which names them {self.named}; that they are its is not checked)"
 
-    def proven(self, what: str, damped: bool, above_zero: bool = False, also: str = "") -> str:
-        """The statement in full, in one line. also: what else is lost at that load."""
+    @property
+    def of(self) -> str:
+        """What it is a statement of, in words: the forms, the functions and the damping."""
+        raise NotImplementedError
+
+    def proven(self, damped: bool, above_zero: bool = False, also: str = "", lasting: bool = False) -> str:
+        """The statement in full, in one line. also: what else is lost at that load; lasting: some parts are undamped
+        beside others."""
         loads = "every load P above 0 up to" if above_zero else "every load P from 0 to"
-        stable = f"proven of {what}: stable at {loads}"
+        stable = f"proven of {self.of}: stable at {loads}"
         if self.load is None:
             return f"{stable} {said(self.end)}"
         low, high = shown(*self.load)
@@ -130,6 +137,8 @@ class Statement:
         if self.frequency is not None:
             where = f"with omega between {' and '.join(shown(*self.frequency))}"
         other = f"eigenvalue{self.of_one} has Re = 0" if damped else f"frequencies{self.of_one} meet"
+        if lasting:
+            other = "eigenvalue of a damped part has Re = 0, and no frequencies of an undamped one meet,"
         return f"{stable} {low}; {lost}, {where}{also}; no other {other} up to {high}"
 
     def record(self) -> dict[str, Any]:
@@ -156,10 +165,14 @@ class OfBeam(Statement):
     kappa: Fraction | float | None
     damping: Damping | None
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"column {self.named}" if self.ours else self.forms
         what += f", {self.ends[0]} at x = 0 and {self.ends[1]} at x = 1, N = {self.modes} ({self.basis})"
-        return self.proven(f"{what}, {self.damped}", self.damping is not None)
+        return f"{what}, {self.damped}"
+
+    def __str__(self) -> str:
+        return self.proven(self.damping is not None)
 
     def record(self) -> dict[str, Any]:
         return super().record() | {"basis": self.basis} | self.of_column
@@ -195,12 +208,13 @@ class OfBeam(Statement):
 @dataclass(frozen=True)
 class Lost:
     """A part that is lost at the same load as the first: its fields and coordinates, the kind, intervals of ω² (of
-    ω + turn where planes whirl) and of ω."""
+    ω + turn where planes whirl) and of ω; turn: the rate of the frame of planes that are seen from rest."""
 
     names: tuple[str, ...]
     kind: str
     square: tuple[Fraction, Fraction] | None
     omega: tuple[Fraction, Fraction] | None
+    turn: fmpq | None = None
 
 
 @dataclass(frozen=True)
@@ -208,10 +222,9 @@ class OfForms(Statement):
     """A statement of the forms in a file, of fields on segments and coordinates.
 
     modes: polynomials are of degree modes + 1; size: how many functions that makes, without `motions` rigid ones.
-    damped: C is not nothing, and not gyroscopic alone; above_zero: but is at P = 0, or K is singular there, and what is
-    said is said of P > 0. times: how many of the parts are the first, itself counted; rescaled: some in another unit of
-    time, with frequencies that are those of the first times a factor. at_once: other parts that are lost at exactly the
-    same load.
+    damped: C is not nothing, and not gyroscopic alone; lasting: parts that it does not damp beside others; above_zero:
+    but is at P = 0, or K is singular there, and what is said is said of P > 0. scales: of λ² in the parts that are the
+    first again, itself counted, but for the unit of time. at_once: other parts that are lost at exactly the same load.
     """
 
     breaks: tuple[Fraction, ...]
@@ -221,13 +234,18 @@ class OfForms(Statement):
     motions: int
     damped: bool
     above_zero: bool
+    lasting: tuple[tuple[str, ...], ...] = ()
     gyroscopic: bool = False
     parts: tuple[tuple[str, ...], ...] = ()
-    times: int = 1
-    rescaled: bool = False
+    scales: tuple[Fraction, ...] = (Fraction(1),)
     turn: fmpq | None = None
     whirls: bool = False
     at_once: tuple[Lost, ...] = ()
+
+    @property
+    def times(self) -> int:
+        """How many of the parts are the first."""
+        return len(self.scales)
 
     @property
     def of_one(self) -> str:
@@ -240,7 +258,8 @@ class OfForms(Statement):
             return super().frequency
         return whirl(self.square, self.turn)
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"{self.forms}, of {' and '.join(self.unknowns)}, breaks at {', '.join(map(said, self.breaks))}"
         what += f", N = {self.modes} ({self.size} functions)"
         if self.motions:
@@ -250,23 +269,24 @@ class OfForms(Statement):
         if self.kappa is not None:
             of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
         if len(self.parts) > 1:
-            named = {names: self.parts.count(names) for names in self.parts}
-            each = (f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
-            of += f", {' and '.join(each)} leaving each other alone"
+            of += f", {_motions(self.parts)} leaving each other alone"
+        if self.lasting:
+            of += f", {_motions(self.lasting)} undamped ({LASTING})"
         if self.times > 1:
-            but = " but for the unit of time" if self.rescaled else ""
-            of += f", {self.times} of them the same{but}, of which each is lost at that load where one is"
-        if self.turn is not None and not self.whirls:
-            frame = f"in their frame each omega is omega - {self.turn} and omega + {self.turn}"
-            of += f", {' and '.join(self.parts[0])} seen from rest ({frame})"
-        return self.proven(what + of, self.damped, self.above_zero, self._also)
+            but = " but for the unit of time" if set(self.scales) != {1} else ""
+            of += f", {self.times} of them the same{but}, of which each is lost at a load where one is"
+        return what + of
+
+    def __str__(self) -> str:
+        return self.proven(self.damped, self.above_zero, self._also, bool(self.lasting))
 
     @property
     def _also(self) -> str:
-        """What else is lost at the same load, in words."""
-        text = ""
+        """How its frequency is seen, and what else is lost at the same load, in words."""
+        text = "" if self.whirls else _from_rest(self.turn)
         for of in self.at_once:
             where = "where det K = 0" if of.omega is None else f"with omega between {' and '.join(shown(*of.omega))}"
+            where += _from_rest(of.turn)
             text += f", and at exactly that load by {of.kind} of motions of {'-'.join(of.names)}, {where}"
         return text
 
@@ -277,13 +297,25 @@ class OfForms(Statement):
             "alpha": said(self.alpha), "beta": said(self.beta), "damped": self.damped, "gyroscopic": self.gyroscopic,
             "kappa": _said(self.kappa),
             "stable_at_zero_load": None if self.above_zero else True,
-            "parts": [*map(list, self.parts)], "times": self.times,
+            "parts": [*map(list, self.parts)], "lasting": [*map(list, self.lasting)], "times": self.times,
             "turn": None if self.turn is None or self.whirls else str(self.turn),
             "at_once": [
-                {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high}
+                {"of": [*of.names], "kind": of.kind, "frequency_lower": low, "frequency_upper": high,
+                 "turn": None if of.turn is None else str(of.turn)}
                 for of in self.at_once for low, high in [shown(*of.omega) if of.omega else ("0", "0")]
             ],
         }  # fmt: skip
+
+
+def _motions(parts: Sequence[tuple[str, ...]]) -> str:
+    """Parts in words, those of the same names counted."""
+    named = {names: parts.count(names) for names in parts}
+    return " and ".join(f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
+
+
+def _from_rest(turn: fmpq | None) -> str:
+    """How a frequency is seen, in words."""
+    return "" if turn is None else f" as seen from rest (in the frame each omega is omega - {turn} and omega + {turn})"
 
 
 def whirl(square: tuple[Fraction, Fraction], turn: fmpq) -> tuple[Fraction, Fraction]:

@@ -37,10 +37,12 @@ def check_one_load(parts: list[tuple[Terms, bool]], limit: bool, loads: arb) -> 
 def _lost(terms: Terms, flutter: bool, limit: bool) -> fmpq_poly:
     """A polynomial in P that is zero where a part is lost."""
     rows = terms[2][0].nrows()
-    require(rows <= MOST_ROWS, f"of more than {MOST_ROWS} functions two loads are not known to be one")
-    h, g = _both(terms, limit)
     if not flutter:
-        return fmpq_poly([h[a, 0] for a in range(h.nrows())])
+        loads = range(rows * (len(terms[2]) - 1) + 1)
+        K = (sum((X * fmpq(P) ** k for k, X in enumerate(terms[2])), 0 * terms[2][0]) for P in loads)
+        return fmpq_poly([v[0] for v in _solved(loads, fmpq_mat([[X.det()] for X in K])).tolist()])
+    require(rows <= MOST_ROWS, f"of more than {MOST_ROWS} functions two loads of flutter are not known to be one")
+    h, g = _both(terms, limit)
     ring = fmpq_mpoly_ctx.get(("P", "x"), "lex")
     one, other = (
         ring.from_dict({(a, b): X[a, b] for a in range(X.nrows()) for b in range(X.ncols()) if X[a, b] != 0})

@@ -156,7 +156,18 @@ class First:
         require(bool(change > 0), "stability is not lost there")
         return found
 
+    def check_order(self, stretches: tuple[Stretch, ...]) -> None:
+        """What is seen of the stretches before anything is computed. Raises Refused."""
+        with flint.ctx.workprec(BITS):
+            signs, moves = (
+                Signs(self.equations, self.high.top),
+                self.claim.kind != "flutter" or not self.equations.limit,
+            )
+            if self.equations.real:
+                signs.check_order(stretches, moves)
+
     def check(self, stretches: tuple[Stretch, ...]) -> None:
+        self.check_order(stretches)
         equations, flutter, top = self.equations, self.claim.kind == "flutter", self.load[1]
         digits = 0 if self.ranged else _bits(self.load)
         with flint.ctx.workprec(BITS):
@@ -166,7 +177,7 @@ class First:
             crossing = self.crossing()
         with flint.ctx.workprec(BITS + digits):
             if equations.real:
-                signs.stable(list(stretches), self.load, None if equations.limit and flutter else crossing)
+                signs.stable(stretches, self.load, None if equations.limit and flutter else crossing)
         with flint.ctx.workprec(BITS):
             if not equations.real:
                 signs.at_rest(list(stretches))

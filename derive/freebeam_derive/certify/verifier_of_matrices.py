@@ -18,6 +18,7 @@ from freebeam_derive.certify import verifier
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier import CLAIM, MOST_NAMES, MOST_POWERS, System
 from freebeam_derive.certify.verifier_claims import (
+    LASTING,
     MOST_MODES,
     Statement,
     ball,
@@ -47,12 +48,14 @@ class OfMatrices(Statement):
     damped: bool
     above_zero: bool
     parts: tuple[tuple[str, ...], ...]
+    lasting: tuple[tuple[str, ...], ...]
 
     @property
     def of_one(self) -> str:
         return " of one of these" if len(self.parts) > 1 else ""
 
-    def __str__(self) -> str:
+    @property
+    def of(self) -> str:
         what = f"every M, C and K within those in this file (which names them {self.named}; that they are its is not "
         what += f"checked), N = {self.modes} ({self.size} functions), entries within {float(self.widest):.1e}"
         of = f", said to be at alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
@@ -60,18 +63,24 @@ class OfMatrices(Statement):
             of = f", in the limit of vanishing damping along C, said to be {vanishing(self.kappa)}"
         if len(self.parts) > 1:
             of += f", {' and '.join('-'.join(names) for names in self.parts)} leaving each other alone"
-        return self.proven(what + of, self.damped, self.above_zero)
+        if self.lasting:
+            of += f", {' and '.join('-'.join(names) for names in self.lasting)} undamped ({LASTING})"
+        return what + of
+
+    def __str__(self) -> str:
+        return self.proven(self.damped, self.above_zero, lasting=bool(self.lasting))
 
     def record(self) -> dict[str, Any]:
         return super().record() | {
             "of": "every M, C and K within those in this file", "parameters": None, "functions": self.size,
             "radius": f"{float(self.widest):.1e}", "damped": self.damped,
             "stable_at_zero_load": None if self.above_zero else True, "parts": [*map(list, self.parts)],
+            "lasting": [*map(list, self.lasting)],
         }  # fmt: skip
 
 
-def verify(data: dict[str, Any]) -> OfMatrices:
-    """Check a certificate of matrices in balls. Raises Refused."""
+def read(data: dict[str, Any]) -> verifier.Read:
+    """A certificate of matrices in balls. Raises Refused."""
     require(set(data) == FIELDS, f"fields are missing, or not known: {', '.join(sorted(FIELDS ^ set(data)))[:100]}")
     claims, names, kappa = claims_of(data), data["names"], ratio(data["kappa"])
     size = len(names)
@@ -88,17 +97,23 @@ def verify(data: dict[str, Any]) -> OfMatrices:
     require(type(beside) is list and len(beside) == len(given) - 1, "the stretches of each part are not there")
     parts = [_Part.of(tables, [n for n, name in enumerate(names) if name in part], kappa is not None) for part in given]
     damped = [part.damped for part in parts]
-    require(all(damped) or not any(damped), "what is damped is not apart from what is not")
+    require(kappa is None or any(damped), "there is no damping that could vanish")
+    lasting = (names for names, of in zip(given, damped, strict=True) if any(damped) and not of)
     widest = max(radius for of in tables.values() for table in of for row in table for _, radius in row)
     stated = OfMatrices(
-        **claims, kappa=kappa, size=size, widest=widest, damped=damped[0],
+        **claims, kappa=kappa, size=size, widest=widest, damped=any(damped),
         above_zero=any(part.above_zero for part in parts), parts=tuple(map(tuple, given)),
+        lasting=tuple(map(tuple, lasting)),
     )  # fmt: skip
     others: list[verifier.Checked] = [
         (part.system, part.stretches(of, stated.top), None) for part, of in zip(parts[1:], beside, strict=True)
     ]
-    verifier.check(stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), others)
-    return stated
+    return stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), others
+
+
+def verify(data: dict[str, Any]) -> Statement:
+    """Check a certificate of matrices in balls. Raises Refused."""
+    return verifier.check(*read(data))
 
 
 FORMATS: verifier.Others = {FORMAT: verify}
@@ -122,7 +137,7 @@ class _Part:
             alone = all(table[i][j] == table[j][i] == NOTHING for i in others for j in own)
             require(alone, "parts do not leave each other alone")
         C = C if any(entry != NOTHING for table in C for row in table for entry in row) else []
-        require(bool(C) or not limit, "there is no damping that could vanish")
+        limit = limit and bool(C)
         held = [[[[entry != NOTHING for entry in row] for row in table] for table in powers] for powers in (M, C, K)]
         known = of_entries(held[0], held[1], held[2])
         if limit:

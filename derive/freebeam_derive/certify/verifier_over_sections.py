@@ -136,7 +136,7 @@ def _piece(data: dict[str, Any]) -> OfPiece:
 def verify_over_sections(data: dict[str, Any]) -> OverSections:
     """Check a certificate over a range of a mass or a spring; what it proves. Raises Refused, ArithmeticError."""
     stated, columns = read(data)
-    low, high = stated.low, stated.high
+    low, high, each_piece = stated.low, stated.high, list[tuple[First, OfPiece]]()
     for piece in stated.pieces:
         assert isinstance(piece, OfPiece)
         ends = [between(*columns, (value - low) / (high - low)) for value in (piece.low, piece.high)]
@@ -144,7 +144,11 @@ def verify_over_sections(data: dict[str, Any]) -> OverSections:
             each = [(column, Pieces(column)) for column in ends]
             gaps = Gaps(each, piece.lowest, piece.line)
             F = OverPieces([F for _, F in each])
-        First(Equations(F, 0, ALONE, ALONE, False), gaps, piece, ranged=True).check(piece.stretches)
+        first = First(Equations(F, 0, ALONE, ALONE, False), gaps, piece, ranged=True)
+        first.check_order(piece.stretches)  # of all pieces before any is begun
+        each_piece.append((first, piece))
+    for first, piece in each_piece:
+        first.check(piece.stretches)
     return stated
 
 

@@ -35,11 +35,13 @@ def alike(one: Terms, other: Terms) -> bool:
     return same and _factor(*([X for terms in of for X in terms] for of in (one, other))) is not None
 
 
-def rescaled(one: Terms, other: Terms) -> bool:
-    """Whether M and K are those of another but for a positive factor each, and there is no C: λ of the one are those of
-    the other but for a positive factor."""
-    factors = [_factor(one[k], other[k]) for k in (0, 2)]
-    return _nothing(*one[1], *other[1]) and all(factor is not None and factor > 0 for factor in factors)
+def rescaled(one: Terms, other: Terms) -> fmpq | None:
+    """λ² of another over those of one whose M and K are the other's but for a positive factor each, without C; None
+    where it is not so."""
+    of_M, of_K = (_factor(one[k], other[k]) for k in (0, 2))
+    if of_M is None or of_K is None or not _nothing(*one[1], *other[1]):
+        return None
+    return of_K / of_M if of_M > 0 and of_K > 0 else None
 
 
 # --- two planes that rates couple ---------------------------------------------------------------------------------

@@ -5,6 +5,7 @@ Of the verifier of certificates of the beam itself (`verifier_of_beam`); it shar
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -47,7 +48,6 @@ class Signs:
     def alternate(self, low: arb, high: arb, points: tuple[Fraction, ...], moving: int | None) -> list[int]:
         """The signs at the points, each other than the last; that of a moving one follows from the others."""
         where = f"between the loads {float(low):.10g} and {float(high):.10g}"
-        require(bool(ball(points[-1]) < self.top), "the last point is beyond the line that is free")
         signs = [0 if k == moving else self.sign(low, high, ball(x)) for k, x in enumerate(points)]
         known = next(k for k in range(len(points)) if k != moving)
         wanted = [signs[known] * (-1) ** (k - known) for k in range(len(points))]
@@ -61,6 +61,7 @@ class Signs:
         require(len(stretches) == 1, stable)
         (s,) = stretches
         require(s.start == s.end == 0 and s.moving is None, stable)
+        self._left(s)
         self.alternate(arb(0), arb(0), s.points, None)
 
     def above(self, s: Fraction, stretches: list[Stretch]) -> None:
@@ -71,21 +72,34 @@ class Signs:
         damps = self.R == 0 and s < stretches[0].points[1] and signs[0] * signs[1] > 0
         require(damps, "the lowest frequency is not known to be damped at P = 0")
 
-    def stable(self, stretches: list[Stretch], load: Interval, crossing: list[arb] | None) -> None:
-        """Theorem 1 on [0, P*), given the crossing's P and s (0 at a divergence); without one on all of [0, P*]."""
+    def _left(self, stretch: Stretch) -> None:
+        require(bool(ball(stretch.points[-1]) < self.top), "the last point is beyond the line that is free")
+
+    def check_order(self, stretches: Sequence[Stretch], moves: bool) -> None:
+        """What is seen of stretches before anything is computed: there is no gap from 0 on, all points are left of the
+        line, and on the last one moves, or none does. Raises Refused."""
         reached = Fraction(0)
         require(bool(stretches), "there are no stretches")
-        for n, s in enumerate(stretches):
+        for n, s in enumerate(stretches, 1):
             require(s.start == reached < s.end, "the stretches leave a gap")
-            reached, last = s.end, crossing is not None and n == len(stretches) - 1
-            require((s.moving is not None) == last, "a point moves that should not, or does not where it should")
+            moving = "a point moves that should not, or does not where it should"
+            require((s.moving is not None) == (moves and n == len(stretches)), moving)
+            self._left(s)
+            reached = s.end
+
+    def stable(self, stretches: Sequence[Stretch], load: Interval, crossing: list[arb] | None) -> None:
+        """Theorem 1 on [0, P*), given the crossing's P and s (0 at a divergence); without one on all of [0, P*]."""
+        self.check_order(stretches, crossing is not None)
+        for n, s in enumerate(stretches, 1):
+            last = crossing is not None and n == len(stretches)
             with flint.ctx.workprec(BITS):
                 low, high = ball(s.start), ball(load[1] if last else s.end)
                 wanted = self.alternate(low, high, s.points, s.moving)
             if last:
                 assert crossing is not None
                 self._through(low, s, wanted, crossing)
-        require((load[1] if crossing is None else load[0]) <= reached, "stability is not shown up to the load")
+        to_load = (load[1] if crossing is None else load[0]) <= stretches[-1].end
+        require(to_load, "stability is not shown up to the load")
 
     def _through(self, low: arb, stretch: Stretch, wanted: list[int], crossing: list[arb]) -> None:
         """F on the line through the crossing has the wanted sign below it: its derivative has the other."""

@@ -102,13 +102,15 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
             return
         self.check()
         found = self.compute()
-        if self.certificate and found.proven is not None:
+        if self.certificate and found.crossings is not None:
+            missing = found.crossings.missing
+            refuse(missing, f"{self.certificate}: is not written: {missing}")
+            self.keep(found.crossings.certificate)
+        elif self.certificate and found.proven is not None:
             missing = found.proven.missing
             why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
             refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
             self.keep(found.proven.certificate)
-        elif self.certificate and found.crossings is not None:
-            self.keep(found.crossings.certificate)
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title())
@@ -255,6 +257,8 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
         for other, frequency in proven.at_once:
             where = _interval(frequency) + self.units.of("frequency")
             rows += [["at that load too", other + (f" at the frequency {where}" if other == "flutter" else "")]]
+        if proven.lasting:
+            rows += [["undamped", f"motions of {' and '.join(proven.lasting)}: stable is there that none grows"]]
         for touch in proven.touches:
             where = _interval(touch.load) + self.units.of("load")
             rows += [["proven touch", f"{where}: an eigenvalue is zero there alone, and stability is not lost"]]
@@ -293,7 +297,7 @@ def _proof(proven: Certified, record: dict[str, Any], exact: bool) -> dict[str, 
     added |= {"proof": dict(proven.proof), "exact": exact, "kind": proven.kind, "inputs": dict(proven.inputs)}
     if not exact:
         also = [{"kind": kind, **_ends("frequency", frequency)} for kind, frequency in proven.at_once]
-        added |= {"above_zero": proven.above_zero, "at_once": also}
+        added |= {"above_zero": proven.above_zero, "at_once": also, "lasting": [*proven.lasting]}
     if exact:
         added |= {"missing": proven.missing or None, "evidence": proven.evidence and dict(proven.evidence)}
         added |= {"proven_touches": [_crossing(touch) for touch in proven.touches]}
