@@ -270,37 +270,40 @@ class Column:
             M, E, H = self.matrices(modes, rigid, **own)
             c_M, c_E = self.damping_factors(alpha, beta, **own)
             return Coefficients((M,), (c_M * M + c_E * E,) if c_M or c_E else (), (E, H))
-        for name, value in (("alpha", alpha), ("beta", beta)):
-            if value and name in self.kernel.COLUMN["coupled"]:
-                raise InputError(
-                    f"{name} = {value}: this damping couples the rigid motions of {self.name} to its bending, so that "
-                    "the elastic spectrum alone does not decide stability; leave it at 0"
-                )
+        given = {"alpha": alpha, "beta": beta}
+        if coupled := [name for name in self.kernel.COLUMN["coupled"] if given[name]]:
+            raise InputError(
+                f"{coupled[0]} = {given[coupled[0]]}: this damping couples the rigid motions of {self.name} to its "
+                "bending, so that the elastic spectrum alone does not decide stability; leave it at 0"
+            )
 
-        def part(name: str) -> tuple[Array, ...]:
-            return self._remembered((name, modes, *own.values()), partial(self._built, name, modes, own))
+        def part(name: str, **shares: float) -> tuple[Array, ...]:
+            each = [
+                [share * X for X in self._remembered((name, of, *key), partial(self._built, name, of, modes, own))]
+                for of, share in ({"": 1.0} | shares).items()
+                if share
+            ]
+            return tuple(sum(terms[1:], terms[0]) for terms in zip(*each, strict=True))
 
-        shares = {"rate": 1.0, "alpha": alpha, "beta": beta}
-        rates = [[share * X for X in part(name)] for name, share in shares.items() if share]
-        C = tuple(sum(terms[1:], terms[0]) for terms in zip(*rates, strict=True))
+        key = (modes, *own.values())
+        held = given if self.kernel.COLUMN.get("circulatory") else {}  # internal damping of a shaft that turns, say
+        mass, C, K = part("mass"), part("rate", **given), part("stiffness", **held)
         while C and not C[-1].any():
             C = C[:-1]
         e = slice(None) if rigid else slice(self.rigid_count, None)
-        return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (part("mass"), C, part("stiffness"))))
+        return Coefficients(*(tuple(X[e, e] for X in terms) for terms in (mass, C, K)))
 
-    def _built(self, name: str, modes: int, own: dict[str, float]) -> tuple[Array, ...]:
-        """M or K, the part of C without alpha and beta, or that of alpha or beta, by powers of the load, in the
-        functions of `frame`."""
-        kernel, basis, key = self.kernel, self.basis(modes), ("frame", modes, *own.values())
+    def _built(self, name: str, damping: str, modes: int, own: dict[str, float]) -> tuple[Array, ...]:
+        """M, C or K without alpha and beta, or what one of these adds, by powers of the load, in the functions of
+        `frame`."""
+        of, basis, key = getattr(self.kernel, f"{name}_terms"), self.basis(modes), ("frame", modes, *own.values())
         T = self._remembered(key, partial(self.frame, modes, **own))
+        given = (float(damping == "alpha"), float(damping == "beta"))
         with np.errstate(all="ignore"), self._sound_places():
-            if name in ("mass", "stiffness"):
-                terms = getattr(kernel, f"{name}_terms")(basis, **own)
-            else:
-                terms = kernel.rate_terms(basis, float(name == "alpha"), float(name == "beta"), **own)
-                if name != "rate":
-                    bare = kernel.rate_terms(basis, 0.0, 0.0, **own)
-                    terms = tuple(x - y for x, y in zip(terms, bare, strict=True))
+            terms = of(basis, *(given if damping or name == "rate" else ()), **own)
+            if damping:
+                bare = of(basis, 0.0, 0.0, **own)
+                terms = tuple(x - y for x, y in zip(terms, bare, strict=True))
         moved = tuple(terms) if T is None else tuple(_moved(X, T) for X in terms)
         return _sound(moved, own)
 

@@ -82,11 +82,9 @@ def load(file: Path, source: bytes) -> ModuleType:
     sys.modules[name] = module
     try:
         exec(loader.source_to_code(source, str(file)), module.__dict__)
-    except Exception as error:
+    except BaseException as error:
         del sys.modules[name]
-        reason = " ".join(str(error).split())
-        raise InputError(f"{file}: fails with {type(error).__name__}: {reason}") from error
-    except BaseException:
-        del sys.modules[name]
-        raise
+        if not isinstance(error, Exception):
+            raise
+        raise InputError(f"{file}: fails with {type(error).__name__}: {' '.join(str(error).split())}") from error
     return module

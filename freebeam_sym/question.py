@@ -125,11 +125,11 @@ class Question:
         """The same of a column beyond the textbook's, always as a problem of any damping. Raises InputError, of a limit
         of vanishing damping where another C stays."""
         M, C, K = self.coefficients()
-        if self.kappa is not None and any(X.any() for X in self.coefficients(alpha=0.0, beta=0.0).C):
-            raise InputError(
-                f"kappa = {self.kappa}: {self.column.name} has a damper or a gyroscopic term of its own, which stays "
-                "when alpha and beta vanish; give small alpha and beta instead"
-            )
+        stays = self.kappa is not None and any(X.any() for X in self.coefficients(alpha=0.0, beta=0.0).C)
+        if stays or (self.kappa is not None and self.column.kernel.COLUMN.get("circulatory")):
+            what = "a damper or a gyroscopic term of its own, which stays when alpha and beta vanish"
+            what = what if stays else "a damping that acts on displacements too"
+            raise InputError(f"kappa = {self.kappa}: {self.column.name} has {what}; give small alpha and beta instead")
         return General(M, C or (np.zeros_like(M[0]),), K, self.kappa is not None)
 
     def system(self, load: float, rigid: bool = False) -> System:

@@ -47,10 +47,7 @@ def state_matrix(M: Any, C: Any, K: Any) -> Real:
         block = np.linalg.solve(M, np.hstack([K, C]))
     except np.linalg.LinAlgError:
         raise InputError("M is singular: the trial functions must be independent") from None
-    A = np.zeros((2 * n, 2 * n))
-    A[:n, n:] = np.eye(n)
-    A[n:] = -block
-    return A
+    return np.vstack([np.eye(n, 2 * n, n), -block])
 
 
 @dataclass(frozen=True)

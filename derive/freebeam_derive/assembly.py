@@ -313,7 +313,7 @@ def _harmless(driven: dict[Any, tuple[Matrix, Matrix]], count: int) -> bool:
     for (rate, power, damping), (forces, inertia) in driven.items():
         among = (inertia.T * inertia).LUsolve(inertia.T * forces).applyfunc(cancel)
         if rate == 0:
-            stiffness += P**power * among
+            stiffness += damping * P**power * among
         elif rate == 2 or damping == 1 or power:
             if not among.is_zero_matrix:
                 return False

@@ -372,8 +372,9 @@ class _Segments(_Any):
     def rate_terms(self, basis: Any, alpha: float, beta: float, **own: float) -> Array:
         return self._terms("rate_terms", "C", basis, [float(alpha), float(beta)], own)
 
-    def stiffness_terms(self, basis: Any, **own: float) -> Array:
-        return self._terms("stiffness_terms", "K", basis, [], own)
+    def stiffness_terms(self, basis: Any, alpha: float = 0.0, beta: float = 0.0, **own: float) -> Array:
+        given = [float(alpha), float(beta)] if self.system.circulatory else []
+        return self._terms("stiffness_terms", "K", basis, given, own)
 
     def at_load(self, basis: Any, terms: Array, P: float) -> Array:
         n = basis.size

@@ -11,6 +11,7 @@ from typing import Any
 
 from sympy import Expr
 
+from freebeam_derive.notation import alpha, beta
 from freebeam_derive.statement import Parameter
 
 
@@ -78,7 +79,7 @@ class Space:
 
 @dataclass(frozen=True)
 class GeneralSystem:
-    """M q̈ + C q̇ + K q = F_0 Q of any column; M, C and K by powers of the load P, C linear in alpha and beta.
+    """M q̈ + C q̇ + K q = F_0 Q of any column; M, C and K by powers of the load P, C and K linear in alpha and beta.
 
     breaks: 0, …, 1, ascending at the parameters' defaults. coordinates: names and LaTeX. force: values of the test
     function that F_0 works on, with their factors. rigid: motions that are left out of the elastic spectrum, each
@@ -96,3 +97,9 @@ class GeneralSystem:
     rigid: tuple[dict[tuple[str, Any], Expr], ...] = ()
     parameters: tuple[Parameter, ...] = ()
     coupled: tuple[str, ...] = ()
+
+    @property
+    def circulatory(self) -> tuple[str, ...]:
+        """Dampings, of "alpha" and "beta", that act on displacements too: K hangs on them."""
+        factors = [f for form in self.K for part in (form.along, form.points) for f in part.values()]
+        return tuple(str(d) for d in (alpha, beta) if any(f.has(d) for f in factors))

@@ -310,7 +310,7 @@ def figures(column: Facts, system: GeneralSystem, module: ModuleType, modes: int
     for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
         forms = getattr(system, letter)
         for power, form in enumerate(forms):
-            given = defaults | (DAMPING if letter == "C" else {})
+            given = defaults | (DAMPING if letter == "C" or (letter == "K" and system.circulatory) else {})
             worst = ("", 0.0)
             for values in _samples(column, system, form, given):
                 here = replace(pieces, values=values)
@@ -331,7 +331,7 @@ def proven(column: Facts, system: GeneralSystem, text: str, modes: int) -> float
     with precision(rounding.BITS):
         basis = rounding.basis(module, modes)
         for letter, function in (("M", module.mass_terms), ("C", module.rate_terms), ("K", module.stiffness_terms)):
-            given = values | (DAMPING if letter == "C" else {})
+            given = values | (DAMPING if letter == "C" or (letter == "K" and system.circulatory) else {})
             pieces = Pieces(system, given, basis.numbers, basis.size, modes + 2)
             if not all(_rational(form, pieces) for form in getattr(system, letter)):
                 raise Unproven(f"{column.name}: its data are no fractions")

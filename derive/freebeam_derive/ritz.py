@@ -25,7 +25,7 @@ from sympy import (
     expand,
 )
 
-from freebeam_derive.notation import F_0, PRIMES, P, t, x, x_F
+from freebeam_derive.notation import F_0, PRIMES, P, alpha, beta, t, x, x_F
 from freebeam_derive.record import Step, equal
 from freebeam_derive.statement import ALONG, StatementError, display, jet, jets, show
 from freebeam_derive.variation import EquationOfMotion
@@ -135,6 +135,8 @@ def derive(motion: EquationOfMotion) -> RitzSystem:
     H = K.map(lambda f: f.coeff(P, 1))
     if _power_of_the_load(K) > 1 or _power_of_the_load(M) or _power_of_the_load(C):
         raise NotTextbook("the load enters beyond K = E + P H")
+    if any(f.has(alpha, beta) for part in (K.along, K.points) for f in part.values()):
+        raise NotTextbook("alpha or beta acts on a displacement")
     if not H:
         raise StatementError("the load P does no work on the beam: it enters no stiffness")
     for name, form in (("M", M), ("K at zero load", E)):

@@ -572,9 +572,11 @@ def _refuse_virtual_work(part: Expr) -> None:
             raise StatementError(f"dW_nc: holds {show(j)}; rates of y up to the second are known")
         if part.coeff(j).has(F_0):
             raise StatementError(f"dW_nc: F_0 multiplies {show(j)}; it is a transversal force, not a load")
-    undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) == 1})
+    undamped = part.xreplace({j: S.Zero for j in jets(part, 0) if int(j.args[2]) < 2})
     if undamped.has(alpha, beta):
-        raise StatementError("dW_nc: alpha and beta are dampings; they multiply first rates of y alone")
+        raise StatementError(
+            "dW_nc: alpha and beta are dampings; they multiply first rates, or displacements as of a shaft that turns"
+        )
     if part.has(alpha, beta) and Poly(part, alpha, beta).total_degree() > 1:
         raise StatementError("dW_nc: alpha and beta are dampings; they enter linearly, and do not multiply each other")
     _refuse_powers_of_the_load("dW_nc", part)

@@ -45,10 +45,17 @@ def crossing_derivative(
         at, slope, change = ((X[0], size * X[D], X[2]) for X in (at, slope, change))
     G, G_P, G_p = (rate * rate * M + rate * C + K for M, C, K in (at, slope, change))
     G_omega = 1j * (2 * rate * at[0] + at[1])
-    if omega:  # else the rounding of the stiffest motions hides what light damping does to the others
-        whole = G + 2 * inertia + (0 if light else rate * at[1])  # a motion may have no mass, but then has damping
-        G, G_P, G_omega, G_p = np.linalg.solve(whole, np.array([G, G_P, G_omega, G_p]))
-    left, _, right = np.linalg.svd(G)
+    # else the rounding of the stiffest motions hides what is of the others; one may have no mass, but then has damping
+    whole = (
+        G + 2 * inertia + (0 if light else rate * at[1]) if omega else np.diag(np.linalg.norm([G, G_P], axis=(0, 2)))
+    )
+    G, G_P, G_omega, G_p = np.linalg.solve(whole, np.array([G, G_P, G_omega, G_p]))
+    left, sizes, right = np.linalg.svd(G)
+    if not omega and len(G) > 1 and sizes[-2] <= DOUBLE**1.5:  # two planes of a shaft, say
+        each = np.linalg.solve(*(left[:, -2:].conj().T @ X @ right[-2:].conj().T for X in (G_P, G_p)))
+        if np.abs(each - each[0, 0] * np.eye(2)).max() > DOUBLE * np.abs(each).max():
+            raise InputError("two motions are lost at once, and not alike: the load has no derivative there")
+        return -float(each[0, 0].real), 0.0
     u, v = left[:, -1].conj(), right[-1].conj()
     a, b, c = (complex(u @ X @ v) for X in (G_P, G_omega, G_p))
     if not omega:

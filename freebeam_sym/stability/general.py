@@ -16,6 +16,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
 
 import numpy as np
@@ -92,7 +93,7 @@ class General:
 
     @cached_property
     def _roots(self) -> tuple[float, Complex]:
-        """A load at which K is regular, and 1/(P − it) of all P with det K(P) = 0."""
+        """A load at which K is regular, and all P with det K(P) = 0."""
         for base in (0.0, 0.01, 0.0371, 0.293):
             near = shifted(self.K, base)
             if np.linalg.cond(near[0]) < 1e13:
@@ -100,29 +101,25 @@ class General:
         else:
             raise InputError("K is singular at every load: rigid motions that nothing restores must be left out")
         R, n = -np.linalg.solve(near[0], near[1:]), self.size
-        d = len(R)
-        if not d:
+        if not (d := len(R)):
             return base, np.zeros(0, complex)
         companion = np.zeros((n * d, n * d))
         companion[:n] = np.concatenate(list(R), axis=1)
         companion[np.arange(n, n * d), np.arange(n * (d - 1))] = 1
-        return base, np.linalg.eigvals(companion).astype(complex)
+        mu = np.linalg.eigvals(companion).astype(complex)
+        return base, base + 1 / mu[np.abs(mu) > 1e-10 * np.abs(mu).max()]  # the rest is rounding
 
     @cached_property
     def unit(self) -> float | None:
         """The least |P| with det K(P) = 0, P complex; None where there is none."""
-        base, mu = self._roots
-        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]  # the rest is rounding
-        roots = np.abs(base + 1 / mu)
+        base, roots = self._roots[0], np.abs(self._roots[1])
         roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
         return float(roots.min()) if len(roots) else None
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
         """Where det K(P) = 0 for real P > 0, as of a pencil: ascending, to the first simple root."""
-        base, mu = self._roots
-        mu = mu[np.abs(mu) > 1e-10 * np.abs(mu).max(initial=0.0)]
-        P = base + 1 / mu
+        P = self._roots[1]
         P = P[(np.abs(P.imag) <= CLOSE * P.real) & (P.real > 1e-7 * np.abs(P).min(initial=np.inf)) & (P.real > 1e-9)]
         return divergences(P[np.argsort(P.real)], self.K, self._vector)
 
@@ -209,7 +206,8 @@ class General:
         except np.linalg.LinAlgError:
             return divergence(load, self.K, self._vector, steps=3)[0]
         worst = int(np.argmax(growth))
-        omega, v = abs(float(rate[worst].imag)), self._vector(V[:, worst], load)
+        v = V[:, worst].conj() if rate[worst].imag < 0 else V[:, worst]  # of λ = iω: a whirl's is not its conjugate's
+        omega, v = abs(float(rate[worst].imag)), self._vector(v, load)
         if omega < 1e-6 * np.abs(rate).min() or omega == 0:
             return at or Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
@@ -256,15 +254,12 @@ class General:
         return None
 
     def _made(self, P: float, unit: float) -> _States | _Vanishing | None:
-        try:
-            if not self.damped or self.vanishing:
-                return _Vanishing(self, P, unit)
-            try:
-                return _Vanishing(self, P, unit, LIGHT)
-            except np.linalg.LinAlgError:
-                return _States(self, P, unit)
-        except np.linalg.LinAlgError:
-            return None
+        stays = self.damped and not self.vanishing
+        with suppress(np.linalg.LinAlgError):
+            return _Vanishing(self, P, unit, LIGHT if stays else math.inf)
+        with suppress(np.linalg.LinAlgError):
+            return _States(self, P, unit) if stays else None
+        return None
 
     def flutters(self, bound: float) -> Iterator[Event]:
         """Raises Unstable where something grows at the smallest loads."""

@@ -10,7 +10,7 @@ from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat
 
 from freebeam_derive.certify.balls import Unproven, ball, precision
 from freebeam_derive.certify.bivariate import Bivariate, keeps_sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import LARGE, Boundary, characteristic, expansion
+from freebeam_derive.certify.boundary_polynomials import LARGE, Boundary, characteristic, determinant, expansion
 from freebeam_derive.certify.krawczyk import one_to_one
 
 
@@ -168,3 +168,19 @@ def test_large_characteristic_polynomials_hold_the_exact_ones(seed: int) -> None
         true = fmpq_mat(rows).charpoly()
         assert all(found[k].contains(true[k]) and found[k].rad() < 1e-40 for k in range(n + 1))
         assert found.degree() == n
+
+
+def test_a_load_that_acts_in_few_rows_leaves_a_polynomial_of_their_number() -> None:
+    """As many rows as are eliminated where the load acts in all of them; in a few it was refused."""
+    source, n, loaded = random.Random(3), LARGE + 2, (1, 4, 9)
+    terms = [
+        fmpq_mat(n, n, [source.randint(-9, 9) * (k == 0 or i in loaded) for i in range(n) for _ in range(n)])
+        for k in range(3)
+    ]
+    with precision(300):
+        found = arb_poly(determinant([arb_mat(X) for X in terms]))
+        assert found.degree() <= 2 * len(loaded)
+        for P in (fmpq(1, 3), fmpq(-2)):
+            assert found(arb(P)).contains((terms[0] + P * terms[1] + P * P * terms[2]).det())
+    with pytest.raises(Unproven, match="not known to be regular"):
+        determinant([arb_mat(n, n), arb_mat(terms[0])])

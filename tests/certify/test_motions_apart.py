@@ -68,6 +68,32 @@ def planes(names: str, tied: str, spring: str) -> dict[str, str]:
 SPINS = {
     "T": f"{PLANES['T']} + ({TILTED}) / 40", "dW_nc": PLANES["dW_nc"] + WHIRLS, "parameters": "(own(c, 0.02),)",
 }  # fmt: skip
+
+
+def shafts(spins: tuple[int, int]) -> dict[str, str]:
+    """Two shafts in follower loads, of the planes y, u and v, w, with discs that spin at the tips, tied there."""
+    names = "y u v w".split()
+    field = {name: f"({name} := Field('{name}'))" for name in names if name != "y"}
+
+    def all_of(term: str) -> str:
+        return " + ".join(term.format(name) for name in names)
+
+    first = " + ".join(f"integral({field.get(name, name)}.diff(t) ** 2)" for name in names)
+    whirls = "".join(
+        f" + {spin} * c * (at({a}.diff(x, t), 1) * at(delta({b}).diff(x), 1)"
+        f" - at({b}.diff(x, t), 1) * at(delta({a}).diff(x), 1))"
+        for spin, a, b in zip(spins, "yv", "uw", strict=True)
+    )
+    return {
+        "T": f"({first} + ({all_of('at({}.diff(x, t), 1) ** 2')}) / 25) / 2",
+        "V": f"({all_of('integral({}.diff(x, 2) ** 2)')}"
+        " + 5 * (at(y, 1) - at(v, 1)) ** 2 + 5 * (at(u, 1) - at(w, 1)) ** 2) / 2",
+        "W_c": f"P * ({all_of('integral({}.diff(x) ** 2)')}) / 2",
+        "dW_nc": "-P * (" + all_of("at({0}.diff(x), 1) * at(delta({0}), 1)") + ")" + whirls,
+        "parameters": "(own(c, 0.1),)",
+    }
+
+
 PINNED = "{y: ('pinned', 'pinned'), psi: ('pinned', 'pinned')}"
 COLUMNS: dict[str, tuple[dict[str, str], int, int, int]] = {  # changes, N, parts, those lost at once
     "two planes": (PLANES, 3, 2, 2),
@@ -80,6 +106,8 @@ COLUMNS: dict[str, tuple[dict[str, str], int, int, int]] = {  # changes, N, part
     "a disc where it does not tilt": (PLANES | SPINS | {"dW_nc": "0" + WHIRLS, "ends": PINNED}, 3, 3, 2),
     "four planes in a row": (planes("y u v w", "yu uv vw", "- half"), 2, 4, 1),
     "three planes in a ring": (planes("y u v", "yu uv vy", "- half"), 2, 3, 2),
+    "two shafts at unlike speeds": (shafts((1, 2)), 2, 1, 1),
+    "two shafts that counter-rotate": (shafts((1, -1)), 2, 2, 2),
     "a spring at mid-span": (
         {"dW_nc": "0", "V": "V + k * at(y, half) ** 2 / 2", "ends": '("pinned", "pinned")',
          "parameters": "(own(k, 600.0),)"},
@@ -125,7 +153,7 @@ def test_frequencies_pass_and_the_first_loss_is_that_of_a_dense_scan(name: str) 
         assert abs(above[above.real.argmax()].imag) == pytest.approx(float(found.frequency[0]), rel=1e-2)
     assert (len(said.parts), said.times) == COLUMNS[name][2:] and said.load is not None
     assert said.record()["times"] == said.times
-    assert said.whirls == (name == "a disc that spins")
+    assert said.whirls == (name in ("a disc that spins", "two shafts at unlike speeds"))
     assert ("of one of these meet" in str(said)) == (len(said.parts) > 1 and not said.whirls)
     if said.frequency is not None:
         assert float(said.frequency[0]) == pytest.approx(float(found.frequency[0]), rel=1e-9)
@@ -192,6 +220,17 @@ def test_in_a_disc_that_spins_forward_and_backward_whirl_pass_each_other() -> No
         omega = eigvals(np.block([[k, -b], [0 * k, np.eye(n)]]), np.block([[0 * k, m], [np.eye(n), 0 * k]])).real
         orders.add(tuple(np.sign(omega[np.argsort(abs(omega))])))
     assert len(orders) > 1
+
+
+def test_points_that_move_with_frequencies_that_stay_close_need_fewer_stretches(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    name = "two shafts at unlike speeds"
+    stretches = written(name)["stretches"]
+    assert any(F(slope) for of in stretches[:-1] for _, slope in of["separators"])
+    monkeypatch.setattr(first_crossing, "_moving", lambda found, P, roots, at_rest: at_rest)
+    still = fb.certified_load(column(name), COLUMNS[name][1], digits=12)
+    assert len(still.certificate["stretches"]) > len(stretches)
 
 
 # --- forgeries ----------------------------------------------------------------------------------------------------

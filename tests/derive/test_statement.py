@@ -147,7 +147,10 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     "load in T": ({"T": "P * integral(y.diff(t)**2)"}, ("T", "mass 2*P is 0", "positive")),
     "damping in V": ({"V": "(1 + alpha) * integral(y.diff(x, 2)**2) / 2"}, ("V", "alpha", "dW_nc")),
     "damping in W_c": ({"W_c": "(1 + beta) * P * integral(y.diff(x)**2) / 2"}, ("W_c", "beta", "dW_nc")),
-    "damping times y": ({"dW_nc": "damping + alpha * P * at(y, 1) * at(delta(y), 1)"}, ("alpha", "rates")),
+    "damping times an acceleration": (
+        {"dW_nc": "damping + alpha * at(y.diff(t, 2), 1) * at(delta(y), 1)"},
+        ("alpha", "rates", "displacements"),
+    ),
     "third rate": ({"dW_nc": "damping - P * integral(y.diff(t, 3) * delta(y))"}, ("dW_nc", "second")),
     "variation in an energy": ({"V": "integral(y.diff(x, 2)**2 + y * delta(y))"}, ("V", "delta(...)", "dW_nc")),
     "no load": ({"W_c": "0", "dW_nc": "damping"}, ("load P", "no work")),

@@ -335,28 +335,34 @@ def named_matrices(
     for damping, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
-    M, K, parts, R = _stated(kernel, modes, own)
+    M, parts, R = _stated(kernel, modes, own)
     T, dropped = _elastic(R, M[0])
-    M, K, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, K, *parts))
-    bare, of_alpha, of_beta = parts
-    if alone and not all(v == 0 for X in bare for v in X.flat):
+    M, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, *parts))
+    if alone and not all(v == 0 for X in parts[0] for v in X.flat):
         raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
+    if alone and len(parts) > 4:
+        raise Unproven(f"{name}: a damping that vanishes acts on displacements too")
     alpha, beta = map(_size, dampings)
-    C = [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(bare, of_alpha, of_beta, strict=True)]
+    C, K = (
+        [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else of[0]
+        for of in (parts[:3], parts[3:])
+    )
     numbers = kernel.basis(modes).numbers
     names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
     return M, C, K, [of for n, of in enumerate(names) if n not in dropped]
 
 
-def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, Any, list[Any], Any]:
-    """M, K, C without alpha and beta, of each alone, and rigid motions, of fractions; of balls where there are none."""
+def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, list[Any], Any]:
+    """M, C without alpha and beta and with each alone, K, of the same kinds where it hangs on these, and rigid motions,
+    of fractions; of balls where there are none."""
     basis = kernel.complete(array([fmpq(k) for k in range(modes + 2)]))
     given: dict[str, Any] = {name: fmpq(*value.as_integer_ratio()) for name, value in own.items()}
 
-    def asked(of: Any) -> tuple[Any, Any, list[Any], Any]:
-        parts = [of.rate_terms(basis, *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1))]
-        M, K = of.mass_terms(basis, **given), of.stiffness_terms(basis, **given)
-        return M, K, parts, kernel.rigid_motions(basis, **given)
+    def asked(of: Any) -> tuple[Any, list[Any], Any]:
+        each = [tuple(map(fmpq, d)) for d in ((0, 0), (1, 0), (0, 1))]
+        parts = [of.rate_terms(basis, *d, **given) for d in each]
+        parts += [of.stiffness_terms(basis, *d, **given) for d in (each if kernel.COLUMN.get("circulatory") else [()])]
+        return of.mass_terms(basis, **given), parts, kernel.rigid_motions(basis, **given)
 
     try:
         return asked(kernel)
@@ -365,9 +371,9 @@ def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tupl
     given = {name: Number(value) for name, value in given.items()}
     basis = basis._replace(order=array([Number(k) for k in basis.order]))
     try:
-        M, K, parts, R = asked(enclosing(kernel))
-        M, K, *parts = ([array_of(plain, X) for X in terms] for terms in (M, K, *parts))
-        return M, K, parts, array_of(plain, R)
+        M, parts, R = asked(enclosing(kernel))
+        M, *parts = ([array_of(plain, X) for X in terms] for terms in (M, *parts))
+        return M, parts, array_of(plain, R)
     except (AttributeError, DomainError, TypeError, ValueError) as error:
         raise Unproven(f"{kernel.COLUMN['name']}: its matrices are no fractions or balls: {reason(error)}") from None
 

@@ -211,14 +211,19 @@ def highest_power(a: int, N: int, of_M: int, of_C: int, of_K: int) -> int:
 def determinant(terms: Sequence[Any]) -> list[Any]:
     """Coefficients of det(Σ P^k terms[k]) in P, matrices of balls, real or complex, the first regular. Raises Unproven.
 
-    With G_k = A_0⁻¹ A_k it is det(A_0) det(I − P B) with B = [[−G_1, −G_2, …], [I, 0, …], …].
+    A_k = E X_k, X_k the rows in which a term beyond the first is not exactly nothing, E the columns of 1 that belong to
+    them. The sum has the determinant det(A_0) det(1 + Σ P^k G_k), G_k = X_k A_0⁻¹ E: with
+    B = [[−G_1, −G_2, …], [1, 0, …], …] det(A_0) det(1 − P B).
     """
     A, *others = terms
-    n, d = A.nrows(), max(len(others), 1)
+    rows = [i for i in range(A.nrows()) if any(not X[i, j] == 0 for X in others for j in range(A.nrows()))]
+    n, d = len(rows), max(len(others), 1)
     try:
-        G = [A.solve(X) for X in others]
+        inverse = A.inv()
     except ZeroDivisionError:
         raise Unproven("a matrix is not known to be regular") from None
+    E = type(A)([[inverse[i, j] for j in rows] for i in range(A.nrows())])
+    G = [type(A)([[X[i, j] for j in range(A.nrows())] for i in rows]) * E for X in others if rows]
     B = type(A)(n * d, n * d)
     for k, X in enumerate(G):
         for i in range(n):

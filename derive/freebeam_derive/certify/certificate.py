@@ -422,10 +422,12 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
 
 
 def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
-    """Breaks, fields, coordinates, M, K, the parts of C, and rigid motions of any column."""
+    """Breaks, fields, coordinates, M, K with what alpha and beta add to it, the parts of C, and rigid motions of any
+    column."""
     given = {name: _quotient(value) for name, value in own.items()}
     try:
         bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
+        damped = kernel.forms(fmpq(1), _quotient(question.alpha), _quotient(question.beta), **given)
     except (AttributeError, DomainError, TypeError, ValueError):
         name = kernel.COLUMN["name"]
         raise Unproven(f"{name} has a factor that is no fraction, which a certificate cannot hold") from None
@@ -453,7 +455,7 @@ def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) ->
             "C_1": [_form(form) for form in bare["C"]],
             "C_alpha": [_form(*pair) for pair in zip(of_alpha["C"], bare["C"], strict=True)],
             "C_beta": [_form(*pair) for pair in zip(of_beta["C"], bare["C"], strict=True)],
-            "K": [_form(form) for form in bare["K"]],
+            "K": [_form(form) for form in damped["K"]],
         },
         "rigid": motions,
     }

@@ -39,6 +39,8 @@ class ColumnForms:
 
     def __init__(self, kernel: Any, own: Mapping[str, Fraction]) -> None:
         self.name, self._own = kernel.COLUMN["name"], parameters(kernel, own)
+        if kernel.COLUMN.get("circulatory"):
+            raise self.other("has a damping that acts on displacements")
         if list(kernel.FIELDS) != ["y"] or kernel.COORDINATES or kernel.FIELDS["y"][2]:
             raise self.other("has more than the one deflection y, or one that jumps")
         try:

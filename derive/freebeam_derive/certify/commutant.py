@@ -53,7 +53,8 @@ def splits(G: fmpq_mat, matrices: Sequence[fmpq_mat], symmetric: bool) -> list[S
     if not found:
         return []
     inverse = G.inv()
-    tried = [_sum(found, t) for t in range(TRIALS)]
+    # first one by one: of two shafts that counter-rotate these have fractions for eigenvalues, sums have roots
+    tried = [*found, *(_sum(found, t) for t in range(TRIALS))]
     if symmetric:
         tried = [T + inverse * T.transpose() * G for T in tried]
     most, T, factors = 1, G, list[tuple[fmpq_poly, list[arb]]]()

@@ -24,7 +24,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from itertools import pairwise, zip_longest
+from itertools import cycle, pairwise, zip_longest
 from types import ModuleType
 
 from flint import arb, arb_poly
@@ -50,7 +50,7 @@ Separator = tuple[Fraction, Fraction]
 class Stretch:
     """Stability for start ≤ P ≤ end: separators x = point + slope (P − origin), ascending.
 
-    Slopes are zero but towards a crossing.
+    Slopes are zero but towards a crossing, and where frequencies are so close that separators must move with them.
     """
 
     start: Fraction
@@ -165,32 +165,49 @@ def _without_powers(along: arb_poly) -> arb_poly:
     return arb_poly([along[k] for k in range(none, along.degree() + 1)])
 
 
-def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
-    """Points between neighbouring roots at one load, None where they do not interlace: the beam is not stable there."""
-    h = real_zeros(found.h.at(exact(P)))
+def interlacing(found: Boundary, P: Fraction) -> list[arb] | None:
+    """Roots of h, and with damping those of g between them, at one load; None where they do not interlace: the beam is
+    not stable there."""
+    merged = h = real_zeros(found.h.at(exact(P)))
     if len(h) != found.N or not float(h[0]) > 0:
         return None
-    merged = h
     if found.damped:
         g = real_zeros(found.g.at(exact(P)))
         if len(g) != found.between:
             return None
         merged = [r for pair in zip_longest(h, g) for r in pair if r is not None]
-    if any(not a < b for a, b in pairwise(merged)):
-        return None
-    middles = [(a + b) / 2 for a, b in pairwise(merged)]
-    middles.append(2 * merged[-1])
+    return None if any(not a < b for a, b in pairwise(merged)) else merged
+
+
+def separators_at(found: Boundary, P: Fraction) -> tuple[Separator, ...] | None:
+    """Points between neighbouring roots at one load; None as of `interlacing`."""
+    roots = interlacing(found, P)
+    return None if roots is None else _between_roots(roots)
+
+
+def _between_roots(roots: Sequence[arb]) -> tuple[Separator, ...]:
+    middles = (*((a + b) / 2 for a, b in pairwise(roots)), 2 * roots[-1])
     return tuple((rational(m, 100), Fraction(0)) for m in middles)
+
+
+def _moving(found: Boundary, P: Fraction, roots: Sequence[arb], lines: Sequence[Separator]) -> tuple[Separator, ...]:
+    """Lines that move as the roots beside them do at that load: frequencies that are close for a long way need one
+    stretch then, and not one for each step that is as long as they are apart."""
+    load, of = exact(P), cycle((found.h, found.g) if found.damped else (found.h,))
+    speeds = [-f.by_P(load, r) / f.by_x(load, r) for r, f in zip(roots, of, strict=False)]
+    slopes = (*((u + v) / 2 for u, v in pairwise(speeds)), arb(0))
+    return tuple((point, rational(v if v.is_finite() else 0, 30)) for (point, _), v in zip(lines, slopes, strict=True))
 
 
 def stretch_over(found: Boundary, a: Fraction, b: Fraction, centre: Boundary | None = None) -> Stretch | None:
     """A stretch that proves stability for a ≤ P ≤ b, None where none was found. Raises Unproven where it is not stable
     in the middle."""
     middle = between(a, b)
-    separators = separators_at(centre or found, middle)
-    if separators is None:
+    roots = interlacing(centre or found, middle)
+    if roots is None:
         raise Unproven(f"the column is not known to be stable at the load {float(middle):.10g}")
-    tried = [Stretch(a, b, middle, separators)]
+    separators = _between_roots(roots)
+    tried = [Stretch(a, b, middle, of) for of in (separators, _moving(centre or found, middle, roots, separators))]
     if a == 0 and found.rests:
         lines = _with_lowest(found, middle, separators) if found.tangent else separators
         tried = [

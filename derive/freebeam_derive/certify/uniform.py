@@ -11,11 +11,13 @@ from typing import Any
 
 def uniform(kernel: Any, **own: Any) -> Uniform | None:
     """None where a column has more than one deflection on one segment, of mass and bending stiffness 1, without damping
-    but alpha and beta. own: its own parameters; their defaults where left out."""
+    but alpha and beta on rates. own: its own parameters; their defaults where left out."""
     fields = getattr(kernel, "FIELDS", {})
     plain = list(fields) == ["y"] and fields["y"][0] == 2 and not fields["y"][2]
     if not plain or kernel.COORDINATES or kernel.COLUMN["breaks"] != ["0", "1"] or kernel.COLUMN["inexact"]:
         return None
+    if kernel.COLUMN.get("circulatory"):
+        return None  # alpha or beta acts on displacements too
     try:
         found = Uniform(kernel)
         found.equation(0, 0, 0, **own), found.end_conditions(0, 0, 0, **own)

@@ -834,6 +834,11 @@ class System:
     whirls: bool = False
 
     @property
+    def centre(self) -> arb:
+        """Of what whirls the x of ω = 0, about which a crossing is looked at: far from x = 0 most terms would cancel."""
+        return arb(0) if self.turn is None or not self.whirls else arb(self.turn)
+
+    @property
     def degrees(self) -> Degrees:
         return self.known or Degrees(2 * self.M[0].nrows(), not self.C, 0, True)
 
@@ -853,7 +858,7 @@ class Series:
         self.N, self.of_g = known.highest // 2, (known.highest - 1) // 2
         self.power = next((k for k, X in enumerate(system.C) if any(not v == 0 for v in X.entries())), 0)
         rows = system.M[0].nrows()
-        count = rows * max(1, *(len(terms) - 1 for terms in (system.M, system.C, system.K)))
+        count = max(1, sum(_powers_of_row(system, i) for i in range(rows)))
         loads = [end * (k + (self.resting > 0)) / count for k in range(count + 1)]  # where K is regular
         signs = ((-1) ** k for k in range(self.N + 1))
         values = []
@@ -865,12 +870,12 @@ class Series:
         for x, row in zip(places, values, strict=True):
             row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
         powers = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
-        tops = [highest(b, rows, *powers) for b in range(self.N + 1)]
+        tops = [min(count, highest(b, rows, *powers)) for b in range(self.N + 1)]
         self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], tops)
         self.h = self._without(self.h, 0, 0)
         self.g = by_x(self.h)
         if self.damped:
-            tops = [powers[1] - self.power + highest(b, rows - 1, *powers) for b in range(self.of_g + 1)]
+            tops = [min(count, powers[1] + highest(b, rows - 1, *powers)) - self.power for b in range(self.of_g + 1)]
             used = loads[min(self.power, 1) :]
             sizes = [ball(P) ** self.power for P in used]
             of_g = [[g / size for (_, g), size in zip(row[-len(used) :], sizes, strict=True)] for row in values]
@@ -957,8 +962,9 @@ class Series:
         How many eigenvalues more are unstable above it: 2 or −2 of a pair, 1 or −1 of λ = 0.
         """
         start, end = ball(low), ball(high)
-        over = Over(start.union(end))
-        h, g, h_P, g_P = self.h, self.g, by_load(self.h), by_load(self.g)
+        over, centre = Over(start.union(end)), self.system.centre
+        h, g = (_about(which, centre) for which in (self.h, self.g))
+        h_P, g_P = by_load(h), by_load(g)
         turned_h, turned_g = h[::-1], g[::-1]  # x^N h(1/x), x^(N − 1) g(1/x)
         regular = all(over(which[-1:], arb(0)) != 0 for which in self.leading)
         if square is None:
@@ -970,33 +976,38 @@ class Series:
             require(regular, "det M may vanish within the load's interval")
             require(rate != 0, "how an eigenvalue leaves zero is not known")
             return 1 if (slope * rate < 0) == self.damped else -1
-        require(over(h, arb(0)) != 0, "det K may vanish within the load's interval")
-        bottom, top = map(ball, square)
+        require(over(h, -centre) != 0, "det K may vanish within the load's interval")
+        bottom, top = (ball(x) - centre for x in square)
         box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
         across = opposite(over(g, bottom), over(g, top))
         require(across, "the frequency's interval is not known to hold a root of g at each of the loads")
-        around = (((bottom - top / 2**k).max(bottom / 2), top + top / 2**k) for k in range(1, flint.ctx.prec))
+        size, lowest = top + centre, (bottom - centre) / 2
+        around = (((bottom - size / 2**k).max(lowest), top + size / 2**k) for k in range(1, flint.ctx.prec))
         left, right = next((v for v in around if over(g_x, v[0].union(v[1])) != 0), (bottom, top))
         require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
-        over.apart(h, g, arb(0), left)
-        over.apart(turned_h, turned_g, arb(0), 1 / right)
+        far = right.max(centre)
+        over.apart(h, g, -centre, left)
+        if centre > right:
+            over.apart(h, g, right, far)
+        over.apart(turned_h, turned_g, arb(0), 1 / far)
         require(regular, "det M may vanish within the load's interval")
         slope = over(h_P, box) - over(h_x, box) * over(g_P, box) / over(g_x, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
-        across = opposite(*(self._along_root(P, box) for P in (start, end)))
+        across = opposite(*(_along_root(h, g, P, box) for P in (start, end)))
         require(across, "nothing is known to cross within the intervals of load and frequency")
         return 2 if (slope * over(g_x, box) < 0) == self.damped else -2
 
-    def _along_root(self, P: arb, box: arb) -> arb:
-        """φ(P) = h(P, ξ(P)), where ξ is the root of g(P, ·) in the box, on which g_x is not zero."""
-        h, g = (arb_poly([p(P) for p in which]) for which in (self.h, self.g))
-        slope = g.derivative()
-        while True:
-            middle = arb(box.mid())
-            image = (middle - _near(g, middle) / _near(slope, box)).intersection(box)
-            if not image.rad() < box.rad() * arb("0.9"):
-                return _near(h, box)
-            box = image
+
+def _along_root(h: Rows, g: Rows, P: arb, box: arb) -> arb:
+    """φ(P) = h(P, ξ(P)), where ξ is the root of g(P, ·) in the box, on which g_x is not zero."""
+    of_h, of_g = (arb_poly([p(P) for p in which]) for which in (h, g))
+    slope = of_g.derivative()
+    while True:
+        middle = arb(box.mid())
+        image = (middle - _near(of_g, middle) / _near(slope, box)).intersection(box)
+        if not image.rad() < box.rad() * arb("0.9"):
+            return _near(of_h, box)
+        box = image
 
 
 class Over:
@@ -1038,6 +1049,21 @@ class Over:
 def opposite(one: arb, other: arb) -> bool:
     """Whether two numbers are known to have opposite signs."""
     return bool(one < 0 < other or other < 0 < one)
+
+
+def _powers_of_row(system: System, i: int) -> int:
+    """The highest power of P with which row i of M, C or K holds anything."""
+    each = [(k, X) for terms in (system.M, system.C, system.K) for k, X in enumerate(terms)]
+    return max((k for k, X in each if any(not X[i, j] == 0 for j in range(X.ncols()))), default=0)
+
+
+def _about(which: Rows, centre: arb) -> Rows:
+    """The same in x − centre."""
+    if centre == 0:
+        return which
+    table = [[p[a] for p in which] for a in range(1 + max(p.degree() for p in which))]
+    moved = [arb_poly(row)(arb_poly([centre, 1])) for row in table]
+    return [arb_poly([p[b] for p in moved]) for b in range(len(which))]
 
 
 def by_load(which: Rows) -> Rows:

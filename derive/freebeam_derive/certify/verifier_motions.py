@@ -86,7 +86,7 @@ def motions(terms: Terms, limit: bool) -> list[Motion]:
     rates = not limit and any(any(X.entries()) for X in C)
     side = -1 if rates else 1
     symmetric = all(X == X.transpose() for X in M + K) and all(X == side * X.transpose() for X in C)
-    tried = [_combined(algebra, k) for k in range(SUMS)]
+    tried = [*algebra, *(_combined(algebra, k) for k in range(SUMS))]
     if symmetric:  # and what commutes is so with this too, for G T = T^T G
         tried = [T + inverse * T.transpose() * G for T in tried]
     with flint.ctx.workprec(BITS):

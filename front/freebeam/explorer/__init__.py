@@ -67,6 +67,10 @@ def site(columns: Iterable[Column], on_progress: Callable[[str], None] = lambda 
 
 
 def _page(column: Column, given: str, style: str, scripts: str) -> str:
+    if column.kernel.COLUMN.get("circulatory"):
+        raise InputError(
+            f"{column.name}: a damping that acts on displacements is not drawn in a page; ask with `freebeam critical`"
+        )
     held = content(column) | {"given": shlex.quote(given or column.name)}
     title = html.escape(column.title)
     ends = f" · ends {', '.join(column.ends)}" if column.ends else ""

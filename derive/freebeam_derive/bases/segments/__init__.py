@@ -174,7 +174,10 @@ class SegmentsKernel(Kernel):
                 points.append((factor, *pair))
             powers.append({"along": terms, "points": points, "symmetric": symmetric(form)})
         values = [(given, value) for value, given in names.items()]
-        return {"name": name, "letter": letter_, "title": title, "points": values, "powers": powers}
+        damped = letter_ == "C" or (letter_ == "K" and bool(self.system.circulatory))
+        return {
+            "name": name, "letter": letter_, "title": title, "points": values, "powers": powers, "damped": damped,
+        }  # fmt: skip
 
     def _facts(self) -> dict[str, Any]:
         column, system = self.column, self.system
@@ -190,6 +193,7 @@ class SegmentsKernel(Kernel):
             "basis": "legendre",
             "general": True,
             "coupled": list(system.coupled),
+            **({"circulatory": list(system.circulatory)} if system.circulatory else {}),
             "inexact": self.exact if isinstance(self.exact, str) else "",
             "default": {"basis": column.basis, "modes": column.modes},
             "ends": list(column.supports(system.spaces[0].name)) if system.spaces else [],
