@@ -23,13 +23,16 @@ from scipy.linalg import eigh, eigvalsh, null_space
 import freebeam as fb
 from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps, stepped_section
 from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.comparison_form import ORDERS
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips, modes_of
+from freebeam_derive.certify.textbook import OfAny, of_any
 from freebeam_derive.certify.variable_section import VariableSection, _free
+from freebeam_sym.spectra import spectrum
 from tests.stated import file_of
 
 BITS = 64
@@ -198,6 +201,21 @@ def test_no_eigenvalue_meets_a_line_for_any_load_up_to_the_reach() -> None:
         for turn in np.linspace(0, np.pi, 7):
             s = np.linalg.eigvals(np.linalg.solve(M, E + share * reach * np.exp(1j * turn) * (K - E)))
             assert all(np.sum(s.real < R) == k for k, R in lines.items())
+
+
+@pytest.mark.parametrize("name", ["foundation", "hauger"])
+def test_a_textbooks_kernel_read_as_of_any_column_has_the_same_eigenvalues(name: str) -> None:
+    """A foundation that shifts the damping, a load with a factor of x. What it is read for is in test_proofs.py."""
+    column = fb.column(name)
+    dampings = (Fraction(1, 100), Fraction(1, 10)) if column.kernel.COLUMN["damping"] else (Fraction(0),) * 2
+    values = spectrum(column.system(modes=14, load=20.0, alpha=float(dampings[0]), beta=float(dampings[1]))).eigenvalues
+    near = sorted(values[values.imag > 0], key=abs)[:2]
+    assert of_any(column.kernel, {}) is column.kernel
+    one, other = (
+        beam_itself.frequencies(beam, Fraction(20), *dampings, near, 12)
+        for beam in (Beam(column.kernel), ExactSystem(OfAny(column.kernel), {}, *dampings))
+    )
+    assert all(a.overlaps(b) for a, b in zip(one, other, strict=True))
 
 
 # ------------------------------------------------------------ uniform parts

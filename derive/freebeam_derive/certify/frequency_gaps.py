@@ -26,7 +26,7 @@ from freebeam_derive.certify.variable_section import VariableSection
 MOST = 60  # lines that are tried for the first from which on all gaps are wide enough
 BITS = 128  # for signs of F at high frequencies
 WIDTH = Fraction(1, 10**6)  # relative, of the interval about a frequency squared in which F changes sign
-FLOATS = 30  # functions of the series that starts are taken from, beyond the number of eigenvalues
+FLOATS = 30  # functions of the series that starts are taken from, beyond two for each eigenvalue
 
 
 class FrequencyGaps:
@@ -116,11 +116,13 @@ class FrequencyGaps:
         return self._known[k - 1][0].lower()
 
     def estimates(self, P: float, count: int) -> Any:
-        """The lowest eigenvalues s at a load of a series, in floats."""
+        """The lowest eigenvalues s at a load of a series, in floats: 1/s are the largest of K⁻¹M, which s of M⁻¹K are
+        not and so lose their digits to those that are."""
         kernel = self.system.kernel
-        basis = kernel.basis(count + FLOATS)
+        basis = kernel.basis(2 * count + FLOATS)
         M, K = (np.asarray(f(basis, P, **self._float), dtype=float) for f in (kernel.mass, kernel.stiffness))
-        return np.sort_complex(np.linalg.eigvals(np.linalg.solve(M, K)))[:count]
+        found = np.linalg.eigvals(np.linalg.solve(K, M))
+        return np.sort_complex(1 / found[np.argsort(-abs(found))[:count]])
 
 
 def _at_ends(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
