@@ -608,10 +608,12 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, alpha, beta, kappa)
         stated = beam.kernel, asked.certified
         if evidence is not None and not asked.squares:
-            if survey is None:
+            if survey is not None:
+                certificate = write_list(*stated, survey, survey.crossings)
+            elif evidence.checkable:
                 certificate = write_of_beam(*stated, crossing, evidence)
             else:
-                certificate = write_list(*stated, survey, survey.crossings)
+                missing = "the verifier does not look at joints, nor at a load where no mass is"
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:

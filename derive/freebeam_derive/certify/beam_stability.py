@@ -65,7 +65,7 @@ class Evidence:
     lowest: m. modes: how many are in balls (beyond the uniform beam: how many frequencies without load). reach: a load
     up to which all lines from m on are free of eigenvalues.
     stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
-    they go (0 where there are none).
+    they go (0 where there are none). checkable: whether the verifier can follow.
     """
 
     lowest: int
@@ -74,6 +74,7 @@ class Evidence:
     stretches: tuple[Stretch, ...]
     cells: int = 0
     frequency: float = 0.0
+    checkable: bool = True
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -168,10 +169,11 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
         raise OpenStep(f"{'damping' if damped else 'frequency gaps'}: {error}") from None
     proof = Below(still, gaps, m, load)
     if not damped:
-        return Evidence(m, rational(reach, 60), gaps.count, tuple(proof.real_and_simple(square)))
+        stretches = tuple(proof.real_and_simple(square))
+        return Evidence(m, rational(reach, 60), gaps.count, stretches, checkable=gaps.checkable)
     if system.vanishing:
         below = proof.real_and_simple(None) if square is None else proof.real_and_simple_throughout()
-        stretches: tuple[Stretch, ...] = tuple(below)
+        stretches = tuple(below)
         problem: Onset = VanishingRates(system)
         known = [] if square is None else [[load, square]]
     else:

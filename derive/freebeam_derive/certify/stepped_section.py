@@ -12,7 +12,7 @@ many cells of phases tell of all γ from some on how near two zeros come. docs/t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import prod
@@ -52,6 +52,8 @@ def _of_pair(pair: tuple[int, int]) -> tuple[complex, list[complex], list[comple
     return sum(roots) - 1, V, U
 
 
+_MIXED = {0: (0, 0, 1), 1: (0, 1, 1), 4: (1, 0, -1), 5: (1, 1, -1)}
+"""Minors of one of z₀, z₃ and one of z₁, z₂: which of either pair, and −1 where z₃ comes after these."""
 _TERMS = {pair: _of_pair(pair) for pair in MINORS}
 
 
@@ -95,20 +97,29 @@ class SteppedSection:
         return [acb(v) * size * felt for v, size in zip(V, sizes, strict=True)]
 
     def _joint(self, node: int, e: Any) -> list[tuple[int, int, Any]]:
-        """What masses and springs there do to the minors, as (row, column, factor); e = 1/γ.
+        """What masses, springs and a joint there do to the minors, as (row, column, factor); e = 1/γ.
 
-        EI y'' jumps by (c − Jω²) y', EI y''' by −(k − μω²) y; all times ε³ where J and times ε where μ is not nothing.
+        EI y'' jumps by (c − Jω²) y', EI y''' by −(k − μω²) y; where a joint k' is, y' by EI y''/k' or y by −EI y'''/k'.
+        All times ε³ where J or a joint of y is, and times ε where μ or a joint of y' is.
         """
         place, forms = self.forms.breaks[node], self.forms
         mu, J, k, c = (
             acb(_ball(table.get((place, d), Fraction(0)))) for table in (forms.masses, forms.springs) for d in (0, 1)
         )
         by_turn, by_mass = (0 if J == 0 else 3), (0 if mu == 0 else 1)
-        a = c * _power(e, by_turn + 1) - J
-        b = mu - k * _power(e, by_mass + 3)
-        whole, bend, push = _power(e, by_turn + by_mass), a * _power(e, by_mass), b * _power(e, by_turn)
-        added = [(1, 0, bend), (4, 0, -push), (5, 1, -push), (5, 4, bend), (5, 0, -a * b)]
-        return [(i, i, whole) for i in range(6)] + added
+        bend = _block(_power(e, by_turn), None, c * _power(e, by_turn + 1) - J)  # of y'/γ and EI y''/γ²
+        push = _block(_power(e, by_mass), None, mu - k * _power(e, by_mass + 3))  # of the two others
+        if (place, 1) in forms.joints:
+            bend = _block(_power(e, 1), acb(1 / exact(forms.joints[place, 1])), None)
+        if (place, 0) in forms.joints:
+            push = _block(_power(e, 3), acb(-1 / exact(forms.joints[place, 0])), None)
+        whole = bend[0][0] * push[0][0]
+        found = [(2, 2, whole), (3, 3, whole)]
+        for i, (p, q, sign) in _MIXED.items():
+            for j, (r, s, other) in _MIXED.items():
+                if push[p][r] is not None and bend[q][s] is not None:
+                    found.append((i, j, sign * other * push[p][r] * bend[q][s]))
+        return found
 
     # ---------------------------------------------------------------- the low frequencies
 
@@ -167,11 +178,17 @@ class SteppedSection:
 
     # ---------------------------------------------------------------- the high ones
 
-    def gap_beyond(self, needed: arb) -> tuple[arb, arb]:
-        """G, and a gap between any two neighbours ω ≥ G² that is at least as wide as needed. Raises Unproven."""
+    def gap_beyond(self, needed: Callable[[arb, arb], arb]) -> tuple[arb, arb]:
+        """G, and a gap between any two neighbours ω ≥ G² that is wider than needed. Raises Unproven.
+
+        needed: for two ω; over the √ω of the upper one it does not rise, so that what serves at G serves beyond.
+        """
         apart = arb.pi() / (APART * sum(self.rates, arb(0)))
         for _ in range(TRIES):
-            G = (needed / (2 * apart)).max(SMALLEST / least(self.rates)).upper()
+            G = SMALLEST / least(self.rates)
+            G = (needed(G**2, (G + apart) ** 2) / (2 * apart)).max(G).upper()
+            while G < LONGEST and not apart * (2 * G + apart) > needed(G**2, (G + apart) ** 2):
+                G = (G * arb(9) / 8).upper()
             if not G * sum(self.rates, arb(0)) < LONGEST:
                 raise Unproven(
                     "a part is so short, or the load so high, that too many low ones had to be found one by one"
@@ -295,6 +312,10 @@ def _applied(matrix: list[tuple[int, int, Any]], z: Sequence[Any]) -> list[Any]:
 
 def _sum(a: Sequence[arb], b: Sequence[arb]) -> list[arb]:
     return [u + v for u, v in zip(a, b, strict=True)]
+
+
+def _block(size: Any, above: Any, below: Any) -> list[list[Any]]:
+    return [[size, above], [below, size]]
 
 
 def _power(e: Any, n: int) -> Any:
