@@ -384,10 +384,11 @@ def test_a_wave_left_out_would_prove_too_much() -> None:
     with precision(BITS):
         them = parts("point-mass", {})
         waves, rest = them._waves(arb("0.019").union(arb("0.02")), arb(50))
-        assert stepped_section._cells_apart(waves, rest, them.rates, arb("0.2"))
-        assert not stepped_section._cells_apart(waves, rest, them.rates, arb("1.2"))
+        both = [0, 1]  # of any two parts
+        assert stepped_section._cells_apart(waves, rest, them.rates, arb("0.2"), both)
+        assert not stepped_section._cells_apart(waves, rest, them.rates, arb("1.2"), both)
         fewer = {wave: B for wave, B in waves.items() if wave[0] == wave[1]}
-        assert stepped_section._cells_apart(fewer, rest, them.rates, arb("1.2"))
+        assert stepped_section._cells_apart(fewer, rest, them.rates, arb("1.2"), both)
 
 
 def test_gaps_that_are_too_narrow_are_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:

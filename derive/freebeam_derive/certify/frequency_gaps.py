@@ -25,7 +25,7 @@ from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.variable_section import VariableSection
 
 MOST = 60  # lines that are tried for the first from which on all gaps are wide enough
-BITS = 128  # for signs of F at high frequencies
+BITS = 128, 256  # for signs of F: what cancels grows with the frequency, of a cone's twentieth beyond the first
 WIDTH = Fraction(1, 10**6)  # relative, of the interval about a frequency squared in which F changes sign
 FLOATS = 30  # functions of the series that starts are taken from, beyond two for each eigenvalue
 
@@ -90,8 +90,12 @@ class FrequencyGaps:
         whole = at_ends[0] if len(at_ends) == 1 else over_both(*at_ends)
         beyond, gap = SteppedSection(whole).gap_beyond(lambda *pair: load * self.needed(*pair))
         parts = [SteppedSection(forms) for forms in at_ends]
-        count = max(len(each.lowest(beyond)) for each in parts)
-        shared = zip(*(each.lowest(beyond, count) for each in parts), strict=False)
+        found = [each.lowest(beyond) for each in parts]
+        count = max(map(len, found))
+        both = (
+            low if len(low) == count else part.lowest(beyond, count) for low, part in zip(found, parts, strict=True)
+        )
+        shared = zip(*both, strict=False)
         known: list[tuple[arb, ...]] = [
             (min(g.lower() for g in each) ** 2, max(g.upper() for g in each) ** 2) for each in shared
         ]
@@ -102,13 +106,20 @@ class FrequencyGaps:
         found: list[tuple[Fraction, Fraction]] = []
         for start in self.estimates(0.0, count).real:
             sides = [rational(float(start), 53) * (1 + sign * WIDTH) for sign in (-1, 1)]
-            with precision(BITS):
-                values = [self.system.taylor(arb(0), exact(side), ((0, 0),))[0, 0] for side in sides]
             low = found[-1][1] if found else Fraction(0)
-            if not (values[0] * values[1] < 0 and sides[0] > low and exact(sides[1]) < top):
+            if not (sides[0] > low and exact(sides[1]) < top and self._changes(*sides)):
                 raise Unproven(f"the frequency {float(abs(start)) ** 0.5:.6g} without load could not be enclosed")
             found.append((sides[0], sides[1]))
         return found
+
+    def _changes(self, *sides: Fraction) -> bool:
+        """Whether F(0, s) is of one sign at one of two s, and of the other at the other."""
+        for bits in BITS:
+            with precision(bits):
+                one, other = (self.system.taylor(arb(0), exact(side), ((0, 0),))[0, 0] for side in sides)
+                if not (one.contains(0) or other.contains(0)):
+                    return bool(one * other < 0)
+        return False
 
     def line(self, k: int) -> arb:
         """R_k, from the lowest m to K: ω_k ω_{k+1} up to how closely these are known."""

@@ -24,12 +24,13 @@ from freebeam_derive.certify.balls import Unproven, ball, exact, least
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.comparison_form import ORDERS
 
-PARTS = 3  # at most: cells of phases are as many as a power of it
+PARTS = 8  # at most: there are as many waves as a power of two by it
 APART = 6  # zeros are looked for to be 1/6 of their mean distance apart, or
-TRIES = 4  # times half of it
+TRIES = 6  # times half of it
 SMALLEST = 8  # θ of each part from which on e^(−θ) is left to a bound: 3e-4
 CUTS = 3  # of 1/γ, to both sides of each of which cells are tried
-DEEPEST = 7  # halvings of each phase
+DEEPEST = 21  # halvings of phases: seven of each of three
+MOST_WAVES = 400_000  # of cells together, some seconds: four steps stay below, five do not
 FINEST = 40  # halvings of a stretch of γ
 LONGEST = 3000  # phase of the beam up to which low frequencies are looked for: a thousand of them, in some seconds
 STEP = Fraction(3, 16)  # of the beam's phase, in which the low frequencies are looked for
@@ -60,7 +61,7 @@ _TERMS = {pair: _of_pair(pair) for pair in MINORS}
 class SteppedSection:
     """The parts of a column and what stands between them, at the precision in force.
 
-    forms: of the column. Raises NoStrips for one whose parts are not uniform, or that has more than three.
+    forms: of the column. Raises NoStrips for one whose parts are not uniform, or that has more than eight.
     """
 
     def __init__(self, forms: ColumnForms) -> None:
@@ -77,6 +78,11 @@ class SteppedSection:
         self.forms = forms
         self._sizes = []  # of the minors, beside those of κ = EI = 1
         self.rates: list[arb] = []  # of the phases, by γ
+        alike = [
+            (m[0] / f[0], high - low)
+            for m, f, (low, high) in zip(forms.m, forms.EI, pairwise(forms.breaks), strict=True)
+        ]
+        self.same = [alike.index(part) for part in alike]  # of each part the first whose phase is always its own
         for m, f, (low, high) in zip(forms.m, forms.EI, pairwise(forms.breaks), strict=True):
             EI = exact(f[0])
             k = (exact(m[0]) / EI).sqrt().sqrt()
@@ -207,7 +213,7 @@ class SteppedSection:
             low, high, depth = waiting.pop()
             # on the way to γ + apart, ε falls to ε / (1 + ε apart)
             waves, rest = self._waves((low / (1 + low * apart)).union(high), G)
-            if not _cells_apart(waves, rest, self.rates, apart):
+            if not _cells_apart(waves, rest, self.rates, apart, self.same):
                 if depth == CUTS:
                     return False
                 middle = (low + high) / 2
@@ -264,28 +270,37 @@ class SteppedSection:
         return values, slopes
 
 
-def _cells_apart(waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb], apart: arb) -> bool:
-    """Whether from each point of the phases on, up to `apart` further, f or its slope is not zero.
+def _cells_apart(
+    waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb], apart: arb, same: Sequence[int]
+) -> bool:
+    """Whether from each point of the phases on, up to `apart` further, f or its slope is not zero. same: as of
+    `SteppedSection`.
 
     Half a turn of a phase changes the sign of the waves alone, and the wave of −σ is the conjugate of that of σ.
     """
+    own = sorted({*same})
     kept = [
         (wave, 2 * B[0], 2 * (B[1] + acb(0, 1) * _along(wave, rates) * B[0]))
         for wave, B in waves.items()
         if wave[0] > 0
     ]
     blurs = [ball(arb(0), size) for size in rest]
-    waiting: list[tuple[list[tuple[Fraction, Fraction]], int]] = [([(Fraction(0), Fraction(1))] * len(rates), 0)]
+    waiting: list[tuple[list[tuple[Fraction, Fraction]], int]] = [([(Fraction(0), Fraction(1))] * len(own), 0)]
+    summed = 0
     while waiting:
         cell, depth = waiting.pop()
-        on = [exact(a).union(exact(b)) * arb.pi() + rate * arb(0).union(apart)
-              for (a, b), rate in zip(cell, rates, strict=True)]  # fmt: skip
+        phases = {n: exact(a).union(exact(b)) * arb.pi() + rates[n] * arb(0).union(apart)
+                  for n, (a, b) in zip(own, cell, strict=True)}  # fmt: skip
+        on = [phases[n] for n in same]
         turned = [(acb(0, _along(wave, on)).exp(), B, slope) for wave, B, slope in kept]
         if not sum(((B * unit).real for unit, B, _ in turned), blurs[0]).contains(0):
             continue
         if not sum(((slope * unit).real for unit, _, slope in turned), blurs[1]).contains(0):
             continue
-        if depth == DEEPEST * len(rates):
+        summed += len(kept)
+        if summed > MOST_WAVES:
+            raise Unproven("its parts are too many, or too unlike, for the high ones to be told apart")
+        if depth == DEEPEST:
             return False
         n = depth % len(cell)
         a, b = cell[n]
