@@ -205,6 +205,13 @@ def test_no_eigenvalue_meets_a_line_for_any_load_up_to_the_reach() -> None:
             assert all(np.sum(s.real < R) == k for k, R in lines.items())
 
 
+def test_starts_of_low_frequencies_keep_their_digits_among_many() -> None:
+    gaps: Any = object.__new__(FrequencyGaps)
+    gaps.system, gaps._float = system("cone", {}), {"tau": 0.5}
+    few, many = (gaps.estimates(0.0, count)[:10].real for count in (10, 40))
+    assert np.allclose(few, many, rtol=1e-9) and np.all(np.diff(few) > 0)
+
+
 @pytest.mark.parametrize("name", ["foundation", "hauger"])
 def test_a_textbooks_kernel_read_as_of_any_column_has_the_same_eigenvalues(name: str) -> None:
     """A foundation that shifts the damping, a load with a factor of x. What it is read for is in test_proofs.py."""

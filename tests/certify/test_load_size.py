@@ -113,12 +113,12 @@ def test_a_value_at_a_place_is_below_its_bound(order: int, jump: bool) -> None:
         assert largest * (1 - 1e-6) <= bound < 6 * largest
 
 
-@pytest.mark.parametrize(("name", "load"), [("crack", "8"), ("shear-joint", "12")])
+@pytest.mark.parametrize(("name", "load"), [("crack", "8"), ("shear-joint", "8")])
 def test_no_eigenvalue_of_a_jointed_column_meets_a_line(name: str, load: str) -> None:
     it = ExactSystem(fb.column(name).kernel, JOINTS[name])
     with precision(BITS):
         gaps = FrequencyGaps(it, arb(load))
-        lines, reach = {k: float(gaps.line(k)) for k in gaps.lines[:6]}, float(gaps.reach)
+        lines, reach = {k: float(gaps.line(k)) for k in gaps.lines[:5]}, float(gaps.reach)
     basis, own = it.kernel.basis(24), {key: float(value) for key, value in JOINTS[name].items()}
     M, E, K = (
         f(basis, P, **own) for f, P in ((it.kernel.mass, 0.0), (it.kernel.stiffness, 0.0), (it.kernel.stiffness, 1.0))
