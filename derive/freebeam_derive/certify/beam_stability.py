@@ -40,7 +40,7 @@ BITS = 128
 BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; but in a limit series up to the rate need BITS
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
-MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps; the cone took 70
+MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps
 TERMS = 6  # of Taylor's series in the load, over a stretch
 
 

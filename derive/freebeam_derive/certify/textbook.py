@@ -38,7 +38,7 @@ class OfAny:
 
     def __init__(self, kernel: Any) -> None:
         self._kernel, self.basis = kernel, kernel.basis
-        self.COLUMN = {**kernel.COLUMN, "general": True, "inexact": ""}
+        self.COLUMN = {**kernel.COLUMN, "general": True, "inexact": "", "breaks": ["0", "1"]}
         held = {(end, order) for end, kind in enumerate(kernel.COLUMN["ends"]) for order in ORDERS[kind] if order < 2}
         self.FIELDS: dict[str, Any] = {"y": (2, frozenset(held), frozenset())}
         self._one = "one" in signature(kernel.equation).parameters
