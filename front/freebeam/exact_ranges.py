@@ -123,7 +123,7 @@ def exact_range(
     pieces, left = _pieces(asked, parameter, start, end, digits, progress or (lambda _: None))
     if not pieces:
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
-    kernel = _uniform(asked, parameter, Range(start, end)) or column.kernel
+    kernel = _uniform(asked, parameter, Range(start, end)) or _of_any(asked, parameter, Range(start, end))
     ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
     certificate = write_range(kernel, ends, parameter, pieces, left)
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
@@ -200,7 +200,7 @@ def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
             raise NoSeries(
                 f"{asked.column.name} goes beyond the uniform beam: its own parameters alone, and without damping"
             )
-        return OverSystem(asked.column.kernel, own)
+        return OverSystem(_of_any(asked, name, values), own)
     if name in asked.own:
         return over(kernel, own)
     linear_damping(beam := Beam(kernel, asked.own), "beta" if name == "kappa" else name)
@@ -218,13 +218,26 @@ def _uniform(asked: proofs._Asked, name: str, values: Range) -> Any:
     from freebeam_derive.certify.strips import rigid_motions
     from freebeam_derive.certify.uniform import uniform
 
-    kernel: Any = asked.column.kernel
-    if not asked.column.general:
+    kernel: Any = _of_any(asked, name, values)
+    if not kernel.COLUMN.get("general"):
         return kernel
-    found = [uniform(kernel, **(asked.own | _at(asked, name, v).get("own", {}))) for v in (values.low, values.high)]
+    found = [uniform(kernel, **own) for own in _owns(asked, name, values)]
     if None in found or (rigid_motions(kernel.COLUMN["ends"]) and not kernel.COLUMN["rigid"]):
         return None
     return found[0]
+
+
+def _of_any(asked: proofs._Asked, name: str, values: Range) -> Any:
+    """The column's kernel, read as of any column where mass or stiffness at an end of the range are not the comparison
+    beam's."""
+    from freebeam_derive.certify.textbook import of_any
+
+    return of_any(asked.column.kernel, *_owns(asked, name, values))
+
+
+def _owns(asked: proofs._Asked, name: str, values: Range) -> list[dict[str, Fraction]]:
+    """The column's own parameters at both ends of a range."""
+    return [{**asked.own, **_at(asked, name, value).get("own", {})} for value in (values.low, values.high)]
 
 
 def _at(asked: proofs._Asked, name: str, value: Fraction) -> dict[str, Any]:

@@ -239,16 +239,27 @@ class _Asked:
     @property
     def itself(self) -> Any:
         """The beam itself at what is asked. Raises NoSeries."""
+        return self._read(self.column.kernel)
+
+    @property
+    def by_gaps(self) -> Any:
+        """The same for the proof that a crossing is the first: by gaps between frequencies where the comparison beam's
+        modes do not serve it. Raises NoSeries."""
+        from freebeam_derive.certify.textbook import of_any
+
+        return self._read(of_any(self.column.kernel, self.own))
+
+    def _read(self, kernel: Any) -> Any:
         from freebeam_derive.certify.beam import Beam
         from freebeam_derive.certify.damped_gaps import of_mass_alone
         from freebeam_derive.certify.exact_system import ExactSystem
 
-        if self.column.general:
-            if self.exact.get("kappa") == math.inf and of_mass_alone(self.column.kernel, self.own):
-                return ExactSystem(self.column.kernel, self.own)
+        if kernel.COLUMN.get("general"):
+            if self.exact.get("kappa") == math.inf and of_mass_alone(kernel, self.own):
+                return ExactSystem(kernel, self.own)
             alpha, beta = self.certified.dampings
-            return ExactSystem(self.column.kernel, self.own, alpha, beta, "kappa" in self.exact)
-        beam = Beam(self.column.kernel, self.own)
+            return ExactSystem(kernel, self.own, alpha, beta, "kappa" in self.exact)
+        beam = Beam(kernel, self.own)
         beam.damping(self.exact["alpha"], self.exact["beta"])
         return beam
 
@@ -592,7 +603,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
 
     name = asked.column.name
     try:
-        beam = asked.itself
+        beam = asked.by_gaps if whole else asked.itself
         alpha, beta, kappa = asked.dampings_of(beam)
         if kind == "divergence":
             crossing = beams.divergence(beam, near[0], digits + 2)
@@ -607,12 +618,14 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         survey: Survey | None = None
         if whole:
             crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, alpha, beta, kappa)
-        stated = asked.column.kernel, asked.certified
+        stated = beam.kernel, asked.certified
         if evidence is not None and not asked.squares:
-            if survey is None:
+            if survey is not None:
+                certificate = write_list(*stated, survey, survey.crossings)
+            elif evidence.checkable:
                 certificate = write_of_beam(*stated, crossing, evidence)
             else:
-                certificate = write_list(*stated, survey, survey.crossings)
+                missing = "the verifier does not look at joints, nor at a load where no mass is"
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:

@@ -257,8 +257,9 @@ def test_a_motion_that_is_not_damped_without_load_is_found() -> None:
 
 def test_columns_that_are_not_served_are_named() -> None:
     crossing = FIRST["Euler"]()[1]
-    crack = ExactSystem(fb.column("crack").kernel, {})
-    assert complete(crack, crossing, NONE, NONE)[2].startswith("frequency gaps: crack has more than the one deflection")
+    shears = ExactSystem(fb.column("timoshenko").kernel, {})
+    missing = complete(shears, crossing, NONE, NONE)[2]
+    assert missing.startswith("frequency gaps: timoshenko has more than the one deflection")
 
 
 def test_the_touch_at_one_half_is_left_open() -> None:

@@ -383,8 +383,8 @@ def test_an_exact_load_is_asked_for_as_any(tmp_path: Path) -> None:
     assert dict(found.proof) == dict.fromkeys(("crossing", "kind", "first", "stable_below"), True)
     assert found.inputs["mu"] == "1.0 (default)"
     cracked = fb.exact_load(RuntimeColumn(of_literature("crack")[0]), digits=10, modes=12)
-    assert dict(cracked.proof) == {"crossing": True, "kind": True, "first": False, "stable_below": False}
-    assert "jumps" in cracked.missing
+    assert all(cracked.proof.values()) and cracked.certificate is None
+    assert "does not look at joints" in cracked.missing
 
 
 def test_the_command_line_proves_any_column(

@@ -17,7 +17,7 @@ import pytest
 
 import freebeam as fb
 from freebeam.cli import main
-from freebeam.proofs import rational
+from freebeam.proofs import enclosed_load, rational
 from freebeam_derive.certify import beam_itself as beams
 from freebeam_derive.certify.balls import Unproven
 from freebeam_derive.certify.beam import Beam
@@ -80,7 +80,7 @@ def test_a_default_is_proven_as_the_decimal_that_it_says(
 
     def proofs(**own: Any) -> list[Any]:
         series = fb.certified_load(column, 3, 1e-3, digits=30, **own)
-        beam = fb.exact_load(column, 1e-3, digits=30, modes=8, **own)
+        beam = enclosed_load(column, 1e-3, digits=30, modes=8, **own)
         crossings = fb.certified_crossings(column, 3, 1e-3, digits=30, load_max=50, **own)
         spectrum = fb.exact_spectrum(column, 2.5, 1e-3, modes=2, digits=30, **own)
         assert series.certificate is not None
@@ -90,6 +90,7 @@ def test_a_default_is_proven_as_the_decimal_that_it_says(
     assert default == proofs(mu=0.1) == proofs(mu="0.1") == proofs(mu=Fraction(1, 10))
     binary = proofs(mu=Fraction(0.1))
     assert all(a != b for a, b in zip(default, binary, strict=True))
+    assert all(fb.exact_load(column, digits=15).proof.values())  # the first: of a mass by gaps between frequencies
     taken = fb.certified_load(column, 3, "1/3", digits=5).inputs
     assert taken["mu"] == "0.1 (default)" and taken["alpha"] == "1/3"
     asked = ["critical", "--column", str(tmp_path / "tipped.py"), "--modes", "3", "--alpha", "0.001", "--digits", "9"]
@@ -242,7 +243,7 @@ def test_the_contract_of_critical_with_digits(capsys: pytest.CaptureFixture[str]
 
 def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFixture[str]) -> None:
     """π² is the divergence load of the pinned beam, and the first; at η = 1/2 ω² touches zero there, and the flutter is
-    the first loss; of a cracked column nothing is proven below it."""
+    the first loss; of a cracked column with damping nothing is proven below it."""
     status, found, _ = run(capsys, "critical", "--digits", "15", "--exact", "--column", "euler-pinned", "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": True, "stable_below": True, "kind": True}
     assert found["missing"] is None and found["evidence"]["reach"] > found["load"]
@@ -253,7 +254,7 @@ def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFix
     (touch,) = beyond["proven_touches"]
     assert all(beyond["proof"].values()) and beyond["load"] > 16 and touch["stability"] == "touched"
     assert Decimal(touch["load_lower"]) < squared < Decimal(touch["load_upper"])
-    asked = ["critical", "--digits", "15", "--exact", "--column", "crack"]
+    asked = ["critical", "--digits", "15", "--exact", "--column", "crack", "--beta", "0.1"]
     status, found, _ = run(capsys, *asked, "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": False, "stable_below": False, "kind": True}
     assert found["evidence"] is None and found["missing"] in " ".join(run(capsys, *asked)[1].split())

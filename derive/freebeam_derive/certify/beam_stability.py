@@ -40,7 +40,7 @@ BITS = 128
 BITS_OF_ANY = 64  # where F comes from Taylor steps, which cost more; but in a limit series up to the rate need BITS
 COUNTS = (40, 60, 120, 200)  # modes in balls; with internal damping from the second on, which leaves a smaller m
 DEEPEST = 40  # bisections before a proof is given up
-MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps; the cone took 70
+MOST_TRIES = 400  # of stretches, with their signs: some minutes where F comes from Taylor steps
 TERMS = 6  # of Taylor's series in the load, over a stretch
 
 
@@ -65,7 +65,7 @@ class Evidence:
     lowest: m. modes: how many are in balls (beyond the uniform beam: how many frequencies without load). reach: a load
     up to which all lines from m on are free of eigenvalues.
     stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
-    they go (0 where there are none).
+    they go (0 where there are none). checkable: whether the verifier can follow.
     """
 
     lowest: int
@@ -74,6 +74,7 @@ class Evidence:
     stretches: tuple[Stretch, ...]
     cells: int = 0
     frequency: float = 0.0
+    checkable: bool = True
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -168,10 +169,11 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
         raise OpenStep(f"{'damping' if damped else 'frequency gaps'}: {error}") from None
     proof = Below(still, gaps, m, load)
     if not damped:
-        return Evidence(m, rational(reach, 60), gaps.count, tuple(proof.real_and_simple(square)))
+        stretches = tuple(proof.real_and_simple(square))
+        return Evidence(m, rational(reach, 60), gaps.count, stretches, checkable=gaps.checkable)
     if system.vanishing:
         below = proof.real_and_simple(None) if square is None else proof.real_and_simple_throughout()
-        stretches: tuple[Stretch, ...] = tuple(below)
+        stretches = tuple(below)
         problem: Onset = VanishingRates(system)
         known = [] if square is None else [[load, square]]
     else:

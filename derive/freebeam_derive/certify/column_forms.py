@@ -2,7 +2,7 @@
 
 The elastic energy is ∫ EI y''² dx and what is of lower order (springs, a foundation, a dead load), the mass m(x) and
 point masses, which may have a rotary inertia; EI and m are polynomials on each segment, and y and y' go on from one
-to the next. `load_size` is the constant of Lemma 6 in docs/theorem.md.
+to the next but at joints, where a spring holds their jump. load_size.py has how large the load is.
 """
 
 from __future__ import annotations
@@ -27,22 +27,25 @@ Polynomial = list[Fraction]  # of x, ascending
 Place = tuple[Fraction, int]  # place, order of the derivative there
 OF_CLAMPED = {0: arb(1) / 3, 1: arb("0.7072")}, {0: arb(2) / 3, 1: arb(1)}
 """`ColumnForms.reach` with a clamped end e: y'(x)² ≤ |x − e| ∫ y''² dx."""
+JOINT = {(-1, -1): 1, (-1, 1): -1, (1, -1): -1, (1, 1): 1}  # the square of a jump, by the sides of its two factors
 
 
 class ColumnForms:
     """What a kernel of the one field y says, at the precision in force.
 
     own: its parameters as rational numbers. m, EI: a polynomial a segment. elastic, load: order, or (test order, trial
-    order), -> polynomial, a table a segment. masses, springs: (place, order) -> factor. Raises NoStrips for a column
-    that is not of the kind above.
+    order), -> polynomial, a table a segment. masses, springs, joints: (place, order) -> factor. Raises NoStrips for a
+    column that is not of the kind above.
     """
+
+    opened: frozenset[Place] = frozenset()  # where y or y' jumps
 
     def __init__(self, kernel: Any, own: Mapping[str, Fraction]) -> None:
         self.name, self._own = kernel.COLUMN["name"], parameters(kernel, own)
         if kernel.COLUMN.get("circulatory"):
             raise self.other("has a damping that acts on displacements")
-        if list(kernel.FIELDS) != ["y"] or kernel.COORDINATES or kernel.FIELDS["y"][2]:
-            raise self.other("has more than the one deflection y, or one that jumps")
+        if list(kernel.FIELDS) != ["y"] or kernel.COORDINATES:
+            raise self.other("has more than the one deflection y")
         try:
             self.breaks = tuple(Fraction(v) for v in kernel.places(Fraction(1), **self._own))
             forms = kernel.forms(Fraction(1), **self._own)
@@ -53,8 +56,11 @@ class ColumnForms:
         self.kinds = (str(kernel.COLUMN["ends"][0]), str(kernel.COLUMN["ends"][1]))
         if kernel.COLUMN["rigid"]:
             raise self.other("moves rigidly")
+        self.opened = frozenset((self.breaks[node], order) for node, order in kernel.FIELDS["y"][2])
+        stiffness, apart = self._joints(forms["K"][0][1])
+        self.joints: dict[Place, Fraction] = stiffness
         (mass, points), (elastic, springs), (load, self.load_points) = (
-            self.read(*part) for part in (*forms["M"], *forms["K"])
+            self.read(*part) for part in (*forms["M"], (forms["K"][0][0], apart), forms["K"][1])
         )
         self.m, self.EI = ([part.pop(orders, []) for part in parts] for parts, orders in
                            ((mass, (0, 0)), (elastic, (2, 2))))  # fmt: skip
@@ -77,6 +83,23 @@ class ColumnForms:
     def stepped(self) -> bool:
         """Whether it has more than one segment or mass, or is held by springs alone: Lemma 7 does not serve it."""
         return len(self.m) > 1 or len(self.masses) > 1 or bool(self.lines)
+
+    def _joints(self, points: Any) -> tuple[dict[Place, Fraction], list[Any]]:
+        """The springs between the two sides of where y or y' jumps, and the terms that are none of them."""
+        tables: dict[Place, dict[tuple[int, int], Fraction]] = {place: {} for place in self.opened}
+        others = []
+        for term in points:
+            (_, p, a, side), (_, q, b, across), factor = term
+            if (a, p) == (b, q) and (a, p) in tables:
+                table = tables[Fraction(a), p]
+                table[side, across] = table.get((side, across), Fraction(0)) + Fraction(factor)
+            else:
+                others.append(term)
+        found = {place: table.get((1, 1), Fraction(0)) for place, table in tables.items()}
+        for place, k in found.items():
+            if not k > 0 or tables[place] != {sides: sign * k for sides, sign in JOINT.items()}:
+                raise self.other("has a joint that is no spring between its two sides")
+        return found, others
 
     @property
     def lines(self) -> list[Line]:
@@ -101,6 +124,8 @@ class ColumnForms:
         for (_, p, a, _), (_, q, b, _), factor in points:
             if not factor:
                 continue
+            if {(a, p), (b, q)} & self.opened:
+                raise self.other("has a mass, a spring, a damper or a force on what jumps at a joint")
             if a not in self.breaks or b not in self.breaks or max(p, q) > 1:
                 raise self.other("has a force or a sensor that is not at an end or where segments meet")
             if not (self.is_held(a, p) or self.is_held(b, q)):
@@ -119,7 +144,7 @@ class ColumnForms:
             raise self.other("has a mass or a spring that couples two places or is negative")
         return {row: factor for (row, _), factor in points.items()}
 
-    # ---------------------------------------------------------------- the load
+    # ---------------------------------------------------------------- energy and mass
 
     @cached_property
     def reach(self) -> tuple[dict[int, arb], dict[int, arb]]:
@@ -133,33 +158,41 @@ class ColumnForms:
             return {0: one / 2, 1: (one / 2).sqrt()}, {0: 2 * one / 3, 1: one}
         return {0: one / 2, 1: one}, {0: one / 2, 1: one}  # y' has a zero between two ends that are held
 
+    def by_energy(self, norms: Mapping[int, arb]) -> dict[int, arb]:
+        """What `reach` has in parts of ‖y''‖, in parts of the root of ∫ EI y''² and the joints' energy together.
+
+        y less its jumps, each times a function of two straight parts that meets the conditions and has no value or
+        slope above 1, is without a jump.
+        """
+        jumps = sum((1 / exact(k).sqrt() for k in self.joints.values()), arb(0))
+        return {order: norm / self.least.sqrt() + jumps for order, norm in norms.items()}
+
     @cached_property
     def lowest(self) -> arb:
         """A frequency ω that is not above the first without load.
 
         Held by springs alone y is a line, y(0) + y'(0) x, and a rest as of a clamped end. With s the least of the
-        springs' energy over the mass of lines, c² and d² those of the rest at most, over ∫ y''² dx,
-        √mass ≤ √energy ((1 + c/√EI)/√s + d/√EI).
+        springs' energy over the mass of lines, c² and d² those of the rest at most, over its energy,
+        √mass ≤ √energy ((1 + c)/√s + d).
         """
-        norms, points = OF_CLAMPED if self.lines else self.reach
+        norms, points = map(self.by_energy, OF_CLAMPED if self.lines else self.reach)
         energy, mass = (
             sum((exact(f) * points[order] ** 2 for (_, order), f in table.items()), arb(0))
             for table in (self.springs, self.masses)
         )
         mass += norms[0] ** 2 * greatest(over(self.m[n], x)[0].upper() for n, x in self.pieces())
         if not self.lines:
-            return (self.least * self.share / mass).sqrt().lower()
+            return (self.share / mass).sqrt().lower()
         pairs = [*product(self.lines, self.lines)]
         S = [_of_points(self.springs, *pair) for pair in pairs]
         M = [_of_points(self.masses, *pair) + self._mass_of(*pair) for pair in pairs]
-        EI = self.least
         if len(self.lines) == 1:
             s = S[0] / M[0]
         else:  # det(S − s M) = 0; its smaller root is at least the product over the sum of both
             s = (S[0] * S[3] - S[1] * S[2]) / (S[0] * M[3] + S[3] * M[0] - 2 * S[1] * M[1])
         if s == 0:
             raise self.other("is held in part alone")
-        return (1 / ((1 + (energy / EI).sqrt()) / exact(s).sqrt() + (mass / EI).sqrt())).lower()
+        return (1 / ((1 + energy.sqrt()) / exact(s).sqrt() + mass.sqrt())).lower()
 
     def _mass_of(self, one: Line, other: Line) -> Fraction:
         """∫ m of the product of two lines."""
@@ -186,7 +219,7 @@ class ColumnForms:
                 if self.never_negative(n, f):
                     continue
                 turned = [e for e in (0, 1) if self.is_held(e, 1)]
-                if p == 0 or not turned or not self.never_negative(n, [-v for v in f]):
+                if p == 0 or not turned or self.joints or not self.never_negative(n, [-v for v in f]):
                     raise self.other("has an elastic energy that is not known to be positive")
                 away = _product(f, [Fraction(0), Fraction(1)] if turned[0] == 0 else [Fraction(1), Fraction(-1)])
                 lost -= exact(self._integral(n, away))
@@ -204,55 +237,6 @@ class ColumnForms:
         return all(
             sum(Fraction(comb(i, j), comb(degree, j)) * g[j] for j in range(i + 1)) >= 0 for i in range(degree + 1)
         )
-
-    @cached_property
-    def load_size(self) -> arb:
-        """C with |b(y, v)| ≤ C a(y, y)^(1/2) (mass of v)^(1/2), or the same with y and v exchanged. Raises NoStrips."""
-        try:
-            return self._size(0)
-        except NoStrips:
-            return self._size(1)
-
-    def size_of(self, form: list[dict[tuple[int, int], Polynomial]]) -> arb:
-        """The same constant of another form, symmetric and without terms at places. Raises NoStrips."""
-        other = copy(self)
-        other.load, other.load_points = form, {}
-        return other._size(0)
-
-    def _size(self, turned: int) -> arb:
-        """turned: 1 for the form with y and v exchanged. All derivatives go off the factor of bounded mass."""
-        inner: list[dict[int, Polynomial]] = [{} for _ in self.load]
-        ends = {key[:: -1 if turned else 1]: f for key, f in self.load_points.items()}
-        for n, part in enumerate(self.load):
-            for orders, f in part.items():
-                p, q = orders[:: -1 if turned else 1]
-                if p == 1:  # ∫ f y^(q) v' = [f y^(q) v] − ∫ (f y^(q))' v
-                    for e, sign in zip(self.breaks[n : n + 2], (-1, 1), strict=True):
-                        key = (e, 0), (e, q)
-                        ends[key] = ends.get(key, Fraction(0)) + sign * at(f, e)
-                    slope = [i * v for i, v in enumerate(f)][1:]
-                    for order, factor in ((q, slope), (q + 1, f)):
-                        inner[n][order] = added(inner[n].get(order, []), [-v for v in factor])
-                else:
-                    inner[n][q] = added(inner[n].get(q, []), f)
-        squares: dict[int, arb] = {}
-        for n, x in self.pieces():
-            for q, f in ((q, f) for q, f in inner[n].items() if any(f)):
-                share = over(f, x)[0] ** 2 / over(self.m[n], x)[0]
-                felt = share / over(self.EI[n], x)[0] if q == 2 else share * self.reach[0][q] ** 2 / self.least
-                squares[q] = squares.get(q, arb(0)).max(felt.upper())
-        along = sum((square.sqrt() for square in squares.values()), arb(0))
-        total: arb = along * along
-        for place in {row for (row, _), f in ends.items() if f and not self.is_held(*row)}:
-            if place not in self.masses:
-                where = "an end" if place[0] in (0, 1) else "a place"
-                raise self.other(
-                    f"has a load that acts on {where} that carries no mass and is not of the follower kind"
-                )
-            points = self.reach[1]
-            felt = sum((abs(exact(f)) * points[of[1]] for (row, of), f in ends.items() if row == place), arb(0))
-            total += felt * felt / self.least / exact(self.masses[place])
-        return (total / self.share).sqrt().upper()
 
 
 def _of_points(points: Mapping[Place, Fraction], one: Line, other: Line) -> Fraction:

@@ -22,6 +22,7 @@ from freebeam_derive.certify.balls import Exact, exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, added, over
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.load_size import load_size, size_along
 from freebeam_derive.certify.strips import NoStrips
 
 BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of those listed in the tests all take 2
@@ -94,7 +95,7 @@ class LeftOver:
         if any(map(any, turning)):
             if any((1, 1) in part for part in along):
                 raise forms.other("has a damping of the slope along the beam")
-            self.turning = forms.size_of([{(1, 1): f} for f in turning])
+            self.turning = size_along(forms, [{(1, 1): f} for f in turning])
         values = [over(density[n], x)[0] / over(forms.m[n], x)[0] for n, x in forms.pieces()]
         low, high = least(values).lower(), greatest(values).upper()
         self.c_M = ((low + high) / 2).mid().max(arb(0))
@@ -190,6 +191,8 @@ def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanish
     """The least m that is found; still: the column with no alpha and beta. vanishing: in the limit of this damping
     times a factor that falls to zero. Raises NoStrips, Unproven."""
     forms = ColumnForms(still.kernel, still.own)
+    if forms.joints or load_size(forms).places:
+        raise forms.other("has a joint, or a load where no mass is, and damping")
     damping = LeftOver(forms, still.kernel, still.own, alpha, beta)
     if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
         raise forms.other("has a part without damping")

@@ -12,7 +12,7 @@ many cells of phases tell of all γ from some on how near two zeros come. docs/t
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import prod
@@ -24,12 +24,13 @@ from freebeam_derive.certify.balls import Unproven, ball, exact, least
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.comparison_form import ORDERS
 
-PARTS = 3  # at most: cells of phases are as many as a power of it
+PARTS = 8  # at most: there are as many waves as a power of two by it
 APART = 6  # zeros are looked for to be 1/6 of their mean distance apart, or
-TRIES = 4  # times half of it
+TRIES = 6  # times half of it
 SMALLEST = 8  # θ of each part from which on e^(−θ) is left to a bound: 3e-4
 CUTS = 3  # of 1/γ, to both sides of each of which cells are tried
-DEEPEST = 7  # halvings of each phase
+DEEPEST = 21  # halvings of phases: seven of each of three
+MOST_WAVES = 400_000  # of cells together, some seconds: four steps stay below, five do not
 FINEST = 40  # halvings of a stretch of γ
 LONGEST = 3000  # phase of the beam up to which low frequencies are looked for: a thousand of them, in some seconds
 STEP = Fraction(3, 16)  # of the beam's phase, in which the low frequencies are looked for
@@ -52,13 +53,15 @@ def _of_pair(pair: tuple[int, int]) -> tuple[complex, list[complex], list[comple
     return sum(roots) - 1, V, U
 
 
+_MIXED = {0: (0, 0, 1), 1: (0, 1, 1), 4: (1, 0, -1), 5: (1, 1, -1)}
+"""Minors of one of z₀, z₃ and one of z₁, z₂: which of either pair, and −1 where z₃ comes after these."""
 _TERMS = {pair: _of_pair(pair) for pair in MINORS}
 
 
 class SteppedSection:
     """The parts of a column and what stands between them, at the precision in force.
 
-    forms: of the column. Raises NoStrips for one whose parts are not uniform, or that has more than three.
+    forms: of the column. Raises NoStrips for one whose parts are not uniform, or that has more than eight.
     """
 
     def __init__(self, forms: ColumnForms) -> None:
@@ -75,6 +78,11 @@ class SteppedSection:
         self.forms = forms
         self._sizes = []  # of the minors, beside those of κ = EI = 1
         self.rates: list[arb] = []  # of the phases, by γ
+        alike = [
+            (m[0] / f[0], high - low)
+            for m, f, (low, high) in zip(forms.m, forms.EI, pairwise(forms.breaks), strict=True)
+        ]
+        self.same = [alike.index(part) for part in alike]  # of each part the first whose phase is always its own
         for m, f, (low, high) in zip(forms.m, forms.EI, pairwise(forms.breaks), strict=True):
             EI = exact(f[0])
             k = (exact(m[0]) / EI).sqrt().sqrt()
@@ -95,20 +103,29 @@ class SteppedSection:
         return [acb(v) * size * felt for v, size in zip(V, sizes, strict=True)]
 
     def _joint(self, node: int, e: Any) -> list[tuple[int, int, Any]]:
-        """What masses and springs there do to the minors, as (row, column, factor); e = 1/γ.
+        """What masses, springs and a joint there do to the minors, as (row, column, factor); e = 1/γ.
 
-        EI y'' jumps by (c − Jω²) y', EI y''' by −(k − μω²) y; all times ε³ where J and times ε where μ is not nothing.
+        EI y'' jumps by (c − Jω²) y', EI y''' by −(k − μω²) y; where a joint k' is, y' by EI y''/k' or y by −EI y'''/k'.
+        All times ε³ where J or a joint of y is, and times ε where μ or a joint of y' is.
         """
         place, forms = self.forms.breaks[node], self.forms
         mu, J, k, c = (
             acb(_ball(table.get((place, d), Fraction(0)))) for table in (forms.masses, forms.springs) for d in (0, 1)
         )
         by_turn, by_mass = (0 if J == 0 else 3), (0 if mu == 0 else 1)
-        a = c * _power(e, by_turn + 1) - J
-        b = mu - k * _power(e, by_mass + 3)
-        whole, bend, push = _power(e, by_turn + by_mass), a * _power(e, by_mass), b * _power(e, by_turn)
-        added = [(1, 0, bend), (4, 0, -push), (5, 1, -push), (5, 4, bend), (5, 0, -a * b)]
-        return [(i, i, whole) for i in range(6)] + added
+        bend = _block(_power(e, by_turn), None, c * _power(e, by_turn + 1) - J)  # of y'/γ and EI y''/γ²
+        push = _block(_power(e, by_mass), None, mu - k * _power(e, by_mass + 3))  # of the two others
+        if (place, 1) in forms.joints:
+            bend = _block(_power(e, 1), acb(1 / exact(forms.joints[place, 1])), None)
+        if (place, 0) in forms.joints:
+            push = _block(_power(e, 3), acb(-1 / exact(forms.joints[place, 0])), None)
+        whole = bend[0][0] * push[0][0]
+        found = [(2, 2, whole), (3, 3, whole)]
+        for i, (p, q, sign) in _MIXED.items():
+            for j, (r, s, other) in _MIXED.items():
+                if push[p][r] is not None and bend[q][s] is not None:
+                    found.append((i, j, sign * other * push[p][r] * bend[q][s]))
+        return found
 
     # ---------------------------------------------------------------- the low frequencies
 
@@ -167,11 +184,17 @@ class SteppedSection:
 
     # ---------------------------------------------------------------- the high ones
 
-    def gap_beyond(self, needed: arb) -> tuple[arb, arb]:
-        """G, and a gap between any two neighbours ω ≥ G² that is at least as wide as needed. Raises Unproven."""
+    def gap_beyond(self, needed: Callable[[arb, arb], arb]) -> tuple[arb, arb]:
+        """G, and a gap between any two neighbours ω ≥ G² that is wider than needed. Raises Unproven.
+
+        needed: for two ω; over the √ω of the upper one it does not rise, so that what serves at G serves beyond.
+        """
         apart = arb.pi() / (APART * sum(self.rates, arb(0)))
         for _ in range(TRIES):
-            G = (needed / (2 * apart)).max(SMALLEST / least(self.rates)).upper()
+            G = SMALLEST / least(self.rates)
+            G = (needed(G**2, (G + apart) ** 2) / (2 * apart)).max(G).upper()
+            while G < LONGEST and not apart * (2 * G + apart) > needed(G**2, (G + apart) ** 2):
+                G = (G * arb(9) / 8).upper()
             if not G * sum(self.rates, arb(0)) < LONGEST:
                 raise Unproven(
                     "a part is so short, or the load so high, that too many low ones had to be found one by one"
@@ -190,7 +213,7 @@ class SteppedSection:
             low, high, depth = waiting.pop()
             # on the way to γ + apart, ε falls to ε / (1 + ε apart)
             waves, rest = self._waves((low / (1 + low * apart)).union(high), G)
-            if not _cells_apart(waves, rest, self.rates, apart):
+            if not _cells_apart(waves, rest, self.rates, apart, self.same):
                 if depth == CUTS:
                     return False
                 middle = (low + high) / 2
@@ -247,28 +270,37 @@ class SteppedSection:
         return values, slopes
 
 
-def _cells_apart(waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb], apart: arb) -> bool:
-    """Whether from each point of the phases on, up to `apart` further, f or its slope is not zero.
+def _cells_apart(
+    waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb], apart: arb, same: Sequence[int]
+) -> bool:
+    """Whether from each point of the phases on, up to `apart` further, f or its slope is not zero. same: as of
+    `SteppedSection`.
 
     Half a turn of a phase changes the sign of the waves alone, and the wave of −σ is the conjugate of that of σ.
     """
+    own = sorted({*same})
     kept = [
         (wave, 2 * B[0], 2 * (B[1] + acb(0, 1) * _along(wave, rates) * B[0]))
         for wave, B in waves.items()
         if wave[0] > 0
     ]
     blurs = [ball(arb(0), size) for size in rest]
-    waiting: list[tuple[list[tuple[Fraction, Fraction]], int]] = [([(Fraction(0), Fraction(1))] * len(rates), 0)]
+    waiting: list[tuple[list[tuple[Fraction, Fraction]], int]] = [([(Fraction(0), Fraction(1))] * len(own), 0)]
+    summed = 0
     while waiting:
         cell, depth = waiting.pop()
-        on = [exact(a).union(exact(b)) * arb.pi() + rate * arb(0).union(apart)
-              for (a, b), rate in zip(cell, rates, strict=True)]  # fmt: skip
+        phases = {n: exact(a).union(exact(b)) * arb.pi() + rates[n] * arb(0).union(apart)
+                  for n, (a, b) in zip(own, cell, strict=True)}  # fmt: skip
+        on = [phases[n] for n in same]
         turned = [(acb(0, _along(wave, on)).exp(), B, slope) for wave, B, slope in kept]
         if not sum(((B * unit).real for unit, B, _ in turned), blurs[0]).contains(0):
             continue
         if not sum(((slope * unit).real for unit, _, slope in turned), blurs[1]).contains(0):
             continue
-        if depth == DEEPEST * len(rates):
+        summed += len(kept)
+        if summed > MOST_WAVES:
+            raise Unproven("its parts are too many, or too unlike, for the high ones to be told apart")
+        if depth == DEEPEST:
             return False
         n = depth % len(cell)
         a, b = cell[n]
@@ -295,6 +327,10 @@ def _applied(matrix: list[tuple[int, int, Any]], z: Sequence[Any]) -> list[Any]:
 
 def _sum(a: Sequence[arb], b: Sequence[arb]) -> list[arb]:
     return [u + v for u, v in zip(a, b, strict=True)]
+
+
+def _block(size: Any, above: Any, below: Any) -> list[list[Any]]:
+    return [[size, above], [below, size]]
 
 
 def _power(e: Any, n: int) -> Any:

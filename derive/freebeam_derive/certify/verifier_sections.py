@@ -25,7 +25,7 @@ from freebeam_derive.certify.verifier_signs import Stretch
 SECTIONS = "freebeam certificate 6"
 FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "lowest", "line", "kind", "load",
           "frequency_squared", "proof", "stretches", "damping"}  # fmt: skip
-MOST_SEGMENTS = 3  # cells of phases are as many as a power of it
+MOST_SEGMENTS = 8  # there are as many waves as a power of two by it
 PIECES = 256  # of a segment, on each of which a factor is one ball
 Place = tuple[int, int]  # a break's number, order of the derivative there
 LENGTHS = {True: (arb(1) / 3, arb("0.7072")), False: (arb(1) / 2, arb(1))}

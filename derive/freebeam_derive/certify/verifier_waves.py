@@ -24,10 +24,13 @@ from freebeam_derive.certify.verifier_claims import ORDERS, Refused, ball, great
 from freebeam_derive.certify.verifier_sections import Sections
 
 MINORS = tuple(combinations(range(4), 2))
-TIMES = [Fraction(n, 2) for n in (5, 6, 8, 12, 16, 24, 48)]  # zeros are to be so much less apart than on average
+TIMES = [
+    Fraction(n, 2) for n in (5, 6, 8, 12, 16, 24, 48, 96, 192)
+]  # zeros are to be so much less apart than on average
 SHORTEST = [Fraction(n, 2) for n in (12, 18, 24, 36, 48)]  # γ L of the shortest segment, tried in turn: e^−6 = 0.002
 CUTS = 3  # halvings of 1/γ
-DEEPEST = 7  # halvings of each phase
+DEEPEST = 21  # halvings of phases: seven of each of three
+MOST_WAVES = 400_000  # of cells together, in one look at all of them
 COUPLED = arb(5) / 8  # ‖E‖/|ε A| between e^(iγz) and e^(−iγz): √2/4 on the diagonal and 1/4 beside it
 Waves = dict[tuple[int, ...], list[Any]]
 """σ -> six polynomials in ε."""
@@ -175,6 +178,7 @@ class Apart:
         self.segments = [Segment(column, n) for n in range(len(column.m))]
         self.lengths = [s.length for s in self.segments]
         self.whole = sum(self.lengths, arb(0))
+        self.same = [_first_alike(column, n) for n in range(len(self.segments))]
         last = len(self.segments)
         joints = []
         for node in range(last + 1):
@@ -268,11 +272,13 @@ class Apart:
             return False
         blurs = [size * arb(0, 1) for size in (value, wide / eta)]  # of the slope by Cauchy's estimate
         kept, values, slopes = zip(*self.waves(epsilon), strict=True)
-        cells = [([(Fraction(0), Fraction(1))] * len(self.lengths), 0)]
-        steps = [L * arb(0).union(apart) for L in self.lengths]
+        own = sorted({*self.same})
+        cells, looked = [([(Fraction(0), Fraction(1))] * len(own), 0)], 0
         while cells:
             cell, depth = cells.pop()
-            on = [ball(a).union(ball(b)) * arb.pi() + step for (a, b), step in zip(cell, steps, strict=True)]
+            phases = {n: ball(a).union(ball(b)) * arb.pi() + self.lengths[n] * arb(0).union(apart)
+                      for n, (a, b) in zip(own, cell, strict=True)}  # fmt: skip
+            on = [phases[n] for n in self.same]
             units = [acb(0, sum((s * v for s, v in zip(wave, on, strict=True)), arb(0))).exp() for wave in kept]
             both = [
                 sum(((term * unit).real for term, unit in zip(terms, units, strict=True)), blur)
@@ -280,13 +286,27 @@ class Apart:
             ]
             if not all(total.contains(0) for total in both):
                 continue
-            if depth == DEEPEST * len(cell):
+            looked += len(kept)
+            if looked > MOST_WAVES:
+                raise Refused("the segments are too many, or too unlike, for high frequencies to be told apart")
+            if depth == DEEPEST:
                 return False
             n = depth % len(cell)
             a, b = cell[n]
             for half in ((a, (a + b) / 2), ((a + b) / 2, b)):
                 cells.append(([*cell[:n], half, *cell[n + 1 :]], depth + 1))
         return True
+
+
+def _first_alike(column: Sections, n: int) -> int:
+    """The first segment that is uniform and as long and of the same kind as the n-th: their phases are always one."""
+
+    def kind(k: int) -> Any:
+        factors = column.m[k], column.EI[k], *(column.elastic[k].get(order, fmpq_poly([])) for order in (0, 1))
+        plain = all(f.degree() < 1 for f in factors)
+        return (column.breaks[k + 1] - column.breaks[k], *map(str, factors)) if plain else k
+
+    return next(k for k in range(n + 1) if kind(k) == kind(n))
 
 
 def _held(column: Sections, end: int) -> tuple[int, ...]:

@@ -1,0 +1,114 @@
+"""Columns in more than three uniform parts: their frequencies without load, and how far apart the high ones are.
+
+By the prover, by the verifier and by finite elements.
+"""
+
+from __future__ import annotations
+
+import math
+from copy import copy
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, fmpq_poly
+from scipy.linalg import eigh
+
+import freebeam as fb
+from freebeam_derive.certify import stepped_section, verifier_waves
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.stepped_section import SteppedSection
+from freebeam_derive.certify.strips import NoStrips
+from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_sections import Sections
+from freebeam_derive.certify.verifier_waves import Apart
+from tests.reference.elements import hermite
+
+BITS = 64
+NEEDED = 10
+Case = tuple[list[Fraction], Fraction]
+CASES: dict[str, Case] = {
+    "four steps": ([Fraction(8 - n, 8) for n in range(4)], Fraction(0)),
+    "three masses": ([Fraction(1)] * 3, Fraction(1, 10)),
+}
+"""EI of each of so many parts of one length, with the mass 1; and a mass at the right end of each."""
+
+
+@cache
+def proven(name: str) -> SteppedSection:
+    EI, mass = CASES[name]
+    count = len(EI)
+    step = fb.column("step")
+    forms: Any = copy(ColumnForms(step.kernel, {"a": Fraction(1, 2), "r": Fraction(1, 2), "mu": Fraction(0)}))
+    forms.breaks = tuple(Fraction(n, count) for n in range(count + 1))
+    forms.m, forms.EI, forms.elastic = [[Fraction(1)]] * count, [[f] for f in EI], [{}] * count
+    forms.masses = {(x, 0): mass for x in forms.breaks[1:] if mass}
+    forms.__dict__.pop("least", None)
+    return SteppedSection(forms)
+
+
+@cache
+def checked(name: str) -> Apart:
+    EI, mass = CASES[name]
+    count = len(EI)
+    breaks = tuple(Fraction(n, count) for n in range(count + 1))
+    factors = [fmpq_poly([f.numerator]) / f.denominator for f in EI]
+    masses = {(n, 0): mass for n in range(1, count + 1) if mass}
+    load = [{(1, 1): fmpq_poly([-1])}] * count
+    return Apart(
+        Sections(("clamped", "free"), breaks, factors, [fmpq_poly([1])] * count, [{}] * count, load, masses, {}, {})
+    )
+
+
+def by_elements(name: str, each: int = 16) -> Any:
+    """Frequencies of cubic elements, so many on each part."""
+    EI, mass = CASES[name]
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    count = each * len(EI)
+    M, K = np.zeros((2, 2 * count + 2, 2 * count + 2))
+    for n in range(count):
+        at, h = slice(2 * n, 2 * n + 4), 1 / count
+        for u, weight in zip((nodes + 1) / 2, weights / 2, strict=True):
+            y, _, curvature = hermite(u, h)
+            M[at, at] += weight * h * np.outer(y, y)
+            K[at, at] += weight * h * float(EI[n // each]) * np.outer(curvature, curvature)
+        if (n + 1) % each == 0:
+            M[2 * n + 2, 2 * n + 2] += float(mass)
+    return eigh(K[2:, 2:], M[2:, 2:], eigvals_only=True) ** 0.5
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_frequencies_are_those_of_finite_elements_and_high_ones_apart(name: str) -> None:
+    with precision(BITS):
+        them = proven(name)
+        found = [float(g) ** 2 for g in them.lowest(arb(10))]
+        assert np.allclose(found, by_elements(name)[: len(found)], rtol=1e-4) and len(found) > 2
+        both = them.gap_beyond(lambda *_: arb(NEEDED)), checked(name).gap(arb(NEEDED))
+        start = math.ceil(max(float(G) for G, _ in both))
+        above = [
+            float(g) ** 2 for n in range(14) for g in them._between(*(start + Fraction(k, 2) for k in (n, n + 1)), 0)
+        ]
+        assert len(above) > 1 and all(NEEDED < gap < np.diff(above).min() for _, gap in both)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_parts_have_one_phase_where_they_are_alike(name: str) -> None:
+    alike = [0, 1, 2, 3] if name == "four steps" else [0] * len(CASES[name][0])
+    with precision(BITS):
+        assert proven(name).same == checked(name).same == alike
+
+
+def test_parts_too_many_to_tell_apart_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(stepped_section, "MOST_WAVES", 100)
+    monkeypatch.setattr(verifier_waves, "MOST_WAVES", 100)
+    monkeypatch.setattr(stepped_section, "PARTS", 3)
+    with precision(BITS):
+        with pytest.raises(Unproven, match="too many, or too unlike"):
+            proven("four steps").gap_beyond(lambda *_: arb(NEEDED))
+        with pytest.raises(Refused, match="too many, or too unlike"):
+            checked("four steps").gap(arb(NEEDED))
+        with pytest.raises(NoStrips, match="more than 3 parts"):
+            proven.__wrapped__("four steps")
