@@ -149,6 +149,44 @@ def test_no_high_eigenvalue_reaches_the_axis(series: Series) -> None:
         assert len(high) > 0 and high.real.max() < 0
 
 
+@pytest.mark.parametrize(("name", "key", "place"), [("elastic-root", "c", (0, 1)), ("tip-spring", "k", (1, 0))])
+def test_what_damping_takes_where_no_mass_is_is_within_its_bound(name: str, key: str, place: tuple[int, int]) -> None:
+    """In the limit, of modes at a load; and of any motion with a mass of 1 and an energy of ω²."""
+    kernel, load = fb.column(name).kernel, 6.0
+    stiff = {p["name"]: p["default"] for p in kernel.COLUMN["parameters"]}[key]
+    with precision(BITS):
+        found = damped_gaps.damped_gaps(ExactSystem(kernel, {}), arb(load), Fraction(1), Fraction(1), True)
+    basis, left, m = kernel.basis(34), found.damping, found.lowest
+    M, E, K = kernel.mass(basis, 0.0), *(kernel.stiffness(basis, P) for P in (0.0, load))
+    softer = kernel.stiffness(basis, 0.0, **{key: stiff - 1})
+    of_inverse, modes = eigh(M, E)
+    omega = of_inverse[::-1] ** -0.5
+    modes = modes[:, ::-1] * omega
+    B, one = modes.T @ (K - E) @ modes, modes.T @ (E - softer) @ modes  # y⁽ⁱ⁾ v⁽ⁱ⁾ at the place
+    values, z, u = eig(np.diag(omega**2) + B, left=True)
+    at_place = np.sqrt(np.diag(one)) * np.sign(one[0])
+    ((where, f),) = left.bare.items()
+    assert where == place and f == -stiff
+    X, g = load * float(found.gaps.size), float(found.gaps.gap(m))
+    for j in range(m, m + 5):
+        w, at = omega[j], np.argmin(abs(values - omega[j] ** 2))
+        r = g / w
+        sigma = X * max((1 + r) / (g * (2 + r) - X), 1 / (g * (2 - r) - X))
+        felt = stiff * (z[:, at].conj() @ one @ u[:, at] / (z[:, at].conj() @ u[:, at])).real
+        energy = at_place[:30] / (1 + (omega[:30] / w) ** 2)  # of all motions it has the most there for both together
+        norm = max(energy @ energy, energy @ (omega[:30] ** 2 * energy) / w**2) ** 0.5
+        with precision(BITS):
+            square = left._parts.motion(arb(w, w * 1e-9), place)
+            most, reach = (
+                left.taken(arb(w), arb(sigma / (1 - sigma**2) ** 0.5), arb(r), arb(w)),
+                left._reach(0, place[1], arb(w)),
+            )
+            assert left.taken(arb(w), arb(0), arb(r)) > left.taken(arb(2 * w), arb(0), arb(r / 2)) / 2
+        assert float(square.mid()) == pytest.approx(one[j, j], rel=1e-5) and float(square.rad()) < 1e-4 * one[j, j]
+        assert 0.05 * w * float(most) < felt <= w * float(most)
+        assert 0.4 * float(reach) < abs(at_place[:30] @ energy) / norm <= float(reach)
+
+
 def test_the_factor_of_a_bound_that_is_too_small_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Half of X puts an eigenvalue outside of its disc."""
     right = damped_gaps._load

@@ -6,13 +6,14 @@ With C = c_E E + c_M M + R, y = Y e^(λt), p = P/(1 + c_E λ), q = λ/(1 + c_E �
 
 E, B, M as of the column without damping (frequency_gaps.py). R is what damping leaves out or adds: point masses, a
 foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 10
-and 11 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
+to 12 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -22,9 +23,11 @@ from freebeam_derive.certify.balls import Exact, exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, added, over
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import NoStrips
 
 BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of those listed in the tests all take 2
+BEYOND_BARE = (2, 4, 16, 64)  # the same with damping at places without a mass, whose bounds grow less than ω² alone
 
 _CUBICS = {
     (0, True): (Fraction(13, 35), Fraction(6, 5), Fraction(12)),  # 1 − 3x² + 2x³
@@ -62,10 +65,13 @@ class LeftOver:
     """The damping of a column as c_E E + c_M M + R, at the precision in force.
 
     c_E, c_M: at least 0. low, high: of R over the mass along the beam. at: (place, order) -> the same at masses.
-    turning: C_R with |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part R₁ = ∫ f y'v'. Raises NoStrips.
+    turning: C_R with |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part R₁ = ∫ f y'v'. bare: (place, order)
+    -> f of R₂ = Σ f y⁽ⁱ⁾ v⁽ⁱ⁾ at places without a mass, which are served in the limit alone. Raises NoStrips.
     """
 
-    def __init__(self, forms: ColumnForms, kernel: Any, own: Any, alpha: Exact, beta: Exact) -> None:
+    def __init__(
+        self, forms: ColumnForms, kernel: Any, own: Any, alpha: Exact, beta: Exact, vanishing: bool = False
+    ) -> None:
         if not isinstance(alpha, Fraction) or not isinstance(beta, Fraction):
             raise forms.other("has a damping that is no fraction")
         self.forms = forms
@@ -101,8 +107,12 @@ class LeftOver:
         self.low, self.high = low - self.c_M, high - self.c_M
         left = {key: points.get((key, key), Fraction(0)) - share * forms.springs.get(key, Fraction(0))
                 for key in {row for row, _ in points} | {*forms.springs} | {*forms.masses}}  # fmt: skip
-        if any(f and key not in forms.masses for key, f in left.items()):
-            raise forms.other("has a damper, or a spring without internal damping, where no mass is")
+        self.bare = {key: exact(f) for key, f in left.items() if f and key not in forms.masses}
+        if self.bare and not (vanishing and share > 0):
+            raise forms.other(
+                "has a damper, or a spring without internal damping, where no mass is, and other than in the limit of "
+                "vanishing internal damping"
+            )
         self.at = {key: exact(left[key] / mass) - self.c_M for key, mass in forms.masses.items()}
 
     @property
@@ -145,6 +155,37 @@ class LeftOver:
         missed = 2 * felt * blur + (self.size + (beam + points * share)) * blur**2
         found: arb = (at_mode - missed / (1 - blur**2)).lower()
         return found
+
+    def taken(self, omega: arb, blur: arb, r: arb, mode: arb | None = None) -> arb:
+        """At least −Re R₂(u, z)/(z, u) over ω, of such modes; it falls with ω beside c_E ω. r: the gap over ω.
+        mode: the frequency of one of them, of which alone it is."""
+        total = arb(0)
+        for (place, order), f in self.bare.items():
+            most = least(self._reach(n, order, omega) for n, ends in enumerate(pairwise(self.forms.breaks))
+                         if place in ends)  # fmt: skip
+            blurred = most**2 * (2 + r) * blur / (1 - blur)
+            itself = most**2 if mode is None else most.min(self._parts.motion(mode, (place, order)).sqrt().upper()) ** 2
+            total += abs(f) * (blurred + (itself if f < 0 else 0))
+        return (total / omega).upper()
+
+    @cached_property
+    def _parts(self) -> SteppedSection:
+        """Raises NoStrips where the column is not of uniform parts."""
+        return SteppedSection(self.forms)
+
+    def _reach(self, n: int, order: int, omega: arb) -> arb:
+        """A bound of |y⁽ⁱ⁾| at an end of a segment, where y has a mass of 1 and an energy of ω².
+
+        ∫ y'' g − y g'' dx is y or −y' there, of a cubic g along a part of the segment that is nothing at its far end.
+        """
+        forms = self.forms
+        m, EI = (least(over(f[n], x)[0].lower() for at, x in forms.pieces() if at == n) for f in (forms.m, forms.EI))
+        of_value, _, of_bend = map(exact, _CUBICS[1 - order, True])
+        a, b = (of_value / (EI * forms.share)).sqrt() * omega, (of_bend / m).sqrt()
+        best = ((2 * order + 1) * b / ((3 - 2 * order) * a)).sqrt()
+        length = best.min(exact(forms.breaks[n + 1] - forms.breaks[n])).lower()
+        found: arb = (a * length**2 + b) * length.sqrt() / length ** (order + 1)
+        return found.upper()
 
 
 @dataclass(frozen=True)
@@ -190,10 +231,10 @@ def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanish
     """The least m that is found; still: the column with no alpha and beta. vanishing: in the limit of this damping
     times a factor that falls to zero. Raises NoStrips, Unproven."""
     forms = ColumnForms(still.kernel, still.own)
-    damping = LeftOver(forms, still.kernel, still.own, alpha, beta)
+    damping = LeftOver(forms, still.kernel, still.own, alpha, beta, vanishing)
     if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
         raise forms.other("has a part without damping")
-    for beyond in BEYOND:
+    for beyond in BEYOND_BARE if damping.bare else BEYOND:
         gaps = FrequencyGaps(still, 2 * load, beyond)
         for m in gaps.lines:
             if _stays(gaps, damping, m, load, vanishing):
@@ -213,9 +254,25 @@ def _load(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: 
 
 
 def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> bool:
-    """The inequality of Lemma 11, for all modes beyond line m."""
+    """The inequality of Lemmas 11 and 12, for all modes beyond line m, of the first of them."""
+    omega = gaps.frequency(m) + gaps.gap(m)  # at most that of mode m + 1
+    if _damped(gaps, damping, m, omega, load, vanishing):
+        return True
+    if not damping.bare or m == gaps.count:
+        return False
+    try:  # R₂ is known better of a mode of which the frequency is
+        return _damped(gaps, damping, m, gaps.frequency(m + 1), load, vanishing, m + 1) and _stays(
+            gaps, damping, m + 1, load, vanishing
+        )
+    except NoStrips:
+        return False
+
+
+def _damped(
+    gaps: FrequencyGaps, damping: LeftOver, m: int, omega: arb, load: arb, vanishing: bool, mode: int | None = None
+) -> bool:
+    """The same for modes beyond line m from ω on, or for one alone."""
     g, X = gaps.gap(m), _load(gaps, damping, m, load, vanishing)
-    omega = gaps.frequency(m) + g  # at most that of mode m + 1
     if not 2 * X < g:
         return False
     r = g / omega
@@ -225,6 +282,7 @@ def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing:
     blur = of_rest / (1 - of_rest**2).sqrt()
     grows = 1 / (1 - 2 * of_rest**2)
     first = damping.c_E * (omega - X - load * gaps.size * grows) - damping.turning * grows
+    first -= damping.taken(omega, blur, r, None if mode is None else gaps.interval(mode))
     if not first >= 0:
         return False
     here: arb = damping.least(omega, blur).min(arb(0))

@@ -115,6 +115,11 @@ class FrequencyGaps:
         """At most ω_k, for k up to K."""
         return self._known[k - 1][0].lower()
 
+    def interval(self, k: int) -> arb:
+        """A ball that holds ω_k, for k up to K."""
+        low, high = self._known[k - 1]
+        return low.union(high)
+
     def estimates(self, P: float, count: int) -> Any:
         """The lowest eigenvalues s at a load of a series, in floats."""
         kernel = self.system.kernel

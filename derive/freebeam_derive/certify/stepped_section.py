@@ -13,6 +13,7 @@ many cells of phases tell of all γ from some on how near two zeros come. docs/t
 from __future__ import annotations
 
 from collections.abc import Sequence
+from copy import copy
 from fractions import Fraction
 from itertools import combinations, pairwise
 from math import prod
@@ -21,7 +22,7 @@ from typing import Any
 from flint import acb, acb_series, arb
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, least
-from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.column_forms import ColumnForms, Place
 from freebeam_derive.certify.comparison_form import ORDERS
 
 PARTS = 3  # at most: cells of phases are as many as a power of it
@@ -138,6 +139,17 @@ class SteppedSection:
             found += self._between(low, low + width, 0)
             low += width
         return found
+
+    def motion(self, omega: arb, at: Place) -> arb:
+        """The square of y⁽ⁱ⁾ at a place in the mode of mass 1 with a frequency: dω²/dk of a spring k there.
+
+        f is linear in k, and nothing at the frequency.
+        """
+        stiffer, forms = copy(self), copy(self.forms)
+        forms.springs = self.forms.springs | {at: self.forms.springs.get(at, Fraction(0)) + 1}
+        stiffer.forms = forms
+        g = omega.sqrt()
+        return -4 * g**3 * stiffer.value(g)[0] / self.value(g)[1]
 
     def _between(self, low: Fraction, high: Fraction, depth: int) -> list[arb]:
         a, b = exact(low), exact(high)

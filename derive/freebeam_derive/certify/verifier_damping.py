@@ -2,11 +2,12 @@
 
 Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. The
 form of damping in a file is C = c_E E + c_M M + R: R is what is left, such as masses or a weight that are not damped.
-docs/theorem.md, Lemmas 10 and 11, say when no high mode reaches the axis.
+docs/theorem.md, Lemmas 10 to 12, say when no high mode reaches the axis.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -131,26 +132,77 @@ class Damped:
         missed = 2 * felt * blur + (self.size + along + share * points) * blur**2
         return arb((of_mode - missed / (1 - blur**2)).lower())
 
+    # ---------------------------------------------------------------- at places without a mass
+
+    @property
+    def bare(self) -> dict[Place, Fraction]:
+        """R there."""
+        return {key: f for key, f in self.points.items() if f and not self.column.masses.get(key)}
+
+    def reach(self, place: Place, omega: arb) -> arb:
+        """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω²; it grows as ω^((2i+1)/4) at most.
+
+        ±y⁽ⁱ⁾ is ∫ y'' g − y g'' dx beside it, g a cubic on a part of a segment. Its value and slope at both ends are
+        nothing but for the one of the order 1 − i at the place, which is 1.
+        """
+        (node, order), of, found = place, self.column, []
+        g = fmpq_poly([exact(Fraction(c)) for c in CUBICS[1 - order, True]])
+        of_value, of_bend = (ball(_fraction((f * f).integral()(1))) for f in (g, g.derivative().derivative()))
+        for n in (node - 1, node):
+            if 0 <= n < len(of.m):
+                m, EI = (least(at(f[n], x).lower() for x, _ in of.pieces(n)) for f in (of.m, of.EI))
+                value, bend = (of_value / (EI * of.bending)).sqrt() * omega, (of_bend / m).sqrt()
+                whole = ball(of.breaks[n + 1] - of.breaks[n])
+                for part in LENGTHS:
+                    h = (whole * ball(part)).lower()
+                    found.append((value * h * h + bend) * h.sqrt() / h ** (1 + order))
+        return least(found).upper()
+
+    def taken(self, omega: arb, blur: arb, r: arb, squares: dict[Place, arb]) -> arb:
+        """At least −Re R(u, z)/(z, u) of these places over ω. squares: of φ⁽ⁱ⁾, where they are known of a mode φ."""
+        total = arb(0)
+        for place, f in self.bare.items():
+            most = self.reach(place, omega) ** 2
+            itself = most.min(squares[place].upper()) if place in squares else most
+            total += abs(ball(f)) * (most * (2 + r) * blur / (1 - blur) + (itself if f < 0 else 0))
+        return (total / omega).upper()
+
+    def served_from(self, loaded: arb) -> arb:
+        """An ω from which the bounds alone make Lemma 12 hold, for gaps somewhat wider than it needs."""
+        omega = 4 * loaded.upper()
+        for _ in range(16):
+            try:
+                self._check_from(omega, {}, 3 * loaded, loaded, loaded)
+                return omega
+            except v.Refused:
+                omega *= 2
+        raise v.Refused("a damper or a spring where no mass is takes too much of the damping")
+
     # ---------------------------------------------------------------- high modes
 
-    def check(self, loaded: arb, gap: arb, frequency: arb) -> None:
-        """Lemma 11: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all gaps from
-        m on; frequency: at most ω_m. Raises Refused."""
-        c_E, c_M, turning = ball(self.c_E), ball(self.c_M), self.turning
+    def check(self, loaded: arb, gap: arb, frequency: arb, modes: Sequence[tuple[arb, dict[Place, arb]]] = ()) -> None:
+        """Lemmas 11 and 12: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all
+        gaps from m on; frequency: at most ω_m. modes: at most ω_j, and the squares at places, of some from m + 1 on.
+        Raises Refused."""
+        c_E, turning = ball(self.c_E), self.turning
         X = loaded
         if not self.vanishing:
             require(bool(turning.is_zero()) or self.c_E > 0, "a slope is damped without internal damping")
             X += (turning / c_E if self.c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
         require(bool(2 * X < gap), "the gaps between high frequencies are too narrow for such a load and damping")
-        omega = frequency + gap
-        r = gap / omega
+        beyond = (modes[-1][0] if modes else frequency) + gap
+        for omega, squares in (*modes, (beyond, {})):
+            self._check_from(omega, squares, gap, X, loaded)
+
+    def _check_from(self, omega: arb, squares: dict[Place, arb], gap: arb, X: arb, loaded: arb) -> None:
+        """The same for a mode with such squares, or without them for all from ω on."""
+        c_E, r, undamped = ball(self.c_E), gap / omega, "high frequencies are not known to be damped"
         sigma = (((1 + r) / (gap * (2 + r) - X)).max(1 / (gap * (2 - r) - X)) * X).upper()
-        undamped = "high frequencies are not known to be damped"
         require(bool(2 * sigma**2 < 1), undamped)
         blur, k = sigma / (1 - sigma**2).sqrt(), 1 / (1 - 2 * sigma**2)
-        h = c_E * (omega - X - loaded * k) - turning * k
+        h = c_E * (omega - X - loaded * k) - self.turning * k - self.taken(omega, blur, r, squares)
         rest = self.least(omega, blur).min(arb(0))
-        require(bool(h >= 0) and bool(c_M + omega * h + rest > 0), undamped)
+        require(bool(h >= 0) and bool(ball(self.c_M) + omega * h + rest > 0), undamped)
 
     def highest(self, line: arb, loaded: arb) -> arb:
         """Ω: no eigenvalue iω, ω ≥ Ω, is left of a line, or none is there at all. loaded: as above."""
@@ -217,8 +269,9 @@ def damped(data: Any, column: Sections) -> Damped | None:
         {key: at_places.get(key, Fraction(0)) - c_E * column.springs.get(key, Fraction(0))
          for key in {**at_places, **column.springs, **column.masses}},
     )  # fmt: skip
-    require(all(column.masses.get(key, 0) > 0 for key, f in beside[1].items() if f),
-            "a damper, or a spring without internal damping, is where no mass is")  # fmt: skip
+    bare = any(f and not column.masses.get(key, 0) for key, f in beside[1].items())
+    require(not bare or (data["vanishing"] and c_E > 0), "a damper, or a spring without internal damping, is where no "
+            "mass is, and other than in the limit of vanishing internal damping")  # fmt: skip
     c_M = _of_mass(column, [table.get(0, fmpq_poly([0])) for table in beside[0]])
     along = [_less(table, {0: column.m[n]}, c_M) for n, table in enumerate(beside[0])]
     points_left = {key: f - c_M * column.masses.get(key, Fraction(0)) for key, f in beside[1].items()}

@@ -24,7 +24,7 @@ from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Rates
-from freebeam_derive.certify.verifier_sections import OfSections, Sections, load_size
+from freebeam_derive.certify.verifier_sections import OfSections, Place, Sections, load_size
 from freebeam_derive.certify.verifier_signs import BITS
 from freebeam_derive.certify.verifier_waves import Apart
 
@@ -53,6 +53,9 @@ class Gaps(High):
         needed = (ball(load) * self.size).upper()
         apart = Apart(*(column for column, _ in self.columns))
         beyond, gap = apart.gap(needed if self.damping is None else WIDER * needed)
+        beyond = beyond.max(self.top.root(4))
+        if self.damping is not None and self.damping.bare:
+            beyond = beyond.max(self.damping.served_from(needed).sqrt())
         require(bool(gap > needed), "the gaps between high frequencies are too narrow")
         known = self.known = self._frequencies(beyond, apart.whole)
         require(self.m < len(known), "the line is above all frequencies that are looked at")
@@ -66,7 +69,20 @@ class Gaps(High):
         around = (self.top / below - below).min(above - self.top / above)
         require(bool(needed < around), f"line {self.m} is not known to be free of eigenvalues")
         if self.damping is not None:
-            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower())
+            modes = self._motions(self.damping, beyond, apart.whole)
+            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
+
+    def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
+        """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""
+        ((column, F),) = self.columns
+        still = Frequencies(F, beyond, length)
+        found = [(low, dict[Place, arb]()) for low, _ in self.known[self.m :]]
+        for place in damping.bare:
+            springs = column.springs | {place: column.springs.get(place, Fraction(0)) + 1}
+            stiffer = Frequencies(Pieces(replace(column, springs=springs)), beyond, length)
+            for sides, (_, squares) in zip(self.known[self.m :], found, strict=True):
+                squares[place] = still.square(stiffer, sides)
+        return found if damping.bare else []
 
     def _frequencies(self, beyond: arb, length: arb) -> list[tuple[arb, arb]]:
         """Bounds of those of each column, ascending, up to the first that is beyond² of all."""
@@ -141,6 +157,18 @@ class Frequencies:
         )
         at = low + (high - low) * Fraction(33, 64)
         return self._between(low, at, depth + 1) + self._between(at, high, depth + 1)
+
+    def square(self, stiffer: Frequencies, sides: tuple[arb, arb]) -> arb:
+        """Of y⁽ⁱ⁾ where the other column's spring is stiffer by 1, in a mode of mass 1 with ω between two sides.
+
+        It is dω²/dk, and F is linear in k, and nothing at ω².
+        """
+        u = sides[0].union(sides[1]) ** 2 / self.scale
+        middle, away = u.mid(), u - u.mid()
+        with flint.ctx.workprec(self.bits):
+            grown, value = (F(arb_poly([middle, 1])) for F in (stiffer.F, self.F))
+            slope = value.derivative()(away) + 2 * self.rest * arb(0, 1)  # of the rest as in `_between`
+            return -self.scale * (grown(away) + stiffer.rest * arb(0, 1)) / slope
 
     def _narrowed(self, low: Fraction, high: Fraction, below: int) -> tuple[Fraction, Fraction]:
         for _ in range(HALVINGS):
