@@ -303,7 +303,7 @@ def test_a_range_of_one_end_alone_would_put_a_line_too_low(monkeypatch: pytest.M
     system = OverSystem(fb.column("pflueger").kernel, {"J": F(1, 10), "mu": Range(F(1, 2), F(2))})
     with precision(64):
         right = FrequencyGaps(system, arb(3)).reach
-        monkeypatch.setattr(frequency_gaps, "_at_ends", lambda own: [{"J": F(1, 10), "mu": F(1, 2)}])
+        monkeypatch.setattr(frequency_gaps, "at_both", lambda own: [{"J": F(1, 10), "mu": F(1, 2)}])
         assert right < FrequencyGaps(system, arb(3)).reach
 
 

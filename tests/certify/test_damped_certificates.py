@@ -27,9 +27,9 @@ from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _around, _sections
 from freebeam_derive.certify.column_forms import ColumnForms
-from freebeam_derive.certify.damped_gaps import LeftOver
+from freebeam_derive.certify.damped_gaps import _reach
 from freebeam_derive.certify.exact_system import ExactSystem
-from freebeam_derive.certify.stepped_section import SteppedSection
+from freebeam_derive.certify.stepped_section import SteppedSection, motion
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
@@ -369,14 +369,13 @@ def test_motions_at_places_without_a_mass_are_those_of_the_prover(name: str, pla
     of = verifier_sections.sections(tuple(stated["ends"]), tuple(map(Fraction, stated["breaks"])), stated["forms"])
     with flint.ctx.workprec(BITS):
         damping, theirs = damped(stated["damping"], of), ColumnForms(kernel, {})
-        left = LeftOver(theirs, kernel, {}, Fraction(1), Fraction(1), vanishing=True)
         assert damping is not None and [*damping.bare] == [place]
         gaps = Gaps([(of, Pieces(of))], 1, Fraction(1), damping)
         gaps.known = Frequencies(gaps.columns[0][1], arb(8), arb(1)).all()
         for (omega, squares), (_, most) in zip(gaps._motions(damping, arb(8), arb(1)), gaps.known[1:], strict=True):
-            other = SteppedSection(theirs).motion(omega.union(most), place)
+            other = motion([SteppedSection(theirs)], omega.union(most), place)
             assert squares[place].overlaps(other) and squares[place].rad() < 1e-6 * other < 1e-3 * other
-            assert 1 <= damping.reach(place, omega) / left._reach(0, place[1], omega) < 1.05
+            assert 1 <= damping.reach(place, omega) / _reach(theirs, Fraction(place[0]), place[1], omega) < 1.05
             assert other < damping.reach(place, omega) ** 2
 
 

@@ -147,6 +147,10 @@ class ExactSystem:
         """Whether F is a function of −λ² alone. The dampings are those that the system was made with."""
         return not self._damped and not self.vanishing
 
+    def still(self) -> ExactSystem:
+        """The same column without alpha and beta."""
+        return ExactSystem(self.kernel, self.own)
+
     def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
         """P and s of an eigenvalue λ, their slopes in λ, and that of the first in P."""
         if self._damped:

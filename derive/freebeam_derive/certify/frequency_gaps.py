@@ -43,7 +43,7 @@ class FrequencyGaps:
     def __init__(self, system: ExactSystem, load: arb, beyond: int = 1) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
-        at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
+        at_ends = [ColumnForms(system.kernel, own) for own in at_both(system.own)]
         forms = at_ends[0]
         self.size = greatest(each.load_size for each in at_ends)  # which falls with masses
         needed = load * self.size
@@ -128,8 +128,8 @@ class FrequencyGaps:
         return np.sort_complex(np.linalg.eigvals(np.linalg.solve(M, K)))[:count]
 
 
-def _at_ends(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
-    """Own parameters, at both ends of the range where one is one."""
+def at_both(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
+    """Values by their names, at both ends of the range where one is one."""
     found: list[dict[str, Any]] = [
         {name: (value.low, value.high)[n] if isinstance(value, Range) else value for name, value in own.items()}
         for n in (0, 1)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from copy import copy
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations, pairwise
 from math import prod
 from typing import Any
@@ -140,17 +141,6 @@ class SteppedSection:
             low += width
         return found
 
-    def motion(self, omega: arb, at: Place) -> arb:
-        """The square of y⁽ⁱ⁾ at a place in the mode of mass 1 with a frequency: dω²/dk of a spring k there.
-
-        f is linear in k, and nothing at the frequency.
-        """
-        stiffer, forms = copy(self), copy(self.forms)
-        forms.springs = self.forms.springs | {at: self.forms.springs.get(at, Fraction(0)) + 1}
-        stiffer.forms = forms
-        g = omega.sqrt()
-        return -4 * g**3 * stiffer.value(g)[0] / self.value(g)[1]
-
     def _between(self, low: Fraction, high: Fraction, depth: int) -> list[arb]:
         a, b = exact(low), exact(high)
         g = a.union(b)
@@ -257,6 +247,23 @@ class SteppedSection:
             values = _sum(values, [(v * value).upper() for v in out])
             slopes = _sum(slopes, [(v * (slope + turn * value)).upper() for v in out])
         return values, slopes
+
+
+def motion(sections: Sequence[SteppedSection], omega: arb, at: Place) -> arb:
+    """The square of y⁽ⁱ⁾ at a place in the mode of mass 1 with a frequency: dω²/dk of a spring k there.
+
+    sections: the column, or both ends of a range. f is linear in k and in the range's parameter, and nothing at the
+    frequency.
+    """
+    g, grown, slopes = omega.sqrt(), [], []
+    for section in sections:
+        stiffer, forms = copy(section), copy(section.forms)
+        forms.springs = forms.springs | {at: forms.springs.get(at, Fraction(0)) + 1}
+        stiffer.forms = forms
+        grown.append(stiffer.value(g)[0])
+        slopes.append(section.value(g)[1])
+    found: arb = -4 * g**3 * reduce(arb.union, grown) / reduce(arb.union, slopes)
+    return found
 
 
 def _cells_apart(waves: dict[Wave, Any], rest: tuple[arb, arb], rates: list[arb], apart: arb) -> bool:

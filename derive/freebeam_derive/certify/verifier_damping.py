@@ -44,6 +44,16 @@ class Damped:
     points: dict[Place, Fraction]
     beside: tuple[list[dict[int, fmpq_poly]], dict[Place, Fraction]]
 
+    @property
+    def of_E(self) -> arb:
+        """c_E"""
+        return ball(self.c_E)
+
+    @property
+    def of_M(self) -> arb:
+        """c_M"""
+        return ball(self.c_M)
+
     # ---------------------------------------------------------------- in words
 
     @property
@@ -184,11 +194,11 @@ class Damped:
         """Lemmas 11 and 12: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all
         gaps from m on; frequency: at most ω_m. modes: at most ω_j, and the squares at places, of some from m + 1 on.
         Raises Refused."""
-        c_E, turning = ball(self.c_E), self.turning
+        c_E, turning = self.of_E, self.turning
         X = loaded
         if not self.vanishing:
-            require(bool(turning.is_zero()) or self.c_E > 0, "a slope is damped without internal damping")
-            X += (turning / c_E if self.c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
+            require(bool(turning.is_zero() or c_E > 0), "a slope is damped without internal damping")
+            X += (turning / c_E if c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
         require(bool(2 * X < gap), "the gaps between high frequencies are too narrow for such a load and damping")
         beyond = (modes[-1][0] if modes else frequency) + gap
         for omega, squares in (*modes, (beyond, {})):
@@ -196,20 +206,20 @@ class Damped:
 
     def _check_from(self, omega: arb, squares: dict[Place, arb], gap: arb, X: arb, loaded: arb) -> None:
         """The same for a mode with such squares, or without them for all from ω on."""
-        c_E, r, undamped = ball(self.c_E), gap / omega, "high frequencies are not known to be damped"
+        c_E, r, undamped = self.of_E, gap / omega, "high frequencies are not known to be damped"
         sigma = (((1 + r) / (gap * (2 + r) - X)).max(1 / (gap * (2 - r) - X)) * X).upper()
         require(bool(2 * sigma**2 < 1), undamped)
         blur, k = sigma / (1 - sigma**2).sqrt(), 1 / (1 - 2 * sigma**2)
         h = c_E * (omega - X - loaded * k) - self.turning * k - self.taken(omega, blur, r, squares)
         rest = self.least(omega, blur).min(arb(0))
-        require(bool(h >= 0) and bool(ball(self.c_M) + omega * h + rest > 0), undamped)
+        require(bool(h >= 0) and bool(self.of_M + omega * h + rest > 0), undamped)
 
     def highest(self, line: arb, loaded: arb) -> arb:
         """Ω: no eigenvalue iω, ω ≥ Ω, is left of a line, or none is there at all. loaded: as above."""
         if self.c_E == 0:
             return line.sqrt().upper()
-        c_E, bounds = ball(self.c_E), []
-        rest = 1 - c_E * ball(self.c_M) - c_E**2 * line
+        c_E, bounds = self.of_E, []
+        rest = 1 - c_E * self.of_M - c_E**2 * line
         if rest > 0:
             bounds.append((line / rest).sqrt().upper())
         omega = (1 / c_E).upper()
@@ -221,6 +231,59 @@ class Damped:
             omega *= 2
         require(bool(bounds), "no bound of the frequency is known")
         return least(bounds)
+
+
+class DampedOver(Damped):
+    """Of each column and damping between two that go linearly into one another; R of each for one c_E and one c_M.
+
+    Places have masses at both ends of the range, or at none. Raises Refused.
+    """
+
+    both: tuple[Damped, Damped]
+
+    @staticmethod
+    def of(one: Damped, other: Damped) -> DampedOver:
+        masses, springs = (
+            {key: side([part.get(key, Fraction(0)) for part in parts]) for key in {**parts[0], **parts[1]}}
+            for side, parts in ((min, (one.column.masses, other.column.masses)),
+                                (max, (one.column.springs, other.column.springs)))
+        )  # fmt: skip
+        require(all(masses[key] > 0 for column in (one.column, other.column) for key, m in column.masses.items() if m),
+                "a mass is nothing at an end of the range, with damping")  # fmt: skip
+        column = replace(one.column, masses=masses, springs=springs)  # of which a mode has most at a place
+        points = {key: _worse(one.points.get(key, Fraction(0)), other.points.get(key, Fraction(0)))
+                  for key in {**one.points, **other.points}}  # fmt: skip
+        found = DampedOver(column, one.c_E, one.c_M, one.vanishing, one.along, points, one.beside)
+        object.__setattr__(found, "both", (one, other))
+        return found
+
+    @property
+    def of_E(self) -> arb:
+        return self.both[0].of_E.union(self.both[1].of_E)
+
+    @property
+    def of_M(self) -> arb:
+        return self.both[0].of_M.union(self.both[1].of_M)
+
+    @cached_property
+    def turning(self) -> arb:
+        return _most([each.turning for each in self.both])
+
+    @cached_property
+    def density(self) -> tuple[arb, arb]:
+        low, high = zip(*(each.density for each in self.both), strict=True)
+        return least(low), greatest(high)
+
+    @cached_property
+    def at_masses(self) -> list[arb]:
+        """Between its values at the ends, a quotient of what is linear."""
+        return [a.union(b) for a, b in zip(*(each.at_masses for each in self.both), strict=True)]
+
+
+def _worse(f: Fraction, g: Fraction) -> Fraction:
+    """What takes as much of the damping as any number between two."""
+    most = max(abs(f), abs(g))
+    return -most if min(f, g) < 0 else most
 
 
 def _fraction(value: fmpq) -> Fraction:
@@ -249,12 +312,41 @@ def _written(f: fmpq_poly) -> str:
 # --- reading -------------------------------------------------------------------------------------------------------
 
 
+Tables = tuple[list[dict[tuple[int, int], fmpq_poly]], dict[tuple[Place, Place], Fraction]]
+
+
 def damped(data: Any, column: Sections) -> Damped | None:
     """What a file says of damping. Raises Refused."""
-    if data is None:
-        return None
+    return None if data is None else split(*stated(data, column), data["vanishing"], column)
+
+
+def stated(data: Any, column: Sections) -> Tables:
+    """The form of damping in a file. Raises Refused."""
     require(set(data) == {"form", "vanishing"} and type(data["vanishing"]) is bool, "the damping is no form of its own")
-    tables, points = form(data["form"], column)
+    return form(data["form"], column)
+
+
+def between(one: Tables, other: Tables, share: Fraction) -> Tables:
+    """The form at a share of the way from one to another."""
+    tables: list[dict[tuple[int, int], fmpq_poly]] = [{} for _ in one[0]]
+    points: dict[tuple[Place, Place], Fraction] = {}
+    for weight, (along, at_places) in ((1 - share, one), (share, other)):
+        for table, part in zip(tables, along, strict=True):
+            for key, f in part.items():
+                add(table, key, f * exact(weight))
+        for place, factor in at_places.items():
+            points[place] = points.get(place, Fraction(0)) + weight * factor
+    return tables, points
+
+
+def split(
+    tables: list[dict[tuple[int, int], fmpq_poly]],
+    points: dict[tuple[Place, Place], Fraction],
+    vanishing: bool,
+    column: Sections,
+) -> Damped:
+    """c_E E + c_M M + R of a form of damping. Raises Refused."""
+    tables = [dict(table) for table in tables]
     require(all(p == q for table in tables for p, q in table), "the damping couples motions")
     require(all(row == of for row, of in points), "the damping couples motions")
     # so that it takes energy
@@ -270,12 +362,12 @@ def damped(data: Any, column: Sections) -> Damped | None:
          for key in {**at_places, **column.springs, **column.masses}},
     )  # fmt: skip
     bare = any(f and not column.masses.get(key, 0) for key, f in beside[1].items())
-    require(not bare or (data["vanishing"] and c_E > 0), "a damper, or a spring without internal damping, is where no "
+    require(not bare or (vanishing and c_E > 0), "a damper, or a spring without internal damping, is where no "
             "mass is, and other than in the limit of vanishing internal damping")  # fmt: skip
     c_M = _of_mass(column, [table.get(0, fmpq_poly([0])) for table in beside[0]])
     along = [_less(table, {0: column.m[n]}, c_M) for n, table in enumerate(beside[0])]
     points_left = {key: f - c_M * column.masses.get(key, Fraction(0)) for key, f in beside[1].items()}
-    found = Damped(column, c_E, c_M, data["vanishing"], along, points_left, beside)
+    found = Damped(column, c_E, c_M, vanishing, along, points_left, beside)
     require(c_E > 0 or c_M > 0, "there is no damping at all along the beam")
     return found
 
@@ -305,6 +397,11 @@ def _quotient(f: fmpq_poly, g: fmpq_poly) -> Fraction | None:
 
 def _never_negative(column: Sections, n: int, f: fmpq_poly) -> bool:
     return all(f[k] >= 0 for k in range(f.degree() + 1)) or all(at(f, x) >= 0 for x, _ in column.pieces(n))
+
+
+def of_all_alike(found: Damped) -> bool:
+    """Whether external damping alone vanishes, and damps all motions alike."""
+    return found.vanishing and found.plain and found.c_E == 0 < found.c_M
 
 
 def statement(found: Damped | None) -> dict[str, Any]:

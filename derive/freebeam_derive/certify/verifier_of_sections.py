@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import flint
@@ -19,7 +20,7 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify import verifier_sections
 from freebeam_derive.certify.verifier_claims import Statement, ball, greatest, least, require
-from freebeam_derive.certify.verifier_damping import Damped, damped, statement
+from freebeam_derive.certify.verifier_damping import Damped, damped, of_all_alike, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
@@ -74,14 +75,15 @@ class Gaps(High):
 
     def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
         """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""
-        ((column, F),) = self.columns
-        still = Frequencies(F, beyond, length)
+        still = [Frequencies(F, beyond, length) for _, F in self.columns]
         found = [(low, dict[Place, arb]()) for low, _ in self.known[self.m :]]
         for place in damping.bare:
-            springs = column.springs | {place: column.springs.get(place, Fraction(0)) + 1}
-            stiffer = Frequencies(Pieces(replace(column, springs=springs)), beyond, length)
+            stiffer = []
+            for column, _ in self.columns:
+                springs = column.springs | {place: column.springs.get(place, Fraction(0)) + 1}
+                stiffer.append(Frequencies(Pieces(replace(column, springs=springs)), beyond, length))
             for sides, (_, squares) in zip(self.known[self.m :], found, strict=True):
-                squares[place] = still.square(stiffer, sides)
+                squares[place] = square(still, stiffer, sides)
         return found if damping.bare else []
 
     def _frequencies(self, beyond: arb, length: arb) -> list[tuple[arb, arb]]:
@@ -158,18 +160,6 @@ class Frequencies:
         at = low + (high - low) * Fraction(33, 64)
         return self._between(low, at, depth + 1) + self._between(at, high, depth + 1)
 
-    def square(self, stiffer: Frequencies, sides: tuple[arb, arb]) -> arb:
-        """Of y⁽ⁱ⁾ where the other column's spring is stiffer by 1, in a mode of mass 1 with ω between two sides.
-
-        It is dω²/dk, and F is linear in k, and nothing at ω².
-        """
-        u = sides[0].union(sides[1]) ** 2 / self.scale
-        middle, away = u.mid(), u - u.mid()
-        with flint.ctx.workprec(self.bits):
-            grown, value = (F(arb_poly([middle, 1])) for F in (stiffer.F, self.F))
-            slope = value.derivative()(away) + 2 * self.rest * arb(0, 1)  # of the rest as in `_between`
-            return -self.scale * (grown(away) + stiffer.rest * arb(0, 1)) / slope
-
     def _narrowed(self, low: Fraction, high: Fraction, below: int) -> tuple[Fraction, Fraction]:
         for _ in range(HALVINGS):
             middle = (low + high) / 2
@@ -180,6 +170,26 @@ class Frequencies:
         return low, high
 
 
+def square(still: Sequence[Frequencies], stiffer: Sequence[Frequencies], sides: tuple[arb, arb]) -> arb:
+    """Of y⁽ⁱ⁾ where the other columns' spring is stiffer by 1, in a mode of mass 1 with ω between two sides.
+
+    still: one column, or both ends of a range. It is dω²/dk; F is linear in k and in the range's parameter, and nothing
+    at ω².
+    """
+    scale = still[0].scale
+    u = sides[0].union(sides[1]) ** 2 / scale
+    middle, away = u.mid(), u - u.mid()
+    grown, slopes = list[arb](), list[arb]()
+    for of, other in zip(still, stiffer, strict=True):
+        require(bool(of.scale == scale == other.scale), "frequencies of a range are looked at on different scales")
+        with flint.ctx.workprec(max(of.bits, other.bits)):
+            value, stiff = (each.F(arb_poly([middle, 1])) for each in (of, other))
+            grown.append(stiff(away) + other.rest * arb(0, 1))
+            slopes.append(value.derivative()(away) + 2 * of.rest * arb(0, 1))  # of the rest as in `_between`
+    with flint.ctx.workprec(still[0].bits):
+        return -scale * reduce(arb.union, grown) / reduce(arb.union, slopes)
+
+
 def verify_sections(data: dict[str, Any]) -> OfSections:
     """Check a certificate of such a column; what it proves. Raises Refused, ArithmeticError."""
     stated, column, m, line, stretches = verifier_sections.read(data)
@@ -187,8 +197,8 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
     with flint.ctx.workprec(BITS):
         F, damping = Pieces(column), damped(data["damping"], column)
         stated = replace(stated, **statement(damping))
-        if damping is not None and damping.vanishing and damping.plain and damping.c_E == 0 < damping.c_M:
-            damping = None  # it damps all motions alike
+        if damping is not None and of_all_alike(damping):
+            damping = None
         gaps = Gaps([(column, F)], m, line, damping)
     equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
     First(equations, gaps, stated, ranged=False).check(stretches)

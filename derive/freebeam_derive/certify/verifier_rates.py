@@ -13,11 +13,12 @@ from typing import Any
 
 from flint import acb, arb
 
-from freebeam_derive.certify.verifier_boxes import Box
+from freebeam_derive.certify.verifier_boxes import Box, power
 from freebeam_derive.certify.verifier_claims import require
 from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two
 from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_shooting import Shooting
 
 
 class Powers:
@@ -40,6 +41,13 @@ class Powers:
             error = arb(0, (self._boxes[0].rest(i, j) / (1 - abs(t))).upper())
             total = (total + (acb(error, error) if isinstance(total, acb) else error)) / self.Q
         return total
+
+
+class _Both:
+    """The same box of two."""
+
+    def __init__(self, *boxes: Powers) -> None:
+        self.value = tuple(box.value for box in boxes)
 
 
 class Rates(Equations):
@@ -96,3 +104,36 @@ class Rates(Equations):
         require(not (self.limit and by_s.contains(0)), "s = 0 is not known to be simple there")
         by_q = Powers(self.whole, P, arb(0)).value(P, arb(0), 0, 0, arb(0), 1)
         return arb(self.alpha * P * slope + self.beta * by_s - by_q)
+
+
+class RatesOver(Rates):
+    """Of each column and damping between two: equations are linear in the parameter, and between those at its ends.
+
+    F: without damping, over the range.
+    """
+
+    def __init__(self, F: Shooting, low: Rates, high: Rates) -> None:
+        of_E, of_M = ((min(a[0], b[0]), max(a[1], b[1])) for a, b in ((low.of_E, high.of_E), (low.of_M, high.of_M)))
+        Equations.__init__(self, F, 0, of_E, of_M, low.limit)
+        self.both = low, high
+
+    def box(self, p: Any, s: Any) -> Any:
+        return _Both(*(of.box(p, s) for of in self.both))
+
+    def system(self, f: Any, P: Any, x: Any) -> tuple[Two, Matrix]:
+        """f: of both ends."""
+        (low, by_low), (high, by_high) = (of.system(value, P, x) for of, value in zip(self.both, f, strict=True))
+        return _hull(low, high), [_hull(*rows) for rows in zip(by_low, by_high, strict=True)]
+
+    def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
+        low, high = (of.system(of.box(*near).value, P, x)[0] for of in self.both)
+        pairs = [*zip(low, high, strict=True)]
+        return [([(a + b) / 2 for a, b in pairs], arb(1)), ([(b - a) / 2 for a, b in pairs], power(1))]
+
+    def rate(self, box: Box, P: arb, slope: arb) -> arb:
+        low, high = (of.rate(box, P, slope) for of in self.both)
+        return low.union(high)
+
+
+def _hull(low: Two, high: Two) -> Two:
+    return [a.union(b) for a, b in zip(low, high, strict=True)]
