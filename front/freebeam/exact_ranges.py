@@ -87,8 +87,8 @@ def exact_range(
 
     parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own in which equation
     of motion and end conditions of a uniform column are linear, such as a foundation or a dead load, its bending
-    stiffness and mass apart; of a column in uniform parts, with or without damping, "kappa", or one that stands in one
-    condition anywhere, such as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to
+    stiffness and mass apart; of a column in uniform parts one that stands in one condition anywhere, such as a mass or
+    a spring. digits: 1 to 4; the range is cut until each piece's load is known to
     a relative width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of
     which a step of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential
     cantilever.
@@ -192,15 +192,15 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
 
 def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
     """The beam over a range of one of its own parameters, or the beam that a damping ranges of. Raises NoSeries."""
-    from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import OverSystem, linear_damping, over
+    from freebeam_derive.certify.beam import Beam
+    from freebeam_derive.certify.beam_ranges import linear_damping, over
+    from freebeam_derive.certify.system_ranges import OverSystem
 
     own, kernel = {**asked.own, name: values}, _uniform(asked, name, values)
     if kernel is None:
-        if name in ("alpha", "beta"):
-            raise NoSeries(f"{asked.column.name} goes beyond the uniform beam: its own parameters and kappa alone")
         itself = asked.itself
-        alpha, beta = (Fraction(1), values) if name == "kappa" else itself.dampings
+        given = dict(zip(("alpha", "kappa" if itself.vanishing else "beta"), itself.dampings, strict=True))
+        alpha, beta = (given | ({name: values} if name in given else {})).values()
         return OverSystem(itself.kernel, own if name in asked.own else asked.own, alpha, beta, itself.vanishing)
     if name in asked.own:
         return over(kernel, own)

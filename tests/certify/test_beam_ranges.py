@@ -22,7 +22,7 @@ from freebeam_derive.certify import frequency_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
 from freebeam_derive.certify.beam import Beam, Jets, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
-from freebeam_derive.certify.beam_ranges import Over, OverSystem, _Family, crossing, piece
+from freebeam_derive.certify.beam_ranges import Over, _Family, crossing, piece
 from freebeam_derive.certify.beam_ranges import over as beam_over
 from freebeam_derive.certify.beam_stability import damping_factors
 from freebeam_derive.certify.column_forms import ColumnForms, over_both
@@ -31,6 +31,7 @@ from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.parameter_series import DEGREE, OverEquation, Series
 from freebeam_derive.certify.strips import NoStrips, Strips
+from freebeam_derive.certify.system_ranges import OverSystem
 from freebeam_derive.certify.uniform import uniform
 from freebeam_sym.checks import InputError
 

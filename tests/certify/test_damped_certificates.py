@@ -33,7 +33,8 @@ from freebeam_derive.certify.stepped_section import SteppedSection, motion
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
-from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written, damped
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written
+from freebeam_derive.certify.verifier_damping_forms import damped
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates

@@ -1,4 +1,4 @@
-"""Ranges of a mass, a spring or the direction of vanishing damping of damped columns beyond the uniform beam: proven,
+"""Ranges of a mass, a spring or a damping of damped columns beyond the uniform beam: proven,
 accepted as written, forgeries refused, and the constants of a range above those of each value in it.
 
     PYTHONPATH=. python -m tests.certify.test_damped_ranges
@@ -13,6 +13,7 @@ import json
 import sys
 from collections.abc import Iterator
 from copy import deepcopy
+from dataclasses import replace
 from fractions import Fraction
 from functools import cache
 from time import process_time
@@ -23,20 +24,21 @@ import pytest
 from flint import acb, arb
 
 import freebeam as fb
-from freebeam_derive.certify import beam_cells, verifier, verifier_damping
+from freebeam_derive.certify import beam_cells, verifier, verifier_damping_forms
 from freebeam_derive.certify.balls import Range, precision
-from freebeam_derive.certify.beam_ranges import OverSystem
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _sections
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.damped_gaps import LeftOver, over_range
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.strips import NoStrips
+from freebeam_derive.certify.system_ranges import OverSystem
 from freebeam_derive.certify.verifier_claims import Refused
-from freebeam_derive.certify.verifier_damping import Damped, DampedOver, split
+from freebeam_derive.certify.verifier_damping import Damped, DampedOver
+from freebeam_derive.certify.verifier_damping_forms import halfway, split
 from freebeam_derive.certify.verifier_over_sections import FORMATS, OverPieces, between
 from freebeam_derive.certify.verifier_pieces import Pieces
-from freebeam_derive.certify.verifier_rates import Rates, RatesOver
+from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_sections import Sections, sections
 from tests.certify.test_range_certificates import assert_within
 
@@ -46,6 +48,9 @@ CASE, LIMIT = "rotary inertia", "direction of the limit"
 CASES: dict[str, tuple[str, tuple[str, str, str], dict[str, str]]] = {
     CASE: ("pflueger", ("J", "0.1", "0.101"), {"alpha": "0.02", "beta": "0.1"}),
     LIMIT: ("pflueger", ("kappa", "1", "1.2"), {"J": "0.1"}),
+    "internal damping": ("pflueger", ("alpha", "0.02", "0.022"), {"beta": "0.1", "J": "0.1"}),
+    "external damping": ("pflueger", ("beta", "0.5", "0.6"), {}),
+    "weight, internal damping": ("beck-self-weight", ("alpha", "0.01", "0.011"), {"beta": "0.1", "g": "2"}),
     "tip mass": ("pflueger", ("mu", "0.9", "0.92"), {"alpha": "0.01", "beta": "0.1"}),
     "tip mass, external damping": ("pflueger", ("mu", "0.9", "1"), {"beta": "0.5"}),
     "tip mass, limit": ("pflueger", ("mu", "0.9", "0.95"), {"kappa": "1"}),
@@ -129,16 +134,15 @@ def sides(case: str) -> tuple[list[Sections], list[Damped], Any]:
     name, (parameter, *values), given = CASES[case]
     files = []
     for value in values:
-        a, b, kappa, own = (F(v) if (v := (given | {parameter: value}).get(key)) else None
-                            for key in ("alpha", "beta", "kappa", "J"))  # fmt: skip
-        question = Question(1, a or F(0), b or F(0), kappa, {"J": own or F(0)})
-        files.append(_sections(fb.column(name).kernel, question))
+        own = {key: F(v) for key, v in (given | {parameter: value}).items()}
+        a, b, kappa = (own.pop(key, None) for key in ("alpha", "beta", "kappa"))
+        files.append(_sections(fb.column(name).kernel, Question(1, a or F(0), b or F(0), kappa, own)))
     columns = [sections(tuple(of["ends"]), tuple(map(F, of["breaks"])), of["forms"]) for of in files]
-    forms = [verifier_damping.stated(of["damping"], column) for of, column in zip(files, columns, strict=True)]
+    forms = [verifier_damping_forms.stated(of["damping"], column) for of, column in zip(files, columns, strict=True)]
 
     def at(share: Fraction) -> tuple[Sections, Damped]:
         of = between(*columns, share)
-        return of, split(*verifier_damping.between(forms[0], forms[1], share), parameter == "kappa", of)
+        return of, split(*verifier_damping_forms.between(forms[0], forms[1], share), parameter == "kappa", of)
 
     each = [at(F(n)) for n in (0, 1)]
     return [of for of, _ in each], [damping for _, damping in each], at
@@ -163,6 +167,55 @@ def test_equations_between_two_columns_are_linear(case: str) -> None:
                 assert apart.overlaps(arb(0)) and apart.rad() < 1e-9 * (abs(middle[i]) + abs(half[i]))
                 assert whole[i].overlaps(value[i]) and all(J[i][j].overlaps(slopes[i][j]) for j in (0, 1))
         assert any(abs(v) > 1e-6 * abs(m) for v, m in zip(half, middle, strict=True))
+
+
+DAMPINGS = ("internal damping", "external damping")
+
+
+@pytest.mark.parametrize("case", DAMPINGS)
+def test_equations_of_a_range_of_damping_hold_those_of_each(case: str) -> None:
+    """Of the verifier: all of R is one form times a number. Of the prover: F is that of the middle and its slope."""
+    name, (parameter, low, high), given = CASES[case]
+    own = {key: F(v) for key, v in given.items() if key not in ("alpha", "beta")}
+    rates = {key: F(given.get(key, "0")) for key in ("alpha", "beta")}
+    ranged = OverSystem(fb.column(name).kernel, own, **(rates | {parameter: Range(F(low), F(high))}))
+    with flint.ctx.workprec(64):
+        columns, dampings, at = sides(case)
+        over = RatesOverDamping(Pieces(columns[0]), *dampings)
+        P, x = arb(3), arb("2.2")
+        near = tuple(v + abs(v) * acb(arb(0, 0.01), arb(0, 0.01)) for v in over.place(P, x))
+        total = [arb(0), arb(0)]
+        for value, weight in over.at(P, x, near):
+            total = [a + b * weight for a, b in zip(total, value, strict=True)]
+        whole, J = over.system(over.box(*near).value, P, x)
+        for share in (F(0), F(1, 3), F(1)):
+            one = Rates(Pieces(columns[0]), at(share)[1])
+            value, slopes = one.system(one.box(*near).value, P, x)
+            for i in (0, 1):
+                assert total[i].overlaps(value[i]) and whole[i].overlaps(value[i])
+                assert all(J[i][j].overlaps(slopes[i][j]) for j in (0, 1))
+            damping = F(low) + share * (F(high) - F(low))
+            it = ExactSystem(fb.column(name).kernel, own, *(rates | {parameter: damping}).values())
+            held, right = (of.taylor(acb(P), acb(0, -x), ((0, 0), (0, 1))) for of in (ranged, it))
+            assert all(held[order].overlaps(right[order]) for order in held)
+        ends = [Rates(Pieces(columns[0]), at(F(n))[1]).system(over.box(*near).value, P, x)[0] for n in (0, 1)]
+        assert max(float(t.rad()) for t in total) < 2 * max(abs(float(a - b)) for a, b in zip(*ends, strict=True))
+        other = ExactSystem(fb.column(name).kernel, own, *(rates | {parameter: 2 * F(high)}).values())
+        far = other.taylor(acb(P), acb(0, -x), ((0, 0),))[0, 0]
+        assert not held[0, 0].overlaps(far)
+
+
+def test_a_range_of_damping_that_leaves_another_form_is_refused() -> None:
+    """Of a rotary inertia without damping in the medium at one end alone."""
+    with flint.ctx.workprec(64):
+        _, (one, other), _ = sides("internal damping")
+        middle, share = halfway(one, other)
+        assert share == 1 and middle.c_E == F("0.021") and middle.points == one.points
+        with pytest.raises(Refused, match="changes what is left of damping"):
+            halfway(one, replace(other, points=other.points | {(1, 1): F(0)}))
+        _, (one, other), _ = sides("external damping")
+        middle, share = halfway(one, other)
+        assert share == F(10, 11) and middle.c_M == F("0.55") and middle.points[1, 0] == -F("0.55")
 
 
 @pytest.mark.parametrize("case", [CASE, LIMIT])

@@ -20,7 +20,8 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify import verifier_sections
 from freebeam_derive.certify.verifier_claims import Statement, ball, greatest, least, require
-from freebeam_derive.certify.verifier_damping import Damped, damped, of_all_alike, statement
+from freebeam_derive.certify.verifier_damping import Damped
+from freebeam_derive.certify.verifier_damping_forms import damped, of_all_alike, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces

@@ -1,8 +1,8 @@
-"""Check certificates over a range of a mass or a spring (format 8): code of its own, which shares none with the prover.
+"""Check certificates over a range of a mass, a spring or a damping (format 8), sharing no code with the prover.
 
 The column is one of format 6, given at both ends of the range; between them what the file says of it is linear. What
-changes stands in one natural condition, so that F(P, s) is linear in the parameter, or is a damping that vanishes, in
-which the growth rate is (docs/theorem.md, Theorem 5). On each piece all that is shown of one value is shown on balls
+changes stands in one natural condition, so that F(P, s) is linear in the parameter, or is a damping (docs/theorem.md,
+Theorem 5). On each piece all that is shown of one value is shown on balls
 that hold those of each.
 """
 
@@ -18,16 +18,17 @@ from flint import arb, arb_mat
 
 from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify import verifier_claims as v
-from freebeam_derive.certify import verifier_damping
+from freebeam_derive.certify import verifier_damping_forms
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier_beam_claims import OverRange, Piece
 from freebeam_derive.certify.verifier_claims import Statement, require
-from freebeam_derive.certify.verifier_damping import Damped, DampedOver, Tables, damped, of_all_alike, split, statement
+from freebeam_derive.certify.verifier_damping import Damped, DampedOver
+from freebeam_derive.certify.verifier_damping_forms import Tables, damped, of_all_alike, split, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import ALONE, First
 from freebeam_derive.certify.verifier_of_sections import Gaps
 from freebeam_derive.certify.verifier_pieces import Pieces
-from freebeam_derive.certify.verifier_rates import Rates, RatesOver
+from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_sections import OfSections, Sections, stated_of
 from freebeam_derive.certify.verifier_shooting import Whole
 from freebeam_derive.certify.verifier_signs import BITS
@@ -56,14 +57,14 @@ class OfPiece(Piece):
 
 def check_one_condition(one: Sections, other: Sections, *dampings: Damped) -> None:
     """That two columns differ at most in a mass, a spring, what the load does and what is left of damping there, all in
-    one natural condition; dampings of one column that vanish may differ in all. Raises Refused."""
+    one natural condition; dampings of one column may differ in all (but see `RatesOverDamping`). Raises Refused."""
     same = replace(other, masses=one.masses, springs=one.springs, forces=one.forces) == one
     require(same, "the range changes more than masses, springs and forces at places")
     pairs = (one.masses, other.masses), (one.springs, other.springs)
     rows = {place for a, b in pairs for place in {**a, **b} if a.get(place, 0) != b.get(place, 0)}
     a, b = one.forces, other.forces
     rows |= {row for row, of in {**a, **b} if a.get((row, of), 0) != b.get((row, of), 0)}
-    if dampings and not (one == other and dampings[0].vanishing):
+    if dampings and one != other:
         along = [(d.c_E, d.c_M, d.along) for d in dampings]
         require(along[0] == along[1], "the range changes the damping along the beam")
         first, second = (d.points for d in dampings)
@@ -138,7 +139,7 @@ def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections],
     if all(map(of_all_alike, dampings)):
         dampings = []
     check_one_condition(column, other_column, *dampings)
-    forms = [verifier_damping.stated(of, column) for of in given] if dampings else []
+    forms = [verifier_damping_forms.stated(of, column) for of in given] if dampings else []
     whole = OverSections(**vars(one) | claims.in_pieces(data, one, other, pieces))
     return whole, (column, other_column), forms
 
@@ -155,7 +156,7 @@ def _piece(data: dict[str, Any]) -> OfPiece:
 
 
 def verify_over_sections(data: dict[str, Any]) -> OverSections:
-    """Check a certificate over a range of a mass or a spring; what it proves. Raises Refused, ArithmeticError."""
+    """Check a certificate over a range of a mass, a spring or a damping; what it proves. Raises Refused."""
     stated, columns, forms = read(data)
     low, high = stated.low, stated.high
     for piece in stated.pieces:
@@ -167,10 +168,13 @@ def verify_over_sections(data: dict[str, Any]) -> OverSections:
             equations, over = Equations(F, 0, ALONE, ALONE, False), None
             if forms:
                 vanishing = data["damping"][0]["vanishing"]
-                dampings = [split(*verifier_damping.between(forms[0], forms[1], share), vanishing, column)
+                dampings = [split(*verifier_damping_forms.between(forms[0], forms[1], share), vanishing, column)
                             for share, (column, _) in zip(shares, each, strict=True)]  # fmt: skip
-                low_end, high_end = (Rates(F, d) for (_, F), d in zip(each, dampings, strict=True))
-                equations, over = RatesOver(F, low_end, high_end), DampedOver.of(*dampings)
+                over = DampedOver.of(*dampings)
+                if vanishing or columns[0] != columns[1]:
+                    equations = RatesOver(F, *(Rates(F, d) for (_, F), d in zip(each, dampings, strict=True)))
+                else:
+                    equations = RatesOverDamping(each[0][1], *dampings)
             gaps = Gaps(each[: 1 if each[0][0] == each[1][0] else 2], piece.lowest, piece.line, over)
         First(equations, gaps, piece, ranged=True).check(piece.stretches)
     return stated
