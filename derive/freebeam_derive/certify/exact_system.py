@@ -38,6 +38,9 @@ class ExactSystem:
     and ValueError for unknown parameters.
     """
 
+    slopes: tuple[ExactSystem, ExactSystem] | None = None
+    """Over a range of a damping: F in the middle, and dF/dt of each |t| ≤ 1 (`system_ranges`)."""
+
     def __init__(
         self,
         kernel: Any,

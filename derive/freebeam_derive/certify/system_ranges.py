@@ -39,12 +39,11 @@ class OverSystem(ExactSystem):
         if self._rated((0, 0)):
             raise NoSeries(f"{self.name}: no range is served with dampers or gyroscopic terms of its own")
         self.own, self.dampings = {**self.own, **own}, (alpha, beta)
-        self._slope: _Slope | None = None
         for name, value in (*own.items(), ("alpha", alpha), ("beta", beta)):
             if isinstance(value, Range):
                 self._is_linear_in(name, name in own)
                 if name not in own and not vanishing:
-                    self._slope = _Slope(self.low, self.high, alpha, beta)
+                    self.slopes = self.middle, _Slope(self.low, self.high, alpha, beta)
 
     def still(self) -> ExactSystem:
         ranged = any(isinstance(value, Range) for value in self.own.values())
@@ -80,14 +79,14 @@ class OverSystem(ExactSystem):
             )
 
     def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Any:
-        if self._slope is not None:
-            at, over = (system.taylor(P, s, orders) for system in (self.middle, self._slope))
+        if self.slopes is not None:
+            at, over = (system.taylor(P, s, orders) for system in self.slopes)
             return {order: value + over[order] * power(1) for order, value in at.items()}
         low, high = (system.taylor(P, s, orders) for system in (self.low, self.high))
         return {order: value.union(high[order]) for order, value in low.items()}
 
     def terms(self, middle: ExactSystem) -> list[Any]:
-        return [middle, self._slope or Half(self.low, self.high, middle)]
+        return [middle, self.slopes[1] if self.slopes else Half(self.low, self.high, middle)]
 
 
 class _Slope(ExactSystem):
