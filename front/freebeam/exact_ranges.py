@@ -87,10 +87,11 @@ def exact_range(
 
     parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own in which equation
     of motion and end conditions of a uniform column are linear, such as a foundation or a dead load, its bending
-    stiffness and mass apart; of a column in uniform parts, without damping, one that stands in one condition anywhere,
-    such as a mass or a spring. digits: 1 to 4; the range is cut until each piece's load is known to a relative
-    width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of which a step
-    of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential cantilever.
+    stiffness and mass apart; of a column in uniform parts one that stands in one condition anywhere, such as a mass or
+    a spring. digits: 1 to 4; the range is cut until each piece's load is known to
+    a relative width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of
+    which a step of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential
+    cantilever.
 
     >>> import freebeam as fb
     >>> found = fb.exact_range(fb.column("beck"), "eta", "0.3", "0.31")
@@ -191,30 +192,27 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
 
 def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
     """The beam over a range of one of its own parameters, or the beam that a damping ranges of. Raises NoSeries."""
-    from freebeam_derive.certify.beam import Beam, NoSeries
-    from freebeam_derive.certify.beam_ranges import OverSystem, linear_damping, over
+    from freebeam_derive.certify.beam import Beam
+    from freebeam_derive.certify.beam_ranges import linear_damping, over
+    from freebeam_derive.certify.system_ranges import OverSystem
 
     own, kernel = {**asked.own, name: values}, _uniform(asked, name, values)
     if kernel is None:
-        if not _of_system(asked, name):
-            raise NoSeries(
-                f"{asked.column.name} goes beyond the uniform beam: its own parameters alone, and without damping"
-            )
-        return OverSystem(_of_any(asked, name, values), own)
+        itself = asked.itself
+        given = dict(zip(("alpha", "kappa" if itself.vanishing else "beta"), itself.dampings, strict=True))
+        alpha, beta = (given | ({name: values} if name in given else {})).values()
+        return OverSystem(
+            _of_any(asked, name, values), own if name in asked.own else asked.own, alpha, beta, itself.vanishing
+        )
     if name in asked.own:
         return over(kernel, own)
     linear_damping(beam := Beam(kernel, asked.own), "beta" if name == "kappa" else name)
     return beam
 
 
-def _of_system(asked: proofs._Asked, name: str) -> bool:
-    """Whether a range could be one of uniform parts."""
-    return name in asked.own and not any(asked.certified.dampings)
-
-
 def _uniform(asked: proofs._Asked, name: str, values: Range) -> Any:
     """The kernel of a column that is uniform at both ends of a range; None of another, and where springs alone keep it
-    from moving rigidly, which uniform parts serve."""
+    from moving rigidly or there is internal damping, which uniform parts serve."""
     from freebeam_derive.certify.strips import rigid_motions
     from freebeam_derive.certify.uniform import uniform
 
@@ -222,7 +220,11 @@ def _uniform(asked: proofs._Asked, name: str, values: Range) -> Any:
     if not kernel.COLUMN.get("general"):
         return kernel
     found = [uniform(kernel, **own) for own in _owns(asked, name, values)]
-    if None in found or (rigid_motions(kernel.COLUMN["ends"]) and not kernel.COLUMN["rigid"]):
+    if (
+        None in found
+        or asked.certified.dampings[0] != 0
+        or (rigid_motions(kernel.COLUMN["ends"]) and not kernel.COLUMN["rigid"])
+    ):
         return None
     return found[0]
 

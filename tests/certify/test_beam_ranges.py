@@ -22,7 +22,7 @@ from freebeam_derive.certify import frequency_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
 from freebeam_derive.certify.beam import Beam, Jets, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
-from freebeam_derive.certify.beam_ranges import Over, OverSystem, _Family, crossing, piece
+from freebeam_derive.certify.beam_ranges import Over, _Family, crossing, piece
 from freebeam_derive.certify.beam_ranges import over as beam_over
 from freebeam_derive.certify.beam_stability import damping_factors
 from freebeam_derive.certify.column_forms import ColumnForms, over_both
@@ -31,6 +31,7 @@ from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.parameter_series import DEGREE, OverEquation, Series
 from freebeam_derive.certify.strips import NoStrips, Strips
+from freebeam_derive.certify.system_ranges import OverSystem
 from freebeam_derive.certify.uniform import uniform
 from freebeam_sym.checks import InputError
 
@@ -303,7 +304,7 @@ def test_a_range_of_one_end_alone_would_put_a_line_too_low(monkeypatch: pytest.M
     system = OverSystem(fb.column("pflueger").kernel, {"J": F(1, 10), "mu": Range(F(1, 2), F(2))})
     with precision(64):
         right = FrequencyGaps(system, arb(3)).reach
-        monkeypatch.setattr(frequency_gaps, "_at_ends", lambda own: [{"J": F(1, 10), "mu": F(1, 2)}])
+        monkeypatch.setattr(frequency_gaps, "at_both", lambda own: [{"J": F(1, 10), "mu": F(1, 2)}])
         assert right < FrequencyGaps(system, arb(3)).reach
 
 

@@ -26,12 +26,16 @@ from freebeam_derive.certify.balls import ends
 from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _around, _sections
+from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.damped_gaps import _reach
 from freebeam_derive.certify.exact_system import ExactSystem
+from freebeam_derive.certify.stepped_section import SteppedSection, motion
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
-from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written, damped
-from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written
+from freebeam_derive.certify.verifier_damping_forms import damped
+from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
 from freebeam_derive.certify.verifier_sections import Sections
@@ -45,6 +49,7 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
     "internal": ("pflueger", {"J": "0.1", "alpha": "0.02"}),
     "mass undamped": ("pflueger", {"J": "0.1", "alpha": "0.02", "beta": "0.1"}),
     "limit, mass undamped": ("pflueger", {"J": "0.1", "kappa": "1"}),
+    "limit, spring undamped": ("elastic-root", {"kappa": "1"}),
     "divergence": ("tip-spring", {"k": "38", "beta": "0.1"}),
 }
 
@@ -92,6 +97,7 @@ def test_a_certificate_is_accepted_as_it_was_written(case: str) -> None:
         "internal": ("C = 0.02 E:", 0),
         "mass undamped": ("C = 0.02 E + the integral of 0.1 v y over 0 < x < 1:", 1),
         "limit, mass undamped": ("direction of C = 1 E + the integral of 1 v y over 0 < x < 1:", 1),
+        "limit, spring undamped": ("the integral of 1 v y over 0 < x < 1 + -5 v' y' at x = 0:", 2),
     }[case]
     assert words in said and len(damping["beside"]) == beside and damping["vanishing"] is ("limit" in case)
 
@@ -106,6 +112,10 @@ def test_another_damping_is_refused() -> None:
         changed = [*along[:n], [*term[:-1], str(Fraction(term[-1]) * Fraction(1001, 1000))], *along[n + 1 :]]
         form = data["damping"]["form"] | {"along": changed}
         refused(data | {"damping": data["damping"] | {"form": form}}, "no crossing in the interval")
+    spring = certificate("limit, spring undamped")
+    form = spring["damping"]["form"] | {"points": [[0, 1, 0, 1, "1/100"]]}
+    refused(spring | {"damping": spring["damping"] | {"form": form}}, "no crossing in the interval")
+    refused(spring | {"damping": spring["damping"] | {"vanishing": False}}, "where no mass is")
     refused(data | {"damping": None}, "leave a gap")
     refused(data | {"damping": data["damping"] | {"vanishing": True}}, "leave a gap")
     mass = {"along": along, "points": [[1, 0, 1, 0, "1/100"]]}
@@ -299,17 +309,21 @@ class Given(Damped):
     def share(self, omega: arb) -> arb:
         return arb(self.constants[4])
 
+    def reach(self, place: Any, omega: arb) -> arb:
+        return arb(self.constants[5])
+
     @classmethod
     def of(cls, c_E: float, c_M: float, vanishing: bool, *constants: float) -> Given:
         empty = Sections(("clamped", "free"), (Fraction(0), Fraction(1)), [], [], [], [], {}, {}, {})
-        found = cls(empty, Fraction(c_E), Fraction(c_M), vanishing, [], {}, ([], {}))
+        points = {(1, 0): Fraction(constants[6])} if len(constants) > 6 else {}
+        found = cls(empty, Fraction(c_E), Fraction(c_M), vanishing, [], points, ([], {}))
         object.__setattr__(found, "constants", constants)
         return found
 
 
 def margin(c_E: float, c_M: float, limit: bool, R: tuple[float, ...], load: float, g: float, omega_m: float) -> float:
     """What is left of the narrowest inequality of Lemma 11, as docs/theorem.md prints them."""
-    low, high, tau, turning, eta = R
+    low, high, tau, turning, eta, N, f = R
     delta = max(abs(low), abs(high), abs(tau))
     X = load if limit else load + (turning / c_E if c_E else 0) + delta * (1 + g / omega_m) ** 0.5
     omega = omega_m + g
@@ -323,7 +337,7 @@ def margin(c_E: float, c_M: float, limit: bool, R: tuple[float, ...], load: floa
     along, of_mode = max(abs(low), abs(high)), max(abs(low), abs(high)) + eta * abs(tau)
     rho = (along**2 + eta * tau**2) ** 0.5
     least = low + eta * min(0, tau - low) - (2 * rho * eps + (delta + of_mode) * eps**2) / (1 - eps**2)
-    h = c_E * (omega - X - load * k) - turning * k
+    h = c_E * (omega - X - load * k) - turning * k - abs(f) * N**2 * ((f < 0) + (2 + r) * eps / (1 - eps)) / omega
     return min(h if h < 0 else np.inf, c_M + omega * h + min(0, least))
 
 
@@ -335,6 +349,7 @@ def test_the_inequality_is_that_of_the_page() -> None:
             c_E, c_M, low, high, tau, turning = draw.uniform(0, 1, 6) * draw.choice([0.01, 0.1, 1], 6)
             c_E, turning = (c_E, turning * draw.choice([0, 1])) if draw.random() < 0.7 else (0.0, 0.0)
             R = (-low, float(high), float(draw.choice([-1, 1]) * tau), float(turning), float(draw.uniform(0, 1)))
+            R = *R, *map(float, draw.choice([0, 1]) * draw.uniform(-5, 5, 2))
             g, omega_m, limit = draw.uniform(5, 60), draw.uniform(1, 60) * draw.choice([0.1, 1]), bool(draw.integers(2))
             load = g * draw.uniform(0.05, 0.6)
             wanted = margin(c_E, c_M, limit, R, load, g, omega_m)
@@ -346,6 +361,23 @@ def test_the_inequality_is_that_of_the_page() -> None:
                 assert wanted > -1e-9
             seen[wanted > 0] += 1
     assert min(seen.values()) > 50
+
+
+@pytest.mark.parametrize(("name", "place"), [("elastic-root", (0, 1)), ("tip-spring", (1, 0))])
+def test_motions_at_places_without_a_mass_are_those_of_the_prover(name: str, place: tuple[int, int]) -> None:
+    kernel = fb.column(name).kernel
+    stated = _sections(kernel, Question(1, Fraction(0), Fraction(0), Fraction(1), {}))
+    of = verifier_sections.sections(tuple(stated["ends"]), tuple(map(Fraction, stated["breaks"])), stated["forms"])
+    with flint.ctx.workprec(BITS):
+        damping, theirs = damped(stated["damping"], of), ColumnForms(kernel, {})
+        assert damping is not None and [*damping.bare] == [place]
+        gaps = Gaps([(of, Pieces(of))], 1, Fraction(1), damping)
+        gaps.known = Frequencies(gaps.columns[0][1], arb(8), arb(1)).all()
+        for (omega, squares), (_, most) in zip(gaps._motions(damping, arb(8), arb(1)), gaps.known[1:], strict=True):
+            other = motion([SteppedSection(theirs)], omega.union(most), place)
+            assert squares[place].overlaps(other) and squares[place].rad() < 1e-6 * other < 1e-3 * other
+            assert 1 <= damping.reach(place, omega) / _reach(theirs, Fraction(place[0]), place[1], omega) < 1.05
+            assert other < damping.reach(place, omega) ** 2
 
 
 def test_slopes_of_the_equations_are_those_of_differences() -> None:
@@ -395,7 +427,7 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
     _, of, damping = column("rotary inertia")
     omega = frequencies(system("pflueger", {"J": "0.1"}), 12)
     asked: list[tuple[float, ...]] = []
-    monkeypatch.setattr(Damped, "check", lambda self, *given: asked.append(tuple(map(float, given))))
+    monkeypatch.setattr(Damped, "check", lambda self, *given: asked.append(tuple(map(float, given[:3]))))
     with flint.ctx.workprec(BITS):
         F, equations = Pieces(of), None
         for m, line in ((2, omega[1] * omega[2]), (2, 1.1 * omega[1] ** 2 + 15), (3, 0.9 * omega[3] ** 2)):

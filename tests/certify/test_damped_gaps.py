@@ -27,6 +27,7 @@ from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.damped_gaps import LeftOver
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.local_series import Local
+from freebeam_derive.certify.stepped_section import motion
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.taylor_steps import Jets
 from tests.certify.test_frequency_gaps import table
@@ -84,7 +85,7 @@ def test_what_damping_leaves_over_is_within_its_bounds(series: Series) -> None:
 
 
 def test_the_share_of_point_masses_is_above_that_of_each_mode(series: Series) -> None:
-    forms = series.left.forms
+    (forms,) = series.left.forms
     if not forms.masses:
         pytest.skip("without masses")
     # their share falls with every frequency as a mass grows: d ln ω² / d ln m
@@ -155,6 +156,44 @@ def test_no_high_eigenvalue_reaches_the_axis(series: Series) -> None:
         squares = -(values**2 + c_M * values) / (1 + c_E * values)
         high = values[squares.real > edge]
         assert len(high) > 0 and high.real.max() < 0
+
+
+@pytest.mark.parametrize(("name", "key", "place"), [("elastic-root", "c", (0, 1)), ("tip-spring", "k", (1, 0))])
+def test_what_damping_takes_where_no_mass_is_is_within_its_bound(name: str, key: str, place: tuple[int, int]) -> None:
+    """In the limit, of modes at a load; and of any motion with a mass of 1 and an energy of ω²."""
+    kernel, load = fb.column(name).kernel, 6.0
+    stiff = {p["name"]: p["default"] for p in kernel.COLUMN["parameters"]}[key]
+    with precision(BITS):
+        found = damped_gaps.damped_gaps(ExactSystem(kernel, {}), arb(load), Fraction(1), Fraction(1), True)
+    basis, left, m = kernel.basis(34), found.damping, found.lowest
+    M, E, K = kernel.mass(basis, 0.0), *(kernel.stiffness(basis, P) for P in (0.0, load))
+    softer = kernel.stiffness(basis, 0.0, **{key: stiff - 1})
+    of_inverse, modes = eigh(M, E)
+    omega = of_inverse[::-1] ** -0.5
+    modes = modes[:, ::-1] * omega
+    B, one = modes.T @ (K - E) @ modes, modes.T @ (E - softer) @ modes  # y⁽ⁱ⁾ v⁽ⁱ⁾ at the place
+    values, z, u = eig(np.diag(omega**2) + B, left=True)
+    at_place = np.sqrt(np.diag(one)) * np.sign(one[0])
+    ((where, f),) = left.bare.items()
+    assert where == place and f == -stiff
+    X, g = load * float(found.gaps.size), float(found.gaps.gap(m))
+    for j in range(m, m + 3):
+        w, at = omega[j], np.argmin(abs(values - omega[j] ** 2))
+        r = g / w
+        sigma = X * max((1 + r) / (g * (2 + r) - X), 1 / (g * (2 - r) - X))
+        felt = stiff * (z[:, at].conj() @ one @ u[:, at] / (z[:, at].conj() @ u[:, at])).real
+        energy = at_place[:30] / (1 + (omega[:30] / w) ** 2)  # of all motions it has the most there for both together
+        norm = max(energy @ energy, energy @ (omega[:30] ** 2 * energy) / w**2) ** 0.5
+        with precision(BITS):
+            square = motion(left._parts, arb(w, w * 1e-9), place)
+            most, reach = (
+                left.taken(arb(w), arb(sigma / (1 - sigma**2) ** 0.5), arb(r), arb(w)),
+                damped_gaps._reach(left.forms[0], Fraction(place[0]), place[1], arb(w)),
+            )
+            assert left.taken(arb(w), arb(0), arb(r)) > left.taken(arb(2 * w), arb(0), arb(r / 2)) / 2
+        assert float(square.mid()) == pytest.approx(one[j, j], rel=1e-5) and float(square.rad()) < 1e-4 * one[j, j]
+        assert 0.05 * w * float(most) < felt <= w * float(most)
+        assert 0.4 * float(reach) < abs(at_place[:30] @ energy) / norm <= float(reach)
 
 
 def test_the_factor_of_a_bound_that_is_too_small_is_seen(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -313,11 +352,12 @@ def test_the_share_of_a_mass_is_that_of_a_motion_beside_it(order: int, turns: bo
     for force, foundation in ((0, 0), (1000, 0), (0, 10**6), (1000, 10**6)):
         left: Any = object.__new__(LeftOver)
         elastic = {p: [Fraction(f)] for p, f in ((1, force), (0, foundation)) if f}
-        left.forms = SimpleNamespace(
+        forms: Any = SimpleNamespace(
             masses={(Fraction(1), order): Fraction(mass)}, springs={}, breaks=(Fraction(0), Fraction(1)),
             m=[[Fraction(m)]], EI=[[Fraction(EI)]], elastic=[elastic],
             pieces=lambda: [(0, arb(0).union(arb(1)))], is_held=lambda place, order: not turns,
         )  # fmt: skip
+        left.forms = [forms]
         with precision(BITS):
             share = float(left.share(arb(omega)))
         free, here = (

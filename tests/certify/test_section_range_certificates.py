@@ -142,7 +142,7 @@ def forgeries(data: Data) -> Iterator[tuple[Data, str]]:
     forms[1]["E"]["points"].append([len(data["breaks"]) - 1, 0, len(data["breaks"]) - 1, 0, "1/100"])
     if (letter, ends[0][letter]["points"][k][:2]) != ("M", [len(data["breaks"]) - 1, 0]):
         yield with_ends(*forms), "more than one condition"
-    yield data | {"damping": [None, {"form": ends[0]["M"], "vanishing": False}]}, "no damping is served"
+    yield data | {"damping": [None, {"form": ends[0]["M"], "vanishing": False}]}, "at one end of the range alone"
     yield data | {"range": "more"}, "the parameter of the range is none"
     yield data | {"breaks": ["0", "1/3", "1"]}, "."
     yield with_piece(load=shifted(piece["load"], "1.05")), crossing

@@ -157,7 +157,7 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
     square = None if crossing.kind == "divergence" else frequency * frequency
     alpha, beta = (Fraction(v) if isinstance(v, int) else v for v in system.dampings)
     damped = system.vanishing or not system.undamped(alpha, beta)
-    still = ExactSystem(system.kernel, system.own) if damped else system
+    still = system.still() if damped else system
     try:
         if damped:
             found = damped_gaps(still, load.upper(), alpha, beta, system.vanishing)

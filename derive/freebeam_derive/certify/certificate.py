@@ -228,18 +228,16 @@ def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
             "points": [[numbers[a], p, numbers[b], q, f] for (_, p, a, _), (_, q, b, _), f in form["points"]],
         }
 
-    damping = None
-    if not question.undamped:
-        given = {name: _quotient(value) for name, value in own.items()}
-        (form,) = kernel.forms(fmpq(1), *map(_quotient, question.dampings), **given)["C"]
-        damping = {"form": by_segment(_form(form)), "vanishing": question.kappa is not None}
+    given = {name: _quotient(value) for name, value in own.items()}
+    (form,) = kernel.forms(fmpq(1), *map(_quotient, question.dampings), **given)["C"]
+    damping = by_segment(_form(form))
     return {
         "column": kernel.COLUMN["name"],
         "parameters": {name: written(value) for name, value in own.items()},
         "ends": list(kernel.COLUMN["ends"]),
         "breaks": stated["breaks"],
         "forms": {letter: by_segment(form) for letter, form in (("M", M[0]), ("E", K[0]), ("H", K[1]))},
-        "damping": damping,
+        "damping": {"form": damping, "vanishing": question.kappa is not None} if any(damping.values()) else None,
     }
 
 
@@ -283,7 +281,10 @@ def write_range(
     of_column, counted = (_sections, _lines) if sections else (_itself, _basis)
     one, other = (of_column(kernel, question) for question in questions)
     stated = one | {key: [one[key], other[key]] for key in ("forms", "damping")}
-    if name in one["parameters"]:
+    if sections and name not in one["parameters"]:
+        both = [written(getattr(question, name)) for question in questions]
+        stated["parameters"] = one["parameters"] | {name: both}
+    elif name in one["parameters"]:
         both = [of["parameters"][name] for of in (one, other)]
         stated["parameters"] = one["parameters"] | {name: both}
     else:

@@ -6,13 +6,16 @@ With C = c_E E + c_M M + R, y = Y e^(λt), p = P/(1 + c_E λ), q = λ/(1 + c_E �
 
 E, B, M as of the column without damping (frequency_gaps.py). R is what damping leaves out or adds: point masses, a
 foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 10
-and 11 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
+to 12 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -21,11 +24,13 @@ from flint import arb
 from freebeam_derive.certify.balls import Exact, exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, added, over
 from freebeam_derive.certify.exact_system import ExactSystem
-from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps, at_both
 from freebeam_derive.certify.load_size import load_size, size_along
+from freebeam_derive.certify.stepped_section import SteppedSection, motion
 from freebeam_derive.certify.strips import NoStrips
 
 BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of those listed in the tests all take 2
+BEYOND_BARE = (2, 4, 16, 64)  # the same with damping at places without a mass, whose bounds grow less than ω² alone
 
 _CUBICS = {
     (0, True): (Fraction(13, 35), Fraction(6, 5), Fraction(12)),  # 1 − 3x² + 2x³
@@ -60,16 +65,19 @@ def _terms(form: Any) -> dict[Any, Fraction]:
 
 
 class LeftOver:
-    """The damping of a column as c_E E + c_M M + R, at the precision in force.
+    """The damping of a column as c_E E + c_M M + R, at the precision in force; `over_range` of a range of columns.
 
     c_E, c_M: at least 0. low, high: of R over the mass along the beam. at: (place, order) -> the same at masses.
-    turning: C_R with |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part R₁ = ∫ f y'v'. Raises NoStrips.
+    turning: C_R with |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part R₁ = ∫ f y'v'. bare: (place, order)
+    -> f of R₂ = Σ f y⁽ⁱ⁾ v⁽ⁱ⁾ at places without a mass, which are served in the limit alone. Raises NoStrips.
     """
 
-    def __init__(self, forms: ColumnForms, kernel: Any, own: Any, alpha: Exact, beta: Exact) -> None:
+    def __init__(
+        self, forms: ColumnForms, kernel: Any, own: Any, alpha: Exact, beta: Exact, vanishing: bool = False
+    ) -> None:
         if not isinstance(alpha, Fraction) or not isinstance(beta, Fraction):
             raise forms.other("has a damping that is no fraction")
-        self.forms = forms
+        self.forms = [forms]
         stated, at_rest = (kernel.forms(Fraction(1), *of, **own) for of in ((alpha, beta), (Fraction(0), Fraction(0))))
         if any(stated[part] != at_rest[part] for part in "MK") or len(stated["C"]) != 1:
             raise forms.other("has a damping that is no form of its own")
@@ -102,8 +110,12 @@ class LeftOver:
         self.low, self.high = low - self.c_M, high - self.c_M
         left = {key: points.get((key, key), Fraction(0)) - share * forms.springs.get(key, Fraction(0))
                 for key in {row for row, _ in points} | {*forms.springs} | {*forms.masses}}  # fmt: skip
-        if any(f and key not in forms.masses for key, f in left.items()):
-            raise forms.other("has a damper, or a spring without internal damping, where no mass is")
+        self.bare = {key: exact(f) for key, f in left.items() if f and key not in forms.masses}
+        if self.bare and not (vanishing and share > 0):
+            raise forms.other(
+                "has a damper, or a spring without internal damping, where no mass is, and other than in the limit of "
+                "vanishing internal damping"
+            )
         self.at = {key: exact(left[key] / mass) - self.c_M for key, mass in forms.masses.items()}
 
     @property
@@ -114,28 +126,9 @@ class LeftOver:
     def share(self, omega: arb) -> arb:
         """Of the motion's mass at most this is at points, for every mode without load and with a frequency from ω on.
 
-        With v one at the place and no more than a length about it, m φ(e) = a(φ, v)/ω² − ∫ m φ v.
+        Over a range it grows with springs, and falls with masses.
         """
-        forms, total = self.forms, arb(0)
-        for (place, order), mass in forms.masses.items():
-            near = [abs(place - other) for other in forms.breaks if other != place]
-            beside = [n for n, part in enumerate(pairwise(forms.breaks)) if place in part]
-            m, EI = (greatest(over(f[n], x)[0].upper() for n, x in forms.pieces() if n in beside)
-                     for f in (forms.m, forms.EI))  # fmt: skip
-            slope = place, 1
-            turns = len(beside) == 1 and not (slope in forms.masses or slope in forms.springs or forms.is_held(*slope))
-            bumps = [exact(b) for b in _CUBICS[order, not turns]]
-            length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).lower()
-            power = length ** (2 * order)
-            energy = exact(forms.springs.get((place, order), Fraction(0)))
-            energy += len(beside) * EI * bumps[2] * power / length**3
-            for n in beside:
-                for p, f in forms.elastic[n].items():
-                    most = greatest(abs(over(f, x)[0]).upper() for at, x in forms.pieces() if at == n)
-                    energy += most * bumps[p] * power * length ** (1 - 2 * p)
-            weight = len(beside) * m * bumps[0] * power * length
-            total += (weight.sqrt() + energy.sqrt() / omega) ** 2 / exact(mass)
-        return total.min(arb(1)).upper()
+        return greatest(_share(forms, omega) for forms in self.forms)
 
     def least(self, omega: arb, blur: arb) -> arb:
         """A lower bound of Re R(u, z)/(z, u), R₁ apart, where u and z are modes from ω on and rests of size `blur`."""
@@ -146,6 +139,88 @@ class LeftOver:
         missed = 2 * felt * blur + (self.size + (beam + points * share)) * blur**2
         found: arb = (at_mode - missed / (1 - blur**2)).lower()
         return found
+
+    def taken(self, omega: arb, blur: arb, r: arb, mode: arb | None = None) -> arb:
+        """At least −Re R₂(u, z)/(z, u) over ω, of such modes; it falls with ω beside c_E ω. r: the gap over ω.
+        mode: the frequency of one of them, of which alone it is."""
+        total = arb(0)
+        for (place, order), f in self.bare.items():
+            most = greatest(_reach(forms, place, order, omega) for forms in self.forms)
+            blurred = most**2 * (2 + r) * blur / (1 - blur)
+            itself = most**2
+            if mode is not None:
+                itself = itself.min(motion(self._parts, mode, (place, order)).upper())
+            total += abs(f) * (blurred + (arb(0) if f > 0 else itself))
+        return (total / omega).upper()
+
+    @cached_property
+    def _parts(self) -> list[SteppedSection]:
+        """Raises NoStrips where the column is not of uniform parts."""
+        return [SteppedSection(forms) for forms in self.forms]
+
+
+def _reach(forms: ColumnForms, place: Fraction, order: int, omega: arb) -> arb:
+    """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω².
+
+    ∫ y'' g − y g'' dx is y or −y' there, of a cubic g along a part of a segment that is nothing at its far end.
+    """
+    found, (of_value, _, of_bend) = [], map(exact, _CUBICS[1 - order, True])
+    for n, ends in enumerate(pairwise(forms.breaks)):
+        if place in ends:
+            m, EI = (
+                least(over(f[n], x)[0].lower() for at, x in forms.pieces() if at == n) for f in (forms.m, forms.EI)
+            )
+            a, b = (of_value / (EI * forms.share)).sqrt() * omega, (of_bend / m).sqrt()
+            best = ((2 * order + 1) * b / ((3 - 2 * order) * a)).sqrt()
+            h = best.min(exact(ends[1] - ends[0])).lower()
+            found.append((a * h**2 + b) * h.sqrt() / h ** (order + 1))
+    return least(found).upper()
+
+
+def _share(forms: ColumnForms, omega: arb) -> arb:
+    """With v one at the place and no more than a length about it, m φ(e) = a(φ, v)/ω² − ∫ m φ v."""
+    total = arb(0)
+    for (place, order), mass in forms.masses.items():
+        near = [abs(place - other) for other in forms.breaks if other != place]
+        beside = [n for n, part in enumerate(pairwise(forms.breaks)) if place in part]
+        m, EI = (greatest(over(f[n], x)[0].upper() for n, x in forms.pieces() if n in beside)
+                 for f in (forms.m, forms.EI))  # fmt: skip
+        slope = place, 1
+        turns = len(beside) == 1 and not (slope in forms.masses or slope in forms.springs or forms.is_held(*slope))
+        bumps = [exact(b) for b in _CUBICS[order, not turns]]
+        length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).lower()
+        power = length ** (2 * order)
+        energy = exact(forms.springs.get((place, order), Fraction(0)))
+        energy += len(beside) * EI * bumps[2] * power / length**3
+        for n in beside:
+            for p, f in forms.elastic[n].items():
+                most = greatest(abs(over(f, x)[0]).upper() for at, x in forms.pieces() if at == n)
+                energy += most * bumps[p] * power * length ** (1 - 2 * p)
+        weight = len(beside) * m * bumps[0] * power * length
+        total += (weight.sqrt() + energy.sqrt() / omega) ** 2 / exact(mass)
+    return total.min(arb(1)).upper()
+
+
+def over_range(each: Sequence[LeftOver]) -> LeftOver:
+    """Of all between two columns and dampings that go linearly from one to the other: what is said of both.
+
+    c_E a and R are linear then, and a place's R over its mass is between those at the ends. Raises NoStrips.
+    """
+    if len(each) == 1:
+        return each[0]
+    one, other = each
+    if one.at.keys() != other.at.keys():
+        raise one.forms[0].other("has a mass that is nothing at an end of the range, and damping")
+    found = copy(one)
+    found.forms = [*dict.fromkeys([*one.forms, *other.forms])]
+    found.c_E, found.c_M = one.c_E.union(other.c_E), one.c_M.union(other.c_M)
+    found.low, found.high = one.low.min(other.low), one.high.max(other.high)
+    found.turning = one.turning.max(other.turning)
+    found.at, found.bare = (
+        {key: a.get(key, arb(0)).union(b.get(key, arb(0))) for key in {**a, **b}}
+        for a, b in ((one.at, other.at), (one.bare, other.bare))
+    )
+    return found
 
 
 @dataclass(frozen=True)
@@ -190,13 +265,19 @@ class DampedGaps:
 def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanishing: bool) -> DampedGaps:
     """The least m that is found; still: the column with no alpha and beta. vanishing: in the limit of this damping
     times a factor that falls to zero. Raises NoStrips, Unproven."""
-    forms = ColumnForms(still.kernel, still.own)
-    if forms.joints or load_size(forms).places:
-        raise forms.other("has a joint, or a load where no mass is, and damping")
-    damping = LeftOver(forms, still.kernel, still.own, alpha, beta)
+    columns = [(own, ColumnForms(still.kernel, own)) for own in at_both(still.own)]
+    for _, forms in columns:
+        if forms.joints or load_size(forms).places:
+            raise forms.other("has a joint, or a load where no mass is, and damping")
+    each = [
+        LeftOver(forms, still.kernel, own, of["alpha"], of["beta"], vanishing)
+        for of in at_both({"alpha": alpha, "beta": beta})
+        for own, forms in columns
+    ]
+    damping = over_range(each)
     if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
-        raise forms.other("has a part without damping")
-    for beyond in BEYOND:
+        raise damping.forms[0].other("has a part without damping")
+    for beyond in BEYOND_BARE if damping.bare else BEYOND:
         gaps = FrequencyGaps(still, 2 * load, beyond)
         for m in gaps.lines:
             if _stays(gaps, damping, m, load, vanishing):
@@ -216,9 +297,25 @@ def _load(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: 
 
 
 def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing: bool) -> bool:
-    """The inequality of Lemma 11, for all modes beyond line m."""
+    """The inequality of Lemmas 11 and 13, for all modes beyond line m, of the first of them."""
+    omega = gaps.frequency(m) + gaps.gap(m)  # at most that of mode m + 1
+    if _damped(gaps, damping, m, omega, load, vanishing):
+        return True
+    if not damping.bare or m == gaps.count:
+        return False
+    try:  # R₂ is known better of a mode of which the frequency is
+        return _damped(gaps, damping, m, gaps.frequency(m + 1), load, vanishing, m + 1) and _stays(
+            gaps, damping, m + 1, load, vanishing
+        )
+    except NoStrips:
+        return False
+
+
+def _damped(
+    gaps: FrequencyGaps, damping: LeftOver, m: int, omega: arb, load: arb, vanishing: bool, mode: int | None = None
+) -> bool:
+    """The same for modes beyond line m from ω on, or for one alone."""
     g, X = gaps.gap(m), _load(gaps, damping, m, load, vanishing)
-    omega = gaps.frequency(m) + g  # at most that of mode m + 1
     if not 2 * X < g:
         return False
     r = g / omega
@@ -228,6 +325,7 @@ def _stays(gaps: FrequencyGaps, damping: LeftOver, m: int, load: arb, vanishing:
     blur = of_rest / (1 - of_rest**2).sqrt()
     grows = 1 / (1 - 2 * of_rest**2)
     first = damping.c_E * (omega - X - load * gaps.size * grows) - damping.turning * grows
+    first -= damping.taken(omega, blur, r, None if mode is None else gaps.interval(mode))
     if not first >= 0:
         return False
     here: arb = damping.least(omega, blur).min(arb(0))

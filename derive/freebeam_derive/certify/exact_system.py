@@ -38,6 +38,9 @@ class ExactSystem:
     and ValueError for unknown parameters.
     """
 
+    slopes: tuple[ExactSystem, ExactSystem] | None = None
+    """Over a range of a damping: F in the middle, and dF/dt of each |t| ≤ 1 (`system_ranges`)."""
+
     def __init__(
         self,
         kernel: Any,
@@ -146,6 +149,10 @@ class ExactSystem:
     def undamped(self, alpha: Exact, beta: Exact) -> bool:
         """Whether F is a function of −λ² alone. The dampings are those that the system was made with."""
         return not self._damped and not self.vanishing
+
+    def still(self) -> ExactSystem:
+        """The same column without alpha and beta."""
+        return ExactSystem(self.kernel, self.own)
 
     def pencil(self, P: Any, value: Any, alpha: Exact, beta: Exact) -> tuple[Any, Any, Any, Any, Any]:
         """P and s of an eigenvalue λ, their slopes in λ, and that of the first in P."""

@@ -44,7 +44,7 @@ class FrequencyGaps:
     def __init__(self, system: ExactSystem, load: arb, beyond: int = 1) -> None:
         self.system = system
         self._float = {name: float(value) for name, value in system.own.items()}
-        at_ends = [ColumnForms(system.kernel, own) for own in _at_ends(system.own)]
+        at_ends = [ColumnForms(system.kernel, own) for own in at_both(system.own)]
         forms = at_ends[0]
         self._sizes = [load_size(each) for each in at_ends]  # which fall with masses
         self.size = greatest(each.constant for each in self._sizes)
@@ -138,6 +138,11 @@ class FrequencyGaps:
         """At most ω_k, for k up to K."""
         return self._known[k - 1][0].lower()
 
+    def interval(self, k: int) -> arb:
+        """A ball that holds ω_k, for k up to K."""
+        low, high = self._known[k - 1]
+        return low.union(high)
+
     def estimates(self, P: float, count: int) -> Any:
         """The lowest eigenvalues s at a load of a series, in floats: 1/s are the largest of K⁻¹M, which s of M⁻¹K are
         not and so lose their digits to those that are."""
@@ -148,8 +153,8 @@ class FrequencyGaps:
         return np.sort_complex(1 / found[np.argsort(-abs(found))[:count]])
 
 
-def _at_ends(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
-    """Own parameters, at both ends of the range where one is one."""
+def at_both(own: Mapping[str, Exact]) -> list[dict[str, Fraction]]:
+    """Values by their names, at both ends of the range where one is one."""
     found: list[dict[str, Any]] = [
         {name: (value.low, value.high)[n] if isinstance(value, Range) else value for name, value in own.items()}
         for n in (0, 1)

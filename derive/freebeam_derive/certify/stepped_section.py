@@ -13,7 +13,9 @@ many cells of phases tell of all γ from some on how near two zeros come. docs/t
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from copy import copy
 from fractions import Fraction
+from functools import reduce
 from itertools import combinations, pairwise
 from math import prod
 from typing import Any
@@ -21,7 +23,7 @@ from typing import Any
 from flint import acb, acb_series, arb
 
 from freebeam_derive.certify.balls import Unproven, ball, exact, least
-from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.column_forms import ColumnForms, Place
 from freebeam_derive.certify.comparison_form import ORDERS
 
 PARTS = 8  # at most: there are as many waves as a power of two by it
@@ -268,6 +270,23 @@ class SteppedSection:
             values = _sum(values, [(v * value).upper() for v in out])
             slopes = _sum(slopes, [(v * (slope + turn * value)).upper() for v in out])
         return values, slopes
+
+
+def motion(sections: Sequence[SteppedSection], omega: arb, at: Place) -> arb:
+    """The square of y⁽ⁱ⁾ at a place in the mode of mass 1 with a frequency: dω²/dk of a spring k there.
+
+    sections: the column, or both ends of a range. f is linear in k and in the range's parameter, and nothing at the
+    frequency.
+    """
+    g, grown, slopes = omega.sqrt(), [], []
+    for section in sections:
+        stiffer, forms = copy(section), copy(section.forms)
+        forms.springs = forms.springs | {at: forms.springs.get(at, Fraction(0)) + 1}
+        stiffer.forms = forms
+        grown.append(stiffer.value(g)[0])
+        slopes.append(section.value(g)[1])
+    found: arb = -4 * g**3 * reduce(arb.union, grown) / reduce(arb.union, slopes)
+    return found
 
 
 def _cells_apart(

@@ -835,7 +835,7 @@ class System:
 
     @property
     def centre(self) -> arb:
-        """Of what whirls the x of ω = 0, about which a crossing is looked at: far from there most terms would cancel."""
+        """Of what whirls the x of ω = 0, about which a crossing is looked at: far from it most terms would cancel."""
         return arb(0) if self.turn is None or not self.whirls else arb(self.turn)
 
     @property

@@ -153,7 +153,7 @@ class OverRange(OfBeamItself):
 
     def __str__(self) -> str:
         name, of = self.parameter, self.of
-        if self.damping != self.other.damping:
+        if self.damped != self.other.damped:
             of += f" at one end and {self.other.damped} at the other"
         if not self.ours:
             of += f", linear in {name} between what this file says of its two ends"
@@ -337,7 +337,7 @@ def at_end(data: dict[str, Any], name: str, k: int) -> dict[str, Any]:
 
 
 def _value(stated: OfBeamItself, name: str) -> Fraction:
-    found = getattr(stated, name) if name in ("alpha", "beta", "kappa") else stated.parameters[name]
+    found = stated.parameters[name] if name in stated.parameters else getattr(stated, name)
     assert isinstance(found, Fraction)
     return found
 

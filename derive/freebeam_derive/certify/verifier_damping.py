@@ -2,11 +2,12 @@
 
 Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. The
 form of damping in a file is C = c_E E + c_M M + R: R is what is left, such as masses or a weight that are not damped.
-docs/theorem.md, Lemmas 10 and 11, say when no high mode reaches the axis.
+docs/theorem.md, Lemmas 10, 11 and 13, say when no high mode reaches the axis.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -17,7 +18,7 @@ from flint import arb, fmpq, fmpq_poly
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier_claims import ball, exact, greatest, least, require
-from freebeam_derive.certify.verifier_sections import Place, Sections, add, at, form, load_size
+from freebeam_derive.certify.verifier_sections import Place, Sections, at, load_size
 
 LENGTHS = [Fraction(4, 5) ** k for k in range(24)]  # of a bump beside a mass, in parts of the segment
 CUBICS: dict[tuple[int, bool], list[Any]] = {
@@ -42,6 +43,16 @@ class Damped:
     along: list[dict[int, fmpq_poly]]
     points: dict[Place, Fraction]
     beside: tuple[list[dict[int, fmpq_poly]], dict[Place, Fraction]]
+
+    @property
+    def of_E(self) -> arb:
+        """c_E"""
+        return ball(self.c_E)
+
+    @property
+    def of_M(self) -> arb:
+        """c_M"""
+        return ball(self.c_M)
 
     # ---------------------------------------------------------------- in words
 
@@ -75,7 +86,7 @@ class Damped:
     @cached_property
     def density(self) -> tuple[arb, arb]:
         """Of the part along the beam with y v the least and the largest, over the mass."""
-        return _ratios(self.column, [table.get(0, fmpq_poly([0])) for table in self.along])
+        return ratios(self.column, [table.get(0, fmpq_poly([0])) for table in self.along])
 
     @cached_property
     def at_masses(self) -> list[arb]:
@@ -117,7 +128,7 @@ class Damped:
                 local = fmpq_poly([exact(of.breaks[node]), exact(sign * length)])
                 terms = [(0, of.m[n]), (2, of.EI[n]), *of.elastic[n].items()]
                 whole = [(f(local) * squares[p]).integral()(1) for p, f in terms]
-                parts = [_fraction(f) * length ** (1 + 2 * (order - p)) for (p, _), f in zip(terms, whole, strict=True)]
+                parts = [fraction(f) * length ** (1 + 2 * (order - p)) for (p, _), f in zip(terms, whole, strict=True)]
                 weight, energy = weight + parts[0], energy + sum(parts[1:], Fraction(0))
             found.append((ball(weight), ball(energy)))
         return found
@@ -131,33 +142,84 @@ class Damped:
         missed = 2 * felt * blur + (self.size + along + share * points) * blur**2
         return arb((of_mode - missed / (1 - blur**2)).lower())
 
+    # ---------------------------------------------------------------- at places without a mass
+
+    @property
+    def bare(self) -> dict[Place, Fraction]:
+        """R there."""
+        return {key: f for key, f in self.points.items() if f and not self.column.masses.get(key)}
+
+    def reach(self, place: Place, omega: arb) -> arb:
+        """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω²; it grows as ω^((2i+1)/4) at most.
+
+        ±y⁽ⁱ⁾ is ∫ y'' g − y g'' dx beside it, g a cubic on a part of a segment. Its value and slope at both ends are
+        nothing but for the one of the order 1 − i at the place, which is 1.
+        """
+        (node, order), of, found = place, self.column, []
+        g = fmpq_poly([exact(Fraction(c)) for c in CUBICS[1 - order, True]])
+        of_value, of_bend = (ball(fraction((f * f).integral()(1))) for f in (g, g.derivative().derivative()))
+        for n in (node - 1, node):
+            if 0 <= n < len(of.m):
+                m, EI = (least(at(f[n], x).lower() for x, _ in of.pieces(n)) for f in (of.m, of.EI))
+                value, bend = (of_value / (EI * of.bending)).sqrt() * omega, (of_bend / m).sqrt()
+                whole = ball(of.breaks[n + 1] - of.breaks[n])
+                for part in LENGTHS:
+                    h = (whole * ball(part)).lower()
+                    found.append((value * h * h + bend) * h.sqrt() / h ** (1 + order))
+        return least(found).upper()
+
+    def taken(self, omega: arb, blur: arb, r: arb, squares: dict[Place, arb]) -> arb:
+        """At least −Re R(u, z)/(z, u) of these places over ω. squares: of φ⁽ⁱ⁾, where they are known of a mode φ."""
+        total = arb(0)
+        for place, f in self.bare.items():
+            most = self.reach(place, omega) ** 2
+            itself = most.min(squares[place].upper()) if place in squares else most
+            total += abs(ball(f)) * (most * (2 + r) * blur / (1 - blur) + (itself if f < 0 else 0))
+        return (total / omega).upper()
+
+    def served_from(self, loaded: arb) -> arb:
+        """An ω from which the bounds alone make Lemma 13 hold, for gaps somewhat wider than it needs."""
+        omega = 4 * loaded.upper()
+        for _ in range(16):
+            try:
+                self._check_from(omega, {}, 3 * loaded, loaded, loaded)
+                return omega
+            except v.Refused:
+                omega *= 2
+        raise v.Refused("a damper or a spring where no mass is takes too much of the damping")
+
     # ---------------------------------------------------------------- high modes
 
-    def check(self, loaded: arb, gap: arb, frequency: arb) -> None:
-        """Lemma 11: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all gaps from
-        m on; frequency: at most ω_m. Raises Refused."""
-        c_E, c_M, turning = ball(self.c_E), ball(self.c_M), self.turning
+    def check(self, loaded: arb, gap: arb, frequency: arb, modes: Sequence[tuple[arb, dict[Place, arb]]] = ()) -> None:
+        """Lemmas 11 and 13: no mode beyond line m reaches the axis. loaded: load times C of Lemma 6; gap: at most all
+        gaps from m on; frequency: at most ω_m. modes: at most ω_j, and the squares at places, of some from m + 1 on.
+        Raises Refused."""
+        c_E, turning = self.of_E, self.turning
         X = loaded
         if not self.vanishing:
-            require(bool(turning.is_zero()) or self.c_E > 0, "a slope is damped without internal damping")
-            X += (turning / c_E if self.c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
+            require(bool(turning.is_zero() or c_E > 0), "a slope is damped without internal damping")
+            X += (turning / c_E if c_E > 0 else arb(0)) + self.size * (1 + gap / frequency).sqrt()
         require(bool(2 * X < gap), "the gaps between high frequencies are too narrow for such a load and damping")
-        omega = frequency + gap
-        r = gap / omega
+        beyond = (modes[-1][0] if modes else frequency) + gap
+        for omega, squares in (*modes, (beyond, {})):
+            self._check_from(omega, squares, gap, X, loaded)
+
+    def _check_from(self, omega: arb, squares: dict[Place, arb], gap: arb, X: arb, loaded: arb) -> None:
+        """The same for a mode with such squares, or without them for all from ω on."""
+        c_E, r, undamped = self.of_E, gap / omega, "high frequencies are not known to be damped"
         sigma = (((1 + r) / (gap * (2 + r) - X)).max(1 / (gap * (2 - r) - X)) * X).upper()
-        undamped = "high frequencies are not known to be damped"
         require(bool(2 * sigma**2 < 1), undamped)
         blur, k = sigma / (1 - sigma**2).sqrt(), 1 / (1 - 2 * sigma**2)
-        h = c_E * (omega - X - loaded * k) - turning * k
+        h = c_E * (omega - X - loaded * k) - self.turning * k - self.taken(omega, blur, r, squares)
         rest = self.least(omega, blur).min(arb(0))
-        require(bool(h >= 0) and bool(c_M + omega * h + rest > 0), undamped)
+        require(bool(h >= 0) and bool(self.of_M + omega * h + rest > 0), undamped)
 
     def highest(self, line: arb, loaded: arb) -> arb:
         """Ω: no eigenvalue iω, ω ≥ Ω, is left of a line, or none is there at all. loaded: as above."""
         if self.c_E == 0:
             return line.sqrt().upper()
-        c_E, bounds = ball(self.c_E), []
-        rest = 1 - c_E * ball(self.c_M) - c_E**2 * line
+        c_E, bounds = self.of_E, []
+        rest = 1 - c_E * self.of_M - c_E**2 * line
         if rest > 0:
             bounds.append((line / rest).sqrt().upper())
         omega = (1 / c_E).upper()
@@ -171,7 +233,60 @@ class Damped:
         return least(bounds)
 
 
-def _fraction(value: fmpq) -> Fraction:
+class DampedOver(Damped):
+    """Of each column and damping between two that go linearly into one another; R of each for one c_E and one c_M.
+
+    Places have masses at both ends of the range, or at none. Raises Refused.
+    """
+
+    both: tuple[Damped, Damped]
+
+    @staticmethod
+    def of(one: Damped, other: Damped) -> DampedOver:
+        masses, springs = (
+            {key: side([part.get(key, Fraction(0)) for part in parts]) for key in {**parts[0], **parts[1]}}
+            for side, parts in ((min, (one.column.masses, other.column.masses)),
+                                (max, (one.column.springs, other.column.springs)))
+        )  # fmt: skip
+        require(all(masses[key] > 0 for column in (one.column, other.column) for key, m in column.masses.items() if m),
+                "a mass is nothing at an end of the range, with damping")  # fmt: skip
+        column = replace(one.column, masses=masses, springs=springs)  # of which a mode has most at a place
+        points = {key: _worse(one.points.get(key, Fraction(0)), other.points.get(key, Fraction(0)))
+                  for key in {**one.points, **other.points}}  # fmt: skip
+        found = DampedOver(column, one.c_E, one.c_M, one.vanishing, one.along, points, one.beside)
+        object.__setattr__(found, "both", (one, other))
+        return found
+
+    @property
+    def of_E(self) -> arb:
+        return self.both[0].of_E.union(self.both[1].of_E)
+
+    @property
+    def of_M(self) -> arb:
+        return self.both[0].of_M.union(self.both[1].of_M)
+
+    @cached_property
+    def turning(self) -> arb:
+        return _most([each.turning for each in self.both])
+
+    @cached_property
+    def density(self) -> tuple[arb, arb]:
+        low, high = zip(*(each.density for each in self.both), strict=True)
+        return least(low), greatest(high)
+
+    @cached_property
+    def at_masses(self) -> list[arb]:
+        """Between its values at the ends, a quotient of what is linear."""
+        return [a.union(b) for a, b in zip(*(each.at_masses for each in self.both), strict=True)]
+
+
+def _worse(f: Fraction, g: Fraction) -> Fraction:
+    """What takes as much of the damping as any number between two."""
+    most = max(abs(f), abs(g))
+    return -most if min(f, g) < 0 else most
+
+
+def fraction(value: fmpq) -> Fraction:
     return Fraction(int(value.p), int(value.q))
 
 
@@ -179,7 +294,7 @@ def _most(values: list[arb]) -> arb:
     return greatest([arb(0), *values]).upper()
 
 
-def _ratios(column: Sections, parts: list[fmpq_poly]) -> tuple[arb, arb]:
+def ratios(column: Sections, parts: list[fmpq_poly]) -> tuple[arb, arb]:
     values = [at(f, x) / at(column.m[n], x) for n, f in enumerate(parts) for x, _ in column.pieces(n)]
     return least(values).lower(), greatest(values).upper()
 
@@ -189,75 +304,6 @@ def _product(order: int) -> str:
 
 
 def _written(f: fmpq_poly) -> str:
-    powers = [(_fraction(f[k]), ["", " x"][k] if k < 2 else f" x^{k}") for k in range(f.degree() + 1)]
+    powers = [(fraction(f[k]), ["", " x"][k] if k < 2 else f" x^{k}") for k in range(f.degree() + 1)]
     terms = [said(c) + power for c, power in powers if c]
     return terms[0] if len(terms) == 1 else f"({' + '.join(terms)})".replace("+ -", "- ")
-
-
-# --- reading -------------------------------------------------------------------------------------------------------
-
-
-def damped(data: Any, column: Sections) -> Damped | None:
-    """What a file says of damping. Raises Refused."""
-    if data is None:
-        return None
-    require(set(data) == {"form", "vanishing"} and type(data["vanishing"]) is bool, "the damping is no form of its own")
-    tables, points = form(data["form"], column)
-    require(all(p == q for table in tables for p, q in table), "the damping couples motions")
-    require(all(row == of for row, of in points), "the damping couples motions")
-    # so that it takes energy
-    positive = all(_never_negative(column, n, f) for n, table in enumerate(tables) for f in table.values())
-    require(positive and all(f >= 0 for f in points.values()), "the damping is not known to take energy")
-    shares = {_quotient(table.pop((2, 2), fmpq_poly([0])), column.EI[n]) for n, table in enumerate(tables)}
-    require(len(shares) == 1 and None not in shares, "the internal damping is not the bending stiffness times a number")
-    c_E = shares.pop() or Fraction(0)
-    at_places = {key: f for (key, _), f in points.items()}
-    beside = (
-        [_less({p: f for (p, _), f in table.items()}, column.elastic[n], c_E) for n, table in enumerate(tables)],
-        {key: at_places.get(key, Fraction(0)) - c_E * column.springs.get(key, Fraction(0))
-         for key in {**at_places, **column.springs, **column.masses}},
-    )  # fmt: skip
-    require(all(column.masses.get(key, 0) > 0 for key, f in beside[1].items() if f),
-            "a damper, or a spring without internal damping, is where no mass is")  # fmt: skip
-    c_M = _of_mass(column, [table.get(0, fmpq_poly([0])) for table in beside[0]])
-    along = [_less(table, {0: column.m[n]}, c_M) for n, table in enumerate(beside[0])]
-    points_left = {key: f - c_M * column.masses.get(key, Fraction(0)) for key, f in beside[1].items()}
-    found = Damped(column, c_E, c_M, data["vanishing"], along, points_left, beside)
-    require(c_E > 0 or c_M > 0, "there is no damping at all along the beam")
-    return found
-
-
-def _of_mass(column: Sections, parts: list[fmpq_poly]) -> Fraction:
-    """c_M, any number from 0 on: where the damping is the mass times a number that one, else one in the middle."""
-    each = {_quotient(f, column.m[n]) for n, f in enumerate(parts)}
-    number = each.pop() if len(each) == 1 else None
-    if number is None:
-        low, high = _ratios(column, parts)
-        number = Fraction(float(low) + float(high)) / 2
-    return max(number, Fraction(0))
-
-
-def _less(table: dict[int, fmpq_poly], other: dict[int, fmpq_poly], factor: Fraction) -> dict[int, fmpq_poly]:
-    found = dict(table)
-    for order, f in other.items():
-        add(found, order, -f * exact(factor))
-    return found
-
-
-def _quotient(f: fmpq_poly, g: fmpq_poly) -> Fraction | None:
-    """The number that f is of g."""
-    c = f[g.degree()] / g[g.degree()]
-    return _fraction(c) if f == g * c else None
-
-
-def _never_negative(column: Sections, n: int, f: fmpq_poly) -> bool:
-    return all(f[k] >= 0 for k in range(f.degree() + 1)) or all(at(f, x) >= 0 for x, _ in column.pieces(n))
-
-
-def statement(found: Damped | None) -> dict[str, Any]:
-    """Damping and the rest in words: C as c_M M + c_E E; where that is not all of it, as c_E E and the rest."""
-    if found is None:
-        return {}
-    plain = found.plain
-    stated = v.Damping(found.c_M if plain else Fraction(0), found.c_E, found.vanishing)
-    return {"damping": stated, "beside": () if plain else tuple(found.words)}

@@ -34,7 +34,7 @@ def _within(value: arb, interval: Interval) -> bool:
     return bool(ball(interval[0]) < value < ball(interval[1]))
 
 
-def _apart(interval: Interval) -> tuple[arb, arb]:
+def apart(interval: Interval) -> tuple[arb, arb]:
     """The middle, and what goes from there to both ends."""
     return ball((interval[0] + interval[1]) / 2), arb(0, 1) * ball((interval[1] - interval[0]) / 2)
 
@@ -120,7 +120,7 @@ class Equations:
         """Slopes of the equations in alpha and beta over all of the range, and how far these go from the middle."""
         p, s = self.place(P, x)
         F_p, F_s = box.value(p, s, 1, 0), box.value(p, s, 0, 1)
-        (a, a_far), (b, b_far) = (_apart(of) for of in (self.of_E, self.of_M))
+        (a, a_far), (b, b_far) = (apart(of) for of in (self.of_E, self.of_M))
         if self.limit:
             return [([arb(0), F_s], self.beta / self.alpha - b / a)]
         lam = acb(0, x)

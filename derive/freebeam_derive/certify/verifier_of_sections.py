@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from functools import reduce
 from typing import Any
 
 import flint
@@ -19,12 +20,13 @@ from flint import arb, arb_poly
 
 from freebeam_derive.certify import verifier_sections
 from freebeam_derive.certify.verifier_claims import Statement, ball, greatest, least, require
-from freebeam_derive.certify.verifier_damping import Damped, damped, statement
+from freebeam_derive.certify.verifier_damping import Damped
+from freebeam_derive.certify.verifier_damping_forms import damped, of_all_alike, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Rates
-from freebeam_derive.certify.verifier_sections import OfSections, Sections, load_size
+from freebeam_derive.certify.verifier_sections import OfSections, Place, Sections, load_size
 from freebeam_derive.certify.verifier_signs import BITS
 from freebeam_derive.certify.verifier_waves import Apart
 
@@ -53,6 +55,9 @@ class Gaps(High):
         needed = (ball(load) * self.size).upper()
         apart = Apart(*(column for column, _ in self.columns))
         beyond, gap = apart.gap(needed if self.damping is None else WIDER * needed)
+        beyond = beyond.max(self.top.root(4))
+        if self.damping is not None and self.damping.bare:
+            beyond = beyond.max(self.damping.served_from(needed).sqrt())
         require(bool(gap > needed), "the gaps between high frequencies are too narrow")
         known = self.known = self._frequencies(beyond, apart.whole)
         require(self.m < len(known), "the line is above all frequencies that are looked at")
@@ -66,7 +71,21 @@ class Gaps(High):
         around = (self.top / below - below).min(above - self.top / above)
         require(bool(needed < around), f"line {self.m} is not known to be free of eigenvalues")
         if self.damping is not None:
-            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower())
+            modes = self._motions(self.damping, beyond, apart.whole)
+            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
+
+    def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
+        """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""
+        still = [Frequencies(F, beyond, length) for _, F in self.columns]
+        found = [(low, dict[Place, arb]()) for low, _ in self.known[self.m :]]
+        for place in damping.bare:
+            stiffer = []
+            for column, _ in self.columns:
+                springs = column.springs | {place: column.springs.get(place, Fraction(0)) + 1}
+                stiffer.append(Frequencies(Pieces(replace(column, springs=springs)), beyond, length))
+            for sides, (_, squares) in zip(self.known[self.m :], found, strict=True):
+                squares[place] = square(still, stiffer, sides)
+        return found if damping.bare else []
 
     def _frequencies(self, beyond: arb, length: arb) -> list[tuple[arb, arb]]:
         """Bounds of those of each column, ascending, up to the first that is beyond² of all."""
@@ -152,6 +171,26 @@ class Frequencies:
         return low, high
 
 
+def square(still: Sequence[Frequencies], stiffer: Sequence[Frequencies], sides: tuple[arb, arb]) -> arb:
+    """Of y⁽ⁱ⁾ where the other columns' spring is stiffer by 1, in a mode of mass 1 with ω between two sides.
+
+    still: one column, or both ends of a range. It is dω²/dk; F is linear in k and in the range's parameter, and nothing
+    at ω².
+    """
+    scale = still[0].scale
+    u = sides[0].union(sides[1]) ** 2 / scale
+    middle, away = u.mid(), u - u.mid()
+    grown, slopes = list[arb](), list[arb]()
+    for of, other in zip(still, stiffer, strict=True):
+        require(bool(of.scale == scale == other.scale), "frequencies of a range are looked at on different scales")
+        with flint.ctx.workprec(max(of.bits, other.bits)):
+            value, stiff = (each.F(arb_poly([middle, 1])) for each in (of, other))
+            grown.append(stiff(away) + other.rest * arb(0, 1))
+            slopes.append(value.derivative()(away) + 2 * of.rest * arb(0, 1))  # of the rest as in `_between`
+    with flint.ctx.workprec(still[0].bits):
+        return -scale * reduce(arb.union, grown) / reduce(arb.union, slopes)
+
+
 def verify_sections(data: dict[str, Any]) -> OfSections:
     """Check a certificate of such a column; what it proves. Raises Refused, ArithmeticError."""
     stated, column, m, line, stretches = verifier_sections.read(data)
@@ -159,8 +198,8 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
     with flint.ctx.workprec(BITS):
         F, damping = Pieces(column), damped(data["damping"], column)
         stated = replace(stated, **statement(damping))
-        if damping is not None and damping.vanishing and damping.plain and damping.c_E == 0 < damping.c_M:
-            damping = None  # it damps all motions alike
+        if damping is not None and of_all_alike(damping):
+            damping = None
         gaps = Gaps([(column, F)], m, line, damping)
     equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
     First(equations, gaps, stated, ranged=False).check(stretches)

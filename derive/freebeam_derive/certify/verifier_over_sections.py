@@ -1,8 +1,9 @@
-"""Check certificates over a range of a mass or a spring (format 8): code of its own, which shares none with the prover.
+"""Check certificates over a range of a mass, a spring or a damping (format 8), sharing no code with the prover.
 
-The column is one of format 6 without damping, given at both ends of the range; between them what the file says of it
-is linear. What changes stands in one natural condition, so that F(P, s) is linear in the parameter (docs/theorem.md,
-Theorem 5). On each piece all that is shown of one value is shown on balls that hold those of each.
+The column is one of format 6, given at both ends of the range; between them what the file says of it is linear. What
+changes stands in one natural condition, so that F(P, s) is linear in the parameter, or is a damping (docs/theorem.md,
+Theorem 5). On each piece all that is shown of one value is shown on balls
+that hold those of each.
 """
 
 from __future__ import annotations
@@ -17,13 +18,17 @@ from flint import arb, arb_mat
 
 from freebeam_derive.certify import verifier_beam_claims as claims
 from freebeam_derive.certify import verifier_claims as v
+from freebeam_derive.certify import verifier_damping_forms
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier_beam_claims import OverRange, Piece
 from freebeam_derive.certify.verifier_claims import Statement, require
+from freebeam_derive.certify.verifier_damping import Damped, DampedOver
+from freebeam_derive.certify.verifier_damping_forms import Tables, damped, of_all_alike, split, statement
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_of_beam import ALONE, First
 from freebeam_derive.certify.verifier_of_sections import Gaps
 from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_sections import OfSections, Sections, stated_of
 from freebeam_derive.certify.verifier_shooting import Whole
 from freebeam_derive.certify.verifier_signs import BITS
@@ -50,14 +55,20 @@ class OfPiece(Piece):
 # --- between two columns -------------------------------------------------------------------------------------------
 
 
-def check_one_condition(one: Sections, other: Sections) -> None:
-    """That two columns differ at most in a mass, a spring and what the load does, all in one natural condition."""
+def check_one_condition(one: Sections, other: Sections, *dampings: Damped) -> None:
+    """That two columns differ at most in a mass, a spring, what the load does and what is left of damping there, all in
+    one natural condition; dampings of one column may differ in all (but see `RatesOverDamping`). Raises Refused."""
     same = replace(other, masses=one.masses, springs=one.springs, forces=one.forces) == one
     require(same, "the range changes more than masses, springs and forces at places")
     pairs = (one.masses, other.masses), (one.springs, other.springs)
     rows = {place for a, b in pairs for place in {**a, **b} if a.get(place, 0) != b.get(place, 0)}
     a, b = one.forces, other.forces
     rows |= {row for row, of in {**a, **b} if a.get((row, of), 0) != b.get((row, of), 0)}
+    if dampings and one != other:
+        along = [(d.c_E, d.c_M, d.along) for d in dampings]
+        require(along[0] == along[1], "the range changes the damping along the beam")
+        first, second = (d.points for d in dampings)
+        rows |= {place for place in {**first, **second} if first.get(place, 0) != second.get(place, 0)}
     require(len(rows) <= 1, "the range changes more than one condition")
 
 
@@ -110,16 +121,27 @@ def _filled(X: arb_mat, rows: int, columns: int) -> arb_mat:
 # --- reading and checking ------------------------------------------------------------------------------------------
 
 
-def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections]]:
-    """Of a file: what is claimed, and the columns at both ends of the range. Raises Refused."""
+def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections], list[Tables]]:
+    """Of a file: what is claimed, and at both ends of the range the columns and the forms of damping, none where there
+    is none, or one that damps all motions alike and vanishes. Raises Refused."""
     claims.fields(data, FIELDS)
     name = data["range"]
     require(name in data["parameters"], "the parameter of the range is none")
     pieces = claims.pieces_of(data, _piece)
     (one, column), (other, other_column) = (_at_end(data, name, k) for k in (0, 1))
-    require(data["damping"] == [None, None], "over a range no damping is served here")
-    check_one_condition(column, other_column)
-    return OverSections(**vars(one) | claims.in_pieces(data, one, other, pieces)), (column, other_column)
+    given = [claims.at_end(data, name, k)["damping"] for k in (0, 1)]
+    with flint.ctx.workprec(BITS):
+        dampings = [d for d in map(damped, given, (column, other_column)) if d is not None]
+    require(len(dampings) != 1, "there is damping at one end of the range alone")
+    require(len({d.vanishing for d in dampings}) <= 1, "damping vanishes at one end of the range alone")
+    if dampings:
+        one, other = (replace(of, **statement(d)) for of, d in zip((one, other), dampings, strict=True))
+    if all(map(of_all_alike, dampings)):
+        dampings = []
+    check_one_condition(column, other_column, *dampings)
+    forms = [verifier_damping_forms.stated(of, column) for of in given] if dampings else []
+    whole = OverSections(**vars(one) | claims.in_pieces(data, one, other, pieces))
+    return whole, (column, other_column), forms
 
 
 def _at_end(data: dict[str, Any], name: str, k: int) -> tuple[OfSections, Sections]:
@@ -134,17 +156,27 @@ def _piece(data: dict[str, Any]) -> OfPiece:
 
 
 def verify_over_sections(data: dict[str, Any]) -> OverSections:
-    """Check a certificate over a range of a mass or a spring; what it proves. Raises Refused, ArithmeticError."""
-    stated, columns = read(data)
+    """Check a certificate over a range of a mass, a spring or a damping; what it proves. Raises Refused."""
+    stated, columns, forms = read(data)
     low, high, each_piece = stated.low, stated.high, list[tuple[First, OfPiece]]()
     for piece in stated.pieces:
         assert isinstance(piece, OfPiece)
-        ends = [between(*columns, (value - low) / (high - low)) for value in (piece.low, piece.high)]
+        shares = [(value - low) / (high - low) for value in (piece.low, piece.high)]
         with flint.ctx.workprec(BITS):
-            each = [(column, Pieces(column)) for column in ends]
-            gaps = Gaps(each, piece.lowest, piece.line)
+            each = [(column, Pieces(column)) for column in (between(*columns, share) for share in shares)]
             F = OverPieces([F for _, F in each])
-        first = First(Equations(F, 0, ALONE, ALONE, False), gaps, piece, ranged=True)
+            equations, over = Equations(F, 0, ALONE, ALONE, False), None
+            if forms:
+                vanishing = data["damping"][0]["vanishing"]
+                dampings = [split(*verifier_damping_forms.between(forms[0], forms[1], share), vanishing, column)
+                            for share, (column, _) in zip(shares, each, strict=True)]  # fmt: skip
+                over = DampedOver.of(*dampings)
+                if vanishing or columns[0] != columns[1]:
+                    equations = RatesOver(F, *(Rates(F, d) for (_, F), d in zip(each, dampings, strict=True)))
+                else:
+                    equations = RatesOverDamping(each[0][1], *dampings)
+            gaps = Gaps(each[: 1 if each[0][0] == each[1][0] else 2], piece.lowest, piece.line, over)
+        first = First(equations, gaps, piece, ranged=True)
         first.check_order(piece.stretches)  # of all pieces before any is begun
         each_piece.append((first, piece))
     for first, piece in each_piece:

@@ -8,16 +8,19 @@ F(p, s, q), that of E + p B + q R − s M. In the limit of vanishing damping, at
 
 from __future__ import annotations
 
+from copy import copy
 from fractions import Fraction
 from typing import Any
 
 from flint import acb, arb
 
-from freebeam_derive.certify.verifier_boxes import Box
+from freebeam_derive.certify.verifier_boxes import Box, power
 from freebeam_derive.certify.verifier_claims import require
 from freebeam_derive.certify.verifier_damping import Damped
-from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two
+from freebeam_derive.certify.verifier_damping_forms import halfway
+from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two, apart, over
 from freebeam_derive.certify.verifier_pieces import Pieces
+from freebeam_derive.certify.verifier_shooting import Shooting
 
 
 class Powers:
@@ -42,6 +45,13 @@ class Powers:
         return total
 
 
+class _Both:
+    """The same box of two."""
+
+    def __init__(self, *boxes: Powers) -> None:
+        self.value = tuple(box.value for box in boxes)
+
+
 class Rates(Equations):
     """As `Equations`. F: without damping, for real s and at s = 0."""
 
@@ -51,6 +61,7 @@ class Rates(Equations):
         of_E, of_M = ((f, f) for f in (damping.c_E, damping.c_M))
         super().__init__(F, 0, of_E, of_M, damping.vanishing)
         self.whole = F if damping.plain else Pieces(F.column, damping)
+        self.scale = arb(1)  # of R
 
     @property
     def undamped_to(self) -> Fraction:
@@ -73,10 +84,10 @@ class Rates(Equations):
             return [F, a * p * F_p + r * F_s - F_q], [[F_p, F_s], [of_p, of_s]]
         lam = acb(0, x)
         below = 1 + a * lam
-        rate = lam / below
+        rate = self.scale * lam / below
         F, F_p, F_s, F_q = (f(p, s, i, j, rate, k) for i, j, k in ((0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)))
         by_P = F_p / below
-        by_x = acb(0, 1) * (F_q / below - a * p * F_p - (2 * lam + b + a * s) * F_s) / below
+        by_x = acb(0, 1) * (self.scale * F_q / below - a * p * F_p - (2 * lam + b + a * s) * F_s) / below
         return [F.real, F.imag], [[by_P.real, by_x.real], [by_P.imag, by_x.imag]]
 
     def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
@@ -95,4 +106,66 @@ class Rates(Equations):
         by_s = box.value(P, arb(0), 0, 1)
         require(not (self.limit and by_s.contains(0)), "s = 0 is not known to be simple there")
         by_q = Powers(self.whole, P, arb(0)).value(P, arb(0), 0, 0, arb(0), 1)
-        return arb(self.alpha * P * slope + self.beta * by_s - by_q)
+        return arb(self.alpha * P * slope + self.beta * by_s - self.scale * by_q)
+
+
+class RatesOver(Rates):
+    """Of each column and damping between two: equations are linear in the parameter, and between those at its ends.
+
+    F: without damping, over the range.
+    """
+
+    def __init__(self, F: Shooting, low: Rates, high: Rates) -> None:
+        of_E, of_M = ((min(a[0], b[0]), max(a[1], b[1])) for a, b in ((low.of_E, high.of_E), (low.of_M, high.of_M)))
+        Equations.__init__(self, F, 0, of_E, of_M, low.limit)
+        self.both = low, high
+
+    def box(self, p: Any, s: Any) -> Any:
+        return _Both(*(of.box(p, s) for of in self.both))
+
+    def system(self, f: Any, P: Any, x: Any) -> tuple[Two, Matrix]:
+        """f: of both ends."""
+        (low, by_low), (high, by_high) = (of.system(value, P, x) for of, value in zip(self.both, f, strict=True))
+        return _hull(low, high), [_hull(*rows) for rows in zip(by_low, by_high, strict=True)]
+
+    def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
+        low, high = (of.system(of.box(*near).value, P, x)[0] for of in self.both)
+        pairs = [*zip(low, high, strict=True)]
+        return [([(a + b) / 2 for a, b in pairs], arb(1)), ([(b - a) / 2 for a, b in pairs], power(1))]
+
+    def rate(self, box: Box, P: arb, slope: arb) -> arb:
+        low, high = (of.rate(box, P, slope) for of in self.both)
+        return low.union(high)
+
+
+class RatesOverDamping(Rates):
+    """Of one column and each damping between two whose R are the same form times a number. Raises Refused."""
+
+    def __init__(self, F: Pieces, low: Damped, high: Damped) -> None:
+        middle, share = halfway(low, high)
+        super().__init__(F, middle)
+        self.of_E, self.of_M, self.of_R = (
+            (min(pair), max(pair)) for pair in ((low.c_E, high.c_E), (low.c_M, high.c_M), (share, 2 - share))
+        )
+        self.scale = over(self.of_R)
+
+    def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
+        """The middle, and slopes over all of the range."""
+        middle, box, fars = copy(self), self.box(*near), list[arb]()
+        middle.scale = arb(1)
+        for name in ("of_E", "of_M", "of_R"):
+            interval = getattr(self, name)
+            setattr(middle, name, (sum(interval) / 2,) * 2)
+            fars.append(apart(interval)[1])
+        p, s = self.place(P, x)
+        lam = acb(0, x)
+        step = lam / (1 + self.alpha * lam)
+        q = self.scale * step
+        F_p, F_s, F_q = (box.value(p, s, i, j, q, k) for i, j, k in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+        slopes = (-step * (p * F_p + s * F_s + q * F_q), -step * F_s, step * F_q)
+        found = [([slope.real, slope.imag], far) for slope, far in zip(slopes, fars, strict=True)]
+        return [(middle.system(box.value, P, x)[0], arb(1)), *found]
+
+
+def _hull(low: Two, high: Two) -> Two:
+    return [a.union(b) for a, b in zip(low, high, strict=True)]
