@@ -107,7 +107,7 @@ def forgeries(data: Data) -> Iterator[tuple[Data, str]]:
     yield with_dampings(dampings[0], None), "at one end of the range alone"
     turned = dampings[1] | {"vanishing": not vanishing}
     yield with_dampings(dampings[0], turned), "vanishes at one end of the range alone|where no mass is"
-    yield with_dampings(None, None), crossing + "|moves that should not"
+    yield with_dampings(None, None), crossing + "|leave a gap"
     yield data | {"pieces": [piece | {"high": str((F(low) + F(piece["high"])) / 2)}, *others]}, "gap|on one another"
     for factor in ("0.97", "1.03"):
         load = [str(F(v) * F(factor)) for v in piece["load"]]

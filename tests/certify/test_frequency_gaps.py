@@ -214,7 +214,7 @@ def test_a_wave_and_its_slope_are_not_both_small() -> None:
     for value, slope in ((0.9, 0.3), (0.2, 0.9), (0.9, 0.5), (0.6, 0.9)):
         waves = {(sign,): (acb(0, sign).exp() * b, acb(0)) for sign in (1, -1)}
         rest = arb(2 * b * value), arb(2 * b * L * slope)
-        apart = stepped_section._cells_apart(waves, rest, [arb(L)], arb("0.001"))
+        apart = stepped_section._cells_apart(waves, rest, [arb(L)], arb("0.001"), [0])
         assert apart == (value**2 + slope**2 < 1)
 
 

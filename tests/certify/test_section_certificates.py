@@ -349,7 +349,7 @@ def test_a_wave_and_its_slope_are_not_both_small() -> None:
     for value, slope in ((0.9, 0.3), (0.2, 0.9), (0.9, 0.5), (0.6, 0.9)):
         them: Any = object.__new__(Apart)
         them.stages = [{(sign,): [acb_poly([acb(0, sign).exp() * b])] for sign in (1, -1)}]
-        them.lengths, them.whole = [arb(L)], arb(L)
+        them.lengths, them.whole, them.same = [arb(L)], arb(L), [0]
         of_slope = 2 * b * slope  # of L times it, by Cauchy's estimate on a circle of 1/L
         them.rest = lambda G, eta, value=value, of_slope=of_slope: arb(of_slope if eta > 0 else 2 * b * value)
         assert them._cells_apart(arb(0), arb(9), arb("0.001")) == (value**2 + slope**2 < 1)
