@@ -192,13 +192,15 @@ def _piece(asked: proofs._Asked, name: str, low: Fraction, high: Fraction, width
 
 def _over(asked: proofs._Asked, name: str, values: Range) -> Itself:
     """The beam over a range of one of its own parameters, or the beam that a damping ranges of. Raises NoSeries."""
-    from freebeam_derive.certify.beam import Beam
+    from freebeam_derive.certify.beam import Beam, NoSeries
     from freebeam_derive.certify.beam_ranges import linear_damping, over
     from freebeam_derive.certify.system_ranges import OverSystem
 
     own, kernel = {**asked.own, name: values}, _uniform(asked, name, values)
     if kernel is None:
         itself = asked.itself
+        if itself.kernel.COLUMN.get("circulatory"):
+            raise NoSeries(f"{asked.column.name} has a damping that acts on displacements")
         given = dict(zip(("alpha", "kappa" if itself.vanishing else "beta"), itself.dampings, strict=True))
         alpha, beta = (given | ({name: values} if name in given else {})).values()
         return OverSystem(

@@ -229,8 +229,8 @@ def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
         }
 
     given = {name: _quotient(value) for name, value in own.items()}
-    (form,) = kernel.forms(fmpq(1), *map(_quotient, question.dampings), **given)["C"]
-    damping = by_segment(_form(form))
+    forms = kernel.forms(fmpq(1), *map(_quotient, question.dampings), **given)["C"]
+    damping = by_segment(_form(forms[0])) if forms else {}
     return {
         "column": kernel.COLUMN["name"],
         "parameters": {name: written(value) for name, value in own.items()},

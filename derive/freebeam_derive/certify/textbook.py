@@ -22,7 +22,11 @@ def of_any(kernel: Any, *own: Mapping[str, Fraction]) -> Any:
     own parameters. One with rigid motions stays as it is."""
     if kernel.COLUMN.get("general") or kernel.COLUMN["rigid"]:
         return kernel
-    return kernel if all(map(_uniform, (kernel.forms(Fraction(1), **of) for of in own))) else OfAny(kernel)
+    try:
+        forms = [kernel.forms(Fraction(1), **of) for of in own]
+    except TypeError:  # of a factor such as √2, which is no fraction
+        return kernel
+    return kernel if all(map(_uniform, forms)) else OfAny(kernel)
 
 
 def _uniform(forms: Mapping[str, Any]) -> bool:
