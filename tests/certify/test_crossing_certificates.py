@@ -93,7 +93,7 @@ def test_a_limit_of_vanishing_damping_has_the_crossings_of_little_damping() -> N
 def test_statement_record_and_list_agree_and_say_so_in_one_line(tmp_path: Path, capsys: Any) -> None:
     name, (column, N, top, asked) = "lost, regained, lost", CASES["lost, regained, lost"]
     said, file = accepted(name), tmp_path / "list.json"
-    assert "is 0 at first and changes at 3 crossings and no others" in str(said) and "\n" not in str(said)
+    assert "is 0 at first and changes at 3 crossings and nowhere else" in str(said) and "\n" not in str(said)
     assert cli.main(["critical", "--column", "beck", "--set", "eta=0.4", "--modes", str(N), "--load-max", str(top),
                      "--basis", "modes", "--digits", "12", "--all", "--certificate", str(file)]) == 0  # fmt: skip
     capsys.readouterr()

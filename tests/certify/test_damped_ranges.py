@@ -16,7 +16,6 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from time import process_time
 from typing import Any
 
 import flint
@@ -42,6 +41,7 @@ from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_sections import Sections, sections
 from tests.certify.test_range_certificates import assert_within
+from tests.certify.test_section_range_certificates import report
 
 F = Fraction
 Data = dict[str, Any]
@@ -283,24 +283,8 @@ def test_f_of_a_damped_system_over_a_range_is_between_those_at_its_ends() -> Non
 
 def main(*cases: str) -> None:
     for case in cases or CASES:
-        began = process_time()
-        data = json.loads(json.dumps(found(case).certificate))
-        proven, tried = process_time(), 0
-        try:
-            stated = verifier.verify(data, FORMATS)
-        except Refused as refusal:
-            print(f"{case}: proven in {proven - began:.1f} s, REFUSED: {refusal}", flush=True)
-            continue
-        verified = process_time()
-        print(f"{case}: {len(stated.pieces)} pieces, {len(stated.open)} open, proven in {proven - began:.1f} s, "
-              f"verified in {verified - proven:.1f} s", flush=True)  # fmt: skip
-        for forged, _ in forgeries(data):
-            tried += 1
-            try:
-                print("ACCEPTED:", verifier.verify(forged, FORMATS), flush=True)
-            except Refused:
-                pass
-        print(f"    {tried} forgeries tried in {process_time() - verified:.1f} s", flush=True)
+        report(case, lambda case=case: json.loads(json.dumps(found(case).certificate)),
+               lambda data: verifier.verify(data, FORMATS), forgeries)  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -60,7 +60,8 @@ class OfCrossings(Statement):
         )
         if not self.passings:
             return text + "nowhere"
-        count = f"at {len(self.passings)} crossings and no others: {'; '.join(map(str, self.passings))}"
+        n = len(self.passings)
+        count = f"at {n} crossing{'s' * (n > 1)} and nowhere else: {'; '.join(map(str, self.passings))}"
         overlap = any(b.load[0] <= a.load[1] for a, b in pairwise(self.passings))
         return text + count + ("; where intervals of loads overlap, numbers are those below and above" * overlap)
 
