@@ -5,8 +5,8 @@ With C = c_E E + c_M M + R, y = Y e^(λt), p = P/(1 + c_E λ), q = λ/(1 + c_E �
     (E + p B + q R) Y = s M Y,
 
 E, B, M as of the column without damping (frequency_gaps.py). R is what damping leaves out or adds: point masses, a
-foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 10
-to 12 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which no eigenvalue is on the axis.
+foundation or a weight that are not damped, external damping where the mass is not uniform. docs/theorem.md, Lemmas 10,
+11 and 13 and Theorem 2, has the proofs; `LeftOver` is R, `DampedGaps` the line beyond which none is on the axis.
 """
 
 from __future__ import annotations
@@ -25,20 +25,12 @@ from freebeam_derive.certify.balls import Exact, exact, greatest, least
 from freebeam_derive.certify.column_forms import ColumnForms, added, over
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps, at_both
-from freebeam_derive.certify.load_size import load_size, size_along
+from freebeam_derive.certify.load_size import CUBICS, Value, load_size, size_along
 from freebeam_derive.certify.stepped_section import SteppedSection, motion
 from freebeam_derive.certify.strips import NoStrips
 
 BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of those listed in the tests all take 2
 BEYOND_BARE = (2, 4, 16, 64)  # the same with damping at places without a mass, whose bounds grow less than ω² alone
-
-_CUBICS = {
-    (0, True): (Fraction(13, 35), Fraction(6, 5), Fraction(12)),  # 1 − 3x² + 2x³
-    (1, True): (Fraction(1, 105), Fraction(2, 15), Fraction(4)),  # x − 2x² + x³
-    (0, False): (Fraction(33, 140), Fraction(6, 5), Fraction(3)),  # 1 − 3x/2 + x³/2
-}
-"""∫ v², ∫ v'², ∫ v''² over a unit length of a v that vanishes with its slope at the far end, with v⁽ⁱ⁾(0) = 1 and
-whether the other of v(0), v'(0) is nothing."""
 
 
 def of_mass_alone(kernel: Any, own: Any) -> bool:
@@ -160,21 +152,9 @@ class LeftOver:
 
 
 def _reach(forms: ColumnForms, place: Fraction, order: int, omega: arb) -> arb:
-    """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω².
-
-    ∫ y'' g − y g'' dx is y or −y' there, of a cubic g along a part of a segment that is nothing at its far end.
-    """
-    found, (of_value, _, of_bend) = [], map(exact, _CUBICS[1 - order, True])
-    for n, ends in enumerate(pairwise(forms.breaks)):
-        if place in ends:
-            m, EI = (
-                least(over(f[n], x)[0].lower() for at, x in forms.pieces() if at == n) for f in (forms.m, forms.EI)
-            )
-            a, b = (of_value / (EI * forms.share)).sqrt() * omega, (of_bend / m).sqrt()
-            best = ((2 * order + 1) * b / ((3 - 2 * order) * a)).sqrt()
-            h = best.min(exact(ends[1] - ends[0])).lower()
-            found.append((a * h**2 + b) * h.sqrt() / h ** (order + 1))
-    return least(found).upper()
+    """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω²."""
+    beside = (n for n, ends in enumerate(pairwise(forms.breaks)) if place in ends)
+    return least(Value(order, arb(1), (n,)).most(forms, omega, arb(1)) for n in beside).upper()
 
 
 def _share(forms: ColumnForms, omega: arb) -> arb:
@@ -187,7 +167,7 @@ def _share(forms: ColumnForms, omega: arb) -> arb:
                  for f in (forms.m, forms.EI))  # fmt: skip
         slope = place, 1
         turns = len(beside) == 1 and not (slope in forms.masses or slope in forms.springs or forms.is_held(*slope))
-        bumps = [exact(b) for b in _CUBICS[order, not turns]]
+        bumps = [exact(b) for b in CUBICS[order, not turns]]
         length = (3 * (EI * bumps[2] / (m * bumps[0])).sqrt() / omega).sqrt().min(exact(min(near))).lower()
         power = length ** (2 * order)
         energy = exact(forms.springs.get((place, order), Fraction(0)))

@@ -19,8 +19,13 @@ from freebeam_derive.certify.strips import NoStrips
 Load = list[dict[tuple[int, int], Polynomial]]
 Points = dict[tuple[Place, Place], Fraction]
 Seen = tuple[Place, int]  # a place with its order, and the side it is seen from: 0 where both are the same
-OF_CUBICS = {0: (Fraction(1, 105), Fraction(4)), 1: (Fraction(13, 35), Fraction(12))}
-"""∫ q² and ∫ q''² over a unit length, of x − 2x² + x³ for a value at 0, and of 1 − 3x² + 2x³ for a slope there."""
+CUBICS = {
+    (0, True): (Fraction(13, 35), Fraction(6, 5), Fraction(12)),  # 1 − 3x² + 2x³
+    (1, True): (Fraction(1, 105), Fraction(2, 15), Fraction(4)),  # x − 2x² + x³
+    (0, False): (Fraction(33, 140), Fraction(6, 5), Fraction(3)),  # 1 − 3x/2 + x³/2
+}
+"""∫ v², ∫ v'², ∫ v''² over a unit length of a v that vanishes with its slope at the far end, with v⁽ⁱ⁾(0) = 1 and
+whether the other of v(0), v'(0) is nothing."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,7 @@ class Value:
         """What it is at most where the roots of energy and mass are."""
         EI, m = (least(over(f[n], x)[0].lower() for n, x in forms.pieces() if n in self.beside)
                  for f in (forms.EI, forms.m))  # fmt: skip
-        bends, moves = map(exact, OF_CUBICS[self.order])
+        bends, _, moves = map(exact, CUBICS[1 - self.order, True])
         energy, mass = of_energy * (bends / (EI * forms.share)).sqrt(), of_mass * (moves / m).sqrt()
         room = min(forms.breaks[n + 1] - forms.breaks[n] for n in self.beside)
         best = mass / energy * 3 if self.order else mass / energy / 3
