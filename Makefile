@@ -14,6 +14,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 # Of the tests: on two cores a third fills the time in which one waits for a browser (7 min 4 s, two take 7 min 45 s or more).
 JOBS ?= 3
+# CASES=--all-cases runs all cases of the laws in tests/sampled.py.
 # Threads of BLAS in more processes than there are cores wait for one another: a minute of tests took more than ten.
 export OMP_NUM_THREADS ?= 1
 BIN := .venv/bin
@@ -60,7 +61,7 @@ fi
 endef
 
 test: venv
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile $(CASES)
 
 COLUMNS := free-free beck euler-pinned
 MADE := docs/made

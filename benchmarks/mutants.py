@@ -155,7 +155,7 @@ def record_reach(part: str, output: str) -> int:
     """Run the tests of a part and write what `Reach` records: in a process of its own, in a copy of the tree."""
     plugin = Reach(files(part, Path.cwd()))
     own = map(str, plugin.sources)
-    status = pytest.main(["-q", "-p", "no:cacheprovider", *PARTS[part], *own], plugins=[plugin])
+    status = pytest.main(["-q", "-p", "no:cacheprovider", "--all-cases", *PARTS[part], *own], plugins=[plugin])
     Path(output).write_text(json.dumps(plugin.record()), encoding="utf-8")
     return int(status)
 
@@ -249,7 +249,8 @@ def outcome(
         file.write_text(after, encoding="utf-8")
         (copy / "build" / "tests").write_text("\n".join(tests), encoding="utf-8")
         start = time.monotonic()
-        command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "--no-header", "@build/tests"]
+        options = ["-q", "-x", "-p", "no:cacheprovider", "--no-header", "--all-cases"]
+        command = [sys.executable, "-m", "pytest", *options, "@build/tests"]
         try:
             done = subprocess.run(command, **_settings(copy), timeout=LIMIT[0] + LIMIT[1] * usual)
             state = "killed" if done.returncode else "survives"

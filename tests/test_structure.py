@@ -15,6 +15,7 @@ import pytest
 
 import freebeam
 import freebeam_sym
+from tests.sampled import EVERY
 
 ROOT = Path(__file__).parents[1]
 HOUSES = {
@@ -189,3 +190,9 @@ def test_the_runtime_alone_runs_a_kernel_from_its_file(tmp_path: Path) -> None:
     statement = ROOT / "derive" / "freebeam_derive" / "columns" / "beck.py"
     with pytest.raises(freebeam_sym.InputError, match=r"is no emitted kernel; .*`import freebeam`"):
         freebeam_sym.column(statement)
+
+
+@pytest.mark.parametrize("law", EVERY)
+def test_a_law_of_which_some_cases_are_run_exists(law: str) -> None:
+    file, name = law.split("::")
+    assert f"def {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")
