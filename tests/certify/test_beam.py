@@ -87,6 +87,21 @@ def double(kernel: str) -> Callable[..., Any]:
     return lambda p, s: [backwards(kernel, p, s), mp.diff(lambda v: backwards(kernel, p, v), s)]
 
 
+def test_a_stiffness_of_two_is_one_of_half_the_load_and_half_the_square() -> None:
+    """2 y'''' + 2 P y'' = 2 s y is the equation at P and s; the follower's conditions have neither."""
+    two: Any = SimpleNamespace(
+        COLUMN=beck.COLUMN, end_conditions=beck.end_conditions,
+        equation=lambda *at, **own: {
+            key: tuple(2 * v for v in row) if key == (4, 0) else row for key, row in beck.equation(*at, **own).items()
+        },
+    )  # fmt: skip
+    with precision(128):
+        one, other = (Beam(kernel).taylor(*at, ((0, 0),))[0, 0] for kernel, at in (
+            (beck, (arb(17), arb(90))), (two, (arb(34), arb(180)))
+        ))  # fmt: skip
+        assert one.overlaps(other) and not one.contains(0) and one.rad() < 1e-20 * abs(one)
+
+
 @pytest.mark.parametrize(
     ("kernel", "name", "near"),
     [(free_free, "free-free", (109.69, 23.07)), (LEIPHOLZ, "leipholz", (40.05, 11.0))],

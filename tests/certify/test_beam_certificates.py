@@ -7,7 +7,9 @@ import json
 from copy import deepcopy
 from fractions import Fraction
 from functools import cache
+from itertools import combinations_with_replacement
 from math import comb, factorial
+from types import SimpleNamespace
 from typing import Any
 
 import flint
@@ -21,6 +23,7 @@ import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import (
     beam_cells,
     beam_stability,
+    strips,
     verifier,
     verifier_cells,
     verifier_of_beam,
@@ -29,7 +32,7 @@ from freebeam_derive.certify import (
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped
-from freebeam_derive.certify.strips import Strips, modes_of
+from freebeam_derive.certify.strips import modes_of
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form
@@ -324,19 +327,107 @@ def test_what_a_power_series_leaves_out_is_bounded_however_small_it_is(bits: int
                 assert 0 < sum(terms, arb(0)) < rests[r][d]
 
 
-def test_both_bound_the_same_norms() -> None:
-    kernel = beck
-    ends, _, H = of_kernel(kernel)
+FORMS: dict[str, tuple[dict[Any, int], dict[Any, int]]] = {
+    "a weight": ({(0, 0, 0): 3}, {}),
+    "a wind": ({(0, 0, 1): 2}, {}),
+    "a tension that changes": ({(2, 1, 1): -1, (1, 1, 0): 4}, {}),
+    "springs": ({}, {(0, 0, 0, 0): 2, (1, 1, 1, 1): 5}),
+    "a follower": ({(0, 1, 1): -1}, {(1, 0, 1, 1): 1, (0, 1, 1, 0): -3}),
+}
+
+
+@pytest.mark.parametrize("ends", [*combinations_with_replacement(ORDERS, 2)], ids="-".join)
+def test_both_bound_the_same_norms(ends: tuple[str, str]) -> None:
+    """Two programs, one theorem, one number: of derivatives of each order along the beam and at its ends, and of so few
+    modes that much is left to the tail."""
     with precision(128):
-        lines, strips = bounds((ends[0], ends[1])).lines(40), Strips(kernel, {}, 40)
-        load = Norms(lines, H)
-        many = Strips(kernel, {}, 160)
-        for k in (0, 2, 4, 9):
-            ours, theirs = load.on(k), strips.B.norm(strips.line(k))
-            assert lines.line(k).overlaps(strips.line(k)) and abs(ours / theirs - 1) < 1e-6
-            assert many.B.norm(many.line(k)) < ours
-        for k in (20, 30):
-            assert abs(load.on_all_from(k) / strips.B.beyond(k) - 1) < 1e-6
+        modes, lines = modes_of(ends, 12, 128), Lines(list(ends), 12)
+        for along, points in FORMS.values():
+            one = strips.Form(modes, {key: arb(f) for key, f in along.items()}, {k: arb(f) for k, f in points.items()})
+            other = Norms(lines, (
+                tuple((*key, Fraction(f)) for key, f in along.items()),
+                tuple((*key, Fraction(f)) for key, f in points.items()),
+            ))  # fmt: skip
+            for k in (0, 3):
+                R = strips.Strips.line(SimpleNamespace(modes=modes), k)  # type: ignore[arg-type]
+                assert lines.line(k).overlaps(R) and abs(other.on(k) - one.norm(R)) < 1e-12
+            for k in (4, 9):
+                assert abs(other.on_all_from(k) - one.beyond(k)) < 1e-12 * one.beyond(k)
+
+
+def test_both_end_the_frequencies_at_one_place() -> None:
+    """Beyond which no eigenvalue on the axis is one of the m lowest: by the line, or by load and internal damping."""
+    draw, ways, loaded = np.random.default_rng(2), {True: 0, False: 0, None: 0}, 0.6
+    theirs: Any = object.__new__(strips.Strips)
+    high: Any = object.__new__(verifier_of_beam.High)
+
+    def norm(size: float) -> Any:
+        return SimpleNamespace(norm=lambda R: arb(size), on=lambda k: arb(size))
+
+    with precision(128):
+        high.top, theirs.B, high.norms = arb(20000), norm(loaded), [(None, norm(loaded / 2)), (None, norm(loaded))]
+        for soft in (0.0, 0.4, 0.8):
+            theirs.softening, high._softening = norm(soft), [norm(soft), norm(soft / 2)]
+            for _ in range(40):
+                a, b, P = 10 ** draw.uniform(-5, 1), draw.uniform(-5, 5), int(draw.integers(1, 60))
+                below: Any = SimpleNamespace(strips=theirs, R=high.top, load=arb(P))
+                equations: Any = SimpleNamespace(real=False, alpha=arb(a), beta=arb(b))
+                rest = 1 - a * b - a * a * 20000
+                by_line = (20000 / rest) ** 0.5 if rest > 0 else np.inf
+                if soft == 0.8 and rest < 0:  # more than 1/√2, for any load
+                    with pytest.raises(beam_cells.OpenStep, match="no bound is known"):
+                        beam_stability.Below.highest_frequency(below, arb(a), arb(b))
+                    with pytest.raises(Refused, match="no bound of the frequency"):
+                        high.highest(equations, Fraction(P))
+                    ways[None] += 1
+                    continue
+                w = float(beam_stability.Below.highest_frequency(below, arb(a), arb(b)))
+                assert float(high.highest(equations, Fraction(P))) == pytest.approx(w, rel=1e-9)
+                ways[by_line > w * (1 + 1e-9)] += 1
+                # Re s ≥ R_m from there on, or Re s ≤ |Im s| and what load and softening do is less than 1/√2
+                s = (w**2 - 1j * b * w) / (1 + 1j * a * w)
+                felt = P / abs(1 + 1j * a * w) * loaded + soft
+                assert s.real >= 20000 * (1 - 1e-9) or (s.real <= abs(s.imag) and felt <= 0.5**0.5)
+    assert min(ways.values()) > 8
+
+
+def test_of_high_modes_lines_are_free_in_the_disc_that_cauchys_estimate_takes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """|s'| P < R_m less what is not damped needs ρ with (ρ − P) π/2 (R_m − s₀) > P (R_{m+1} − R_m)."""
+    asked: list[arb] = []
+    monkeypatch.setattr(verifier_of_beam, "check_free", lambda m, rho, *_: asked.append(rho))
+    high: Any = object.__new__(verifier_of_beam.High)
+    high.m, high.norms, high.top = 3, [(None, None)], arb(100)
+    high.lines = SimpleNamespace(line=lambda k: arb(100 if k == 3 else 260))
+    with precision(128):
+        for undamped, of_E in ((0, 1), (60, 1), (0, 0)):
+            equations: Any = SimpleNamespace(of_E=(0, of_E), undamped_to=Fraction(undamped))
+            high.check(Fraction(7), equations)
+            rho = asked.pop()
+            left = (rho - 7) * arb.pi() / 2 * (100 - undamped) - 7 * 160
+            assert (left > 0 and left < 1) if of_E else rho == 7
+        with pytest.raises(Refused, match="not known to be damped at P = 0"):
+            high.check(Fraction(7), SimpleNamespace(of_E=(0, 1), undamped_to=Fraction(100)))
+
+
+def test_a_cell_that_holds_a_zero_is_never_excluded_and_small_ones_without_are() -> None:
+    """P − 1 and ω − ω₀ at (1, ω₀); at ω = 0 alone, where the imaginary part is nothing, its slope excludes."""
+    for at in ("0.25", "0.75", "3"):
+        equations: Any = SimpleNamespace(
+            R=0, real=False, reduced=None,
+            system=lambda _, P, x, at=at: ([P - 1, x - arb(at)], [[arb(1), arb(0)], [arb(0), arb(1)]]),
+        )  # fmt: skip
+        cells, box = Cells(equations, Fraction(2), []), SimpleNamespace(value=None)
+        x = arb(at)
+        for r in ("0.2", "0.001"):
+            near = [ball_about(side, r) for side in (arb(1), x)]
+            assert cells.excluded(box, *near) in (0, 1)
+            for P, w in ((near[0] + 1, near[1]), (near[0], near[1] + 1)):
+                assert cells.excluded(box, P, w) is None
+        assert cells.excluded(box, ball_about(arb(1), "0.2"), arb(0).union(x)) is None  # as it would be of ω F_ω
+
+
+def ball_about(middle: arb, radius: str) -> arb:
+    return middle + arb(radius) * arb(0, 1)
 
 
 def test_the_command_line_writes_what_it_verifies(tmp_path: Any, capsys: pytest.CaptureFixture[str]) -> None:

@@ -214,6 +214,25 @@ def test_the_estimate_of_high_modes_is_needed_with_internal_damping_alone() -> N
             assert slope * load < strips.line(m) - grows
 
 
+@pytest.mark.parametrize("vanishing", [True, False])
+def test_cells_reach_to_a_frequency(vanishing: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Their second unknown is its square where damping vanishes."""
+    gaps = SimpleNamespace(gaps=SimpleNamespace(count=5), lowest=3, reach=arb(9), top=arb(400))
+    below = SimpleNamespace(
+        real_and_simple_throughout=lambda: [], no_divergence=lambda _: None, real_and_simple_at=lambda _: None
+    )
+    for name, value in (
+        ("damped_gaps", gaps), ("Below", below), ("VanishingRates", None), ("Damped", None),
+        ("Cells", SimpleNamespace(no_other_zero=lambda problem, top: 7 if top == 400 else 0)),
+    ):  # fmt: skip
+        monkeypatch.setattr(beam_stability, name, lambda *_, value=value: value)
+    system: Any = SimpleNamespace(dampings=(0, 0), vanishing=vanishing, undamped=lambda *_: False, still=lambda: None)
+    crossing: Any = SimpleNamespace(load=arb(8), frequency=arb(2), kind="flutter")
+    with precision(64):
+        found = beam_stability._prove_of_any(system, crossing)
+    assert (found.frequency, found.cells, found.lowest) == (20 if vanishing else 400, 7, 3)
+
+
 def test_no_crossing_is_beyond_the_highest_frequency() -> None:
     """Eigenvalues of a long series on the boundary's side of it: Re s > R_m, or none at all."""
     on_foundation = Beam(
@@ -391,6 +410,22 @@ def test_a_series_on_a_box_holds_the_function_and_its_derivatives(p: Any, s: Any
             assert abs(ours[0, 0] - theirs[0, 0]) < 1e-2 * abs(theirs[0, 0]) + arb("1e-6")
         with pytest.raises(Unproven, match="outside of the box"):
             local.taylor(p.mid() + 100, s.mid(), ((0, 0),))
+
+
+@pytest.mark.parametrize(("slope", "excluded"), [(2, True), (1, True), (0, False), (-1, True)])
+def test_at_the_bottom_of_a_damped_column_the_imaginary_part_excludes_by_its_slope(slope: int, excluded: bool) -> None:
+    """It is nothing at ω = 0 alone, where it does not stand still; of other columns no such thing is said."""
+    cells = object.__new__(beam_cells.Cells)
+    cells.rigid, cells.load = 1, arb(1)
+    J = arb_mat([[arb(0), arb(0)], [arb(0), arb(slope)]])
+    for kind in (beam_itself.Damped, object):
+        problem: Any = type("Problem", (kind,), {
+            "__init__": lambda self: None, "beam": None, "value": lambda self, z: [arb(0)] * 2,
+            "slopes": lambda self, z: ([arb(0)] * 2, J, None),
+        })()  # fmt: skip
+        with precision(64):
+            way = cells._excluded_at_bottom(problem, arb("1.1", "0.2"), arb(0))
+        assert (way is None) == (excluded and kind is beam_itself.Damped)
 
 
 @pytest.mark.parametrize("place", range(2))

@@ -4,13 +4,23 @@ from __future__ import annotations
 
 import random
 from fractions import Fraction
+from typing import Any
 
+import numpy as np
 import pytest
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat
 
 from freebeam_derive.certify.balls import Unproven, ball, precision
 from freebeam_derive.certify.bivariate import Bivariate, keeps_sign, signs_on, zeros
-from freebeam_derive.certify.boundary_polynomials import LARGE, Boundary, characteristic, determinant, expansion
+from freebeam_derive.certify.boundary_polynomials import (
+    LARGE,
+    Boundary,
+    _fast,
+    _of_any,
+    characteristic,
+    determinant,
+    expansion,
+)
 from freebeam_derive.certify.krawczyk import one_to_one
 
 
@@ -86,6 +96,41 @@ def test_matrices_that_may_be_singular_are_refused() -> None:
             expansion([M * arb(0, 1)], [C], [E, H])
         with pytest.raises(Unproven):
             expansion([M], [C], [E * arb(0, 10), H])
+
+
+def test_what_has_no_theorem_is_refused() -> None:
+    """A motion that rests needs mass; some motion a frequency; definite matrices; what damping that vanishes acts on a
+    mass, or stiffness and none from the load."""
+    one, none = np.array([[fmpq(1)]]), np.array([[fmpq(0)]])
+
+    def block(*diagonal: Any) -> Any:
+        return np.array([[fmpq(diagonal[i] if i == j else 0) for j in (0, 1)] for i in (0, 1)])
+
+    with precision(100):
+        with pytest.raises(Unproven, match="no motion of it has a frequency"):
+            _of_any([none], [one], [one], False)
+        assert _of_any([one], [one], [one], False).N == 1
+        resting = Boundary(1, Bivariate([arb_poly([0, arb(0, 1)])]), Bivariate([arb_poly([0, 1])]), True, rests=1)
+        with pytest.raises(Unproven, match="rests without load is not known to have mass"):
+            _ = resting.g_without_tangents
+        with pytest.raises(Unproven, match="not known to be positive definite"):
+            expansion([arb_mat([[1]])], [], [arb_mat([[-2]]), arb_mat([[1]])])
+        balls = np.array([[arb(1), arb(0)], [arb(0), arb(0)]])
+        for M, C, K, message in (
+            (balls, block(1, 1), block(1, 1), "beside a factor that is no fraction"),
+            (block(1, 0), block(1, 1), block(1, 0), "neither mass nor stiffness"),
+        ):
+            with pytest.raises(Unproven, match=message):
+                _of_any([M], [C], [K], True)
+        with pytest.raises(Unproven, match="whose mass comes with the load"):
+            _fast([block(1, 0), block(0, 1)], [block(1, 1)], [block(1, 1)], 1)
+        # μ C + K of the coordinate without mass: 3 μ + 5 + 7 P
+        found = _of_any([block(1, 0)], [block(1, 3)], [block(2, 5), block(0, 7)], True)
+        assert found.odd and found.N == 1 and len(found.fast) == 2
+        factor = found.fast[1](arb(0)) / 3
+        assert factor != 0
+        for p, wanted in zip(found.fast, ([5, 7], [3, 0]), strict=True):
+            assert all((p[k] / factor).overlaps(arb(v)) for k, v in enumerate(wanted))
 
 
 def test_values_slopes_lines_and_taylors_form_agree() -> None:

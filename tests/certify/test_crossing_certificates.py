@@ -11,19 +11,21 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, arb_poly
+from flint import arb, arb_poly, fmpq
 
 import freebeam as fb
 from freebeam import cli
 from freebeam_derive.certify import all_crossings, certificate, first_crossing, verifier, verifier_lists
 from freebeam_derive.certify.all_crossings import Crossings
-from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.balls import exact, precision
 from freebeam_derive.certify.boundary_polynomials import Question, _of_any
 from freebeam_derive.certify.parts import split
+from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_lists import OfCrossings, verify
 from freebeam_derive.certify.verifier_plane import check_apart
 from tests.certify import test_motions_apart as apart
@@ -204,6 +206,43 @@ def test_a_list_goes_on_from_where_stability_is_shown_to_the_highest_load_alone(
 
 def rows(*of: list[Any]) -> list[arb_poly]:
     return [arb_poly(p) for p in of]
+
+
+@pytest.mark.parametrize("turn", [None, 2])
+@pytest.mark.parametrize("whirls", [False, True])
+def test_frequencies_of_a_crossing_are_those_at_rest(turn: int | None, whirls: bool) -> None:
+    """x is ω² in so many units of time, or (ω + turn)², or ω + turn of what whirls; by prover and verifier."""
+    rate, scales = (fmpq(turn), [1]) if turn else (None, [1, 4, 4])
+    series: Any = SimpleNamespace(system=SimpleNamespace(turn=rate, whirls=whirls))
+    part: Any = SimpleNamespace(turn=F(turn or 0), whirls=whirls)
+
+    def both(x: F | None) -> list[list[tuple[float, int]]]:
+        near = None if x is None else (x * F(10**9 - 1, 10**9), x * F(10**9 + 1, 10**9))
+        ours = verifier_lists._told(series, near, [F(v) for v in scales])
+        found = [(kind, of, times) for kind, of, times in ours]
+        assert {kind for kind, _, _ in found} == {"divergence" if x is None and not turn else "flutter"}
+        assert all(of is None or of[0] < of[1] for _, of, _ in found)
+        with precision(128):
+            theirs = all_crossings._told(part, [] if x is None else [exact(x)], [fmpq(v) for v in scales])
+            return [
+                [(float(sum(of) / 2) if of else 0.0, times) for _, of, times in found],
+                [(float(of) if of is not None else 0.0, times) for of, times in theirs],
+            ]
+
+    cases: dict[F | None, list[tuple[float, int]]] = {None: [(0, 3)], F(9): [(9, 1), (36, 2)]}
+    if turn:  # ω = ±3 − 2 and the other sense; −1 where the frame is overtaken
+        cases = {None: [(4, 2)], F(25): [(9, 1), (49, 1)], F(1): [(1, 1), (9, 1)]}
+        if whirls:
+            cases = {None: [(4, 2)], F(5): [(9, 1)], F(1): [(1, 1)]}
+    for x, wanted in cases.items():
+        for found in both(x):
+            counted = {square: sum(n for other, n in found if other == square) for square, _ in found}
+            assert sorted(counted.items()) == [(pytest.approx(square, rel=1e-6), n) for square, n in sorted(wanted)]
+    if turn:
+        x, hair = F(turn if whirls else turn**2), F(1, 100)
+        for near in ((x - hair, x + hair), (x - hair, x), (x, x + hair)):
+            with pytest.raises(Refused, match="may be zero in the frame"):
+                list(verifier_lists._told(series, near, [F(1)]))
 
 
 @pytest.mark.parametrize("place", [(F(3, 2), F(2)), (F(5, 4), F(1, 10**6)), (F(7, 4), F(10**7)), (F(2), F(5))])

@@ -21,15 +21,16 @@ from flint import acb, arb, fmpq_poly
 from scipy.linalg import eigh
 
 import freebeam as fb
-from freebeam_derive.certify import beam_cells, verifier, verifier_of_sections, verifier_sections
+from freebeam_derive.certify import beam_cells, damped_gaps, verifier, verifier_of_sections, verifier_sections
 from freebeam_derive.certify.balls import ends
 from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _around, _sections
 from freebeam_derive.certify.column_forms import ColumnForms
-from freebeam_derive.certify.damped_gaps import _reach
+from freebeam_derive.certify.damped_gaps import LeftOver, _reach
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.stepped_section import SteppedSection, motion
+from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
@@ -341,11 +342,24 @@ def margin(c_E: float, c_M: float, limit: bool, R: tuple[float, ...], load: floa
     return min(h if h < 0 else np.inf, c_M + omega * h + min(0, least))
 
 
-def test_the_inequality_is_that_of_the_page() -> None:
-    """At numbers drawn at random, on both sides of it."""
+class Known(LeftOver):
+    """The same of the prover."""
+
+    def __init__(self, c_E: float, c_M: float, *constants: float) -> None:
+        low, high, at_mass, turning, self._share, _, bare = constants
+        self.c_E, self.c_M, self.low, self.high, self.turning = map(arb, (c_E, c_M, low, high, turning))
+        self.at, self.bare = {(Fraction(1), 0): arb(at_mass)}, {(Fraction(1), 0): arb(bare)} if bare else {}
+        self.forms: Any = [None]
+
+    def share(self, omega: arb) -> arb:
+        return arb(self._share)
+
+
+def test_the_inequality_is_that_of_the_page(monkeypatch: pytest.MonkeyPatch) -> None:
+    """At numbers drawn at random, on both sides of it; of the verifier and of the prover."""
     draw, seen = np.random.default_rng(1), {True: 0, False: 0}
     with flint.ctx.workprec(BITS):
-        for _ in range(1000):
+        for _ in range(600):
             c_E, c_M, low, high, tau, turning = draw.uniform(0, 1, 6) * draw.choice([0.01, 0.1, 1], 6)
             c_E, turning = (c_E, turning * draw.choice([0, 1])) if draw.random() < 0.7 else (0.0, 0.0)
             R = (-low, float(high), float(draw.choice([-1, 1]) * tau), float(turning), float(draw.uniform(0, 1)))
@@ -359,8 +373,46 @@ def test_the_inequality_is_that_of_the_page() -> None:
                 assert wanted < 1e-9
             else:
                 assert wanted > -1e-9
+            gaps: Any = SimpleNamespace(gap=lambda m, g=g: arb(g), frequency=lambda m, w=omega_m: arb(w), size=arb(4))
+            gaps.count = 3
+            monkeypatch.setattr(damped_gaps, "_reach", lambda *_, N=R[5]: arb(N))
+            assert damped_gaps._stays(gaps, Known(c_E, c_M, *R), 3, arb(load / 4), limit) == (wanted > 0)
             seen[wanted > 0] += 1
+            both = Given.of(c_E, c_M, limit, *R), Known(c_E, c_M, *R)
+            ours, theirs = (float(of.least(arb(omega_m), arb("0.3"))) for of in both)
+            along, at_mass, share = max(abs(R[0]), abs(R[1])), R[2], R[4]
+            rho = (along**2 + share * at_mass**2) ** 0.5
+            missed = 0.6 * rho + 0.09 * (max(along, abs(at_mass)) + along + share * abs(at_mass))
+            assert ours == pytest.approx(theirs, rel=1e-8)
+            assert ours == pytest.approx(R[0] + share * min(0, at_mass - R[0]) - missed / 0.91, rel=1e-8)
     assert min(seen.values()) > 50
+
+
+def test_both_end_the_frequencies_at_one_place() -> None:
+    """Beyond which load and damping leave no eigenvalue of the low ones on the axis: by the line, or by c_E."""
+    draw, ways = np.random.default_rng(5), {True: 0, False: 0}
+    with flint.ctx.workprec(BITS):
+        for _ in range(100):
+            c_E, load, size, turning = map(float, 10 ** draw.uniform(-3, [0.5, 2, 0, 0]))
+            c_M, R = float(draw.uniform(0, 1)), float(10 ** draw.uniform(1, 4))
+            gaps: Any = SimpleNamespace(line=lambda _, R=R: arb(R), size=arb(2))
+            left = Known(c_E, c_M, -size, size / 2, size / 3, turning, 0.0, 0.0, 0.0)
+            theirs = damped_gaps.DampedGaps(gaps, left, 1, arb(0), arb(load), False).top
+            ours = Given.of(c_E, c_M, False, -size, size / 2, size / 3, turning, 0.0).highest(arb(R), arb(2 * load))
+            assert abs(ours / theirs - 1) < 1e-12
+            rest = 1 - c_E * c_M - c_E**2 * R
+            ways[rest > 0 and float(theirs) == pytest.approx((R / rest) ** 0.5)] += 1
+        assert min(ways.values()) > 10
+        for still in (Known(0.0, 1.0, *[0.0] * 7), Known(1.0, 0.0, *[0.0] * 7)):
+            vanishing = not still.c_E == 0
+            top = damped_gaps.DampedGaps(gaps, still, 1, arb(0), arb(9), vanishing).top
+            assert top.overlaps(arb(R) if vanishing else arb(R).sqrt())
+        assert Given.of(0.0, 1.0, False, *[0.0] * 5).highest(arb(R), arb(9)).overlaps(arb(R).sqrt())
+        slow: Any = Given.of(1.0, 0.0, False, -1e9, 0.0, 0.0, 0.0, 0.0)
+        with pytest.raises(Refused, match="no bound of the frequency"):
+            slow.highest(arb(9), arb(1))
+        with pytest.raises(NoStrips, match="no frequency is known beyond"):
+            _ = damped_gaps.DampedGaps(gaps, Known(1.0, 0.0, -1e9, *[0.0] * 6), 1, arb(0), arb(1), False).top
 
 
 @pytest.mark.parametrize(("name", "place"), [("elastic-root", (0, 1)), ("tip-spring", (1, 0))])

@@ -217,6 +217,37 @@ def test_functions_of_x_are_what_they_are(stiffness: Expr, same: Expr) -> None:
         assert one.overlaps(other) and one.rad() < 1e-18 * abs(one)
 
 
+def test_places_and_factors_are_to_be_exact() -> None:
+    """Places are fractions from 0 to 1, and a factor in floats one of few bits."""
+    them: Any = object.__new__(ExactSystem)
+    them.name, them.own = "it", {}
+    assert them._fractions(lambda one: (0 * one, one / 3, 1)) == (0, Fraction(1, 3), 1)
+    for places, message in (
+        ((Fraction(4, 3),), "the place 1.33333 is no fraction from 0 to 1"),
+        ((Fraction(-1, 3),), "the place -0.333333 is no fraction"),
+        ((0.5,), "the place 0.5 is no fraction"),
+    ):
+        with pytest.raises(NoSeries, match=message):
+            them._fractions(lambda one, places=places: places)
+    with pytest.raises(NoSeries, match="places are not to be had as fractions"):
+        them._fractions(lambda one: (one ** Fraction(1, 2) @ one,))
+    with precision(64):
+        assert them._ball(2.0**-20) == arb(2) ** -20 and them._ball(arb(1) / 3).overlaps(arb(1) / 3)
+        for value in (0.1, 2.0**-21):
+            with pytest.raises(NoSeries, match="is a rounded number, not an exact one"):
+                them._ball(value)
+
+
+def test_a_factor_is_some_unless_it_is_known_to_be_nothing() -> None:
+    with precision(64):
+        for factor, some in (
+            (0, False), (arb(0), False), (arb(0, 1), True), (1, True), ((0, 0), False), ((0, arb(0), 2), True),
+            ((0, arb(0, 1e-9)), True),
+            (lambda x: 0 * x, False), (lambda x: 1 + 0 * x, True), (lambda x: x, True),
+        ):  # fmt: skip
+            assert _some(factor) == some
+
+
 def test_coordinates_alone_have_a_characteristic_polynomial() -> None:
     """Ziegler's double pendulum, masses 2 : 1, undamped: 7/2 − √2."""
     found = beam_itself.flutter_undamped(ExactSystem(emitted(ziegler())), (2.08, 0.84), 40)
@@ -237,10 +268,6 @@ def test_balls_hold_what_points_give() -> None:
         for P, s in ((0.01, acb(0.01, -0.01)), (-0.01, acb(-0.01, 0.01)), (0.004, acb(0, 0.01)), (0, acb(0, 0))):
             at_point = system.taylor(arb(P), s, orders)
             assert all(wide[order].contains(at_point[order]) for order in orders)
-
-
-def test_a_factor_in_a_ball_about_zero_counts() -> None:
-    assert _some(arb(0, 1e-9)) and _some((0, arb(0, 1e-9))) and not _some((arb(0), 0))
 
 
 @pytest.mark.parametrize(("name", "P", "s"), [("crack", 15, 70), ("pipe on a foundation", 8, 5), ("absorber", 15, -7)])
@@ -332,6 +359,16 @@ def test_what_a_step_leaves_out_is_within_its_bound(name: str) -> None:
                 sharpest = max(sharpest, float((abs(coarse.entries()[0].mid() - fine.entries()[0]) / bound).mid()))
     if name == "z' = 5 z":
         assert sharpest > 0.2  # so that a bound of one order less, or of half the radius, does not hold
+
+
+def test_a_polynomial_beside_a_function_is_bounded_on_the_disc() -> None:
+    """f z' = 2 x z with f = 1, a function: |2 x| reaches 2 r on a disc of radius r; the bound is below 4 r."""
+    terms = [Term(0, 0, 1, 0, 0, lambda x: 1 + 0 * x), Term(0, 0, 0, 0, 0, [0, -2])]
+    with precision(64):
+        local = Local(Segment(terms, [1], Jets(arb(1), arb(1), ((0, 0),), is_complex=True)), Fraction(0))
+        for r in (0.25, 1, 8):
+            size = local.size(arb(r))
+            assert size is not None and 2 * r <= size < 4 * r
 
 
 def test_a_plan_keeps_the_precision() -> None:

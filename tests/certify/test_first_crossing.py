@@ -6,20 +6,23 @@ import copy
 import math
 from fractions import Fraction
 from functools import cache
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 from typing import Any
 
 import mpmath
+import numpy as np
 import pytest
-from flint import arb
+from flint import arb, arb_poly, fmpq_mat
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import freebeam as fb
 from freebeam_derive.certify import balls, certificate, first_crossing, verifier
-from freebeam_derive.certify.balls import Unproven
+from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.boundary_polynomials import Question, boundary
-from freebeam_derive.certify.first_crossing import Enclosure, Stretch
+from freebeam_derive.certify.first_crossing import Enclosure, Stretch, check_fast
+from freebeam_derive.certify.verifier import Fast
+from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_sym import column_names
 
 F = Fraction
@@ -224,6 +227,32 @@ def test_the_runtimes_load_lies_in_the_certified_interval(
     found = first_crossing.certify(fb.column(name, basis).kernel, question, near, 12)
     assert found.load is not None
     assert math.isclose(near[0], float(found.load[0]), rel_tol=1e-9)
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4])
+def test_coordinates_without_mass_decay_where_all_roots_are_on_the_left(count: int) -> None:
+    """det(μ + A) = 0 by Routh's scheme of the prover and Hurwitz's determinants of the verifier, beside NumPy."""
+    draw, seen = np.random.default_rng(count), {True: 0, False: 0}
+    one = fmpq_mat([[int(i == j) for j in range(count)] for i in range(count)])
+    for _ in range(40):
+        A = draw.integers(-3, 4, (count, count)) + np.diag(draw.integers(0, 5, count))
+        roots = np.linalg.eigvals(-A)
+        if min(abs(roots.real)) < 1e-6:
+            continue
+        scale = int(draw.choice([-2, 1, 3]))  # of the whole, whose sign is not known
+        fast = tuple(arb_poly([scale * round(c)]) for c in np.poly(-A)[::-1])
+        with precision(128):
+            for decays in (
+                lambda fast=fast: check_fast(SimpleNamespace(fast=fast), Fraction(1)),  # type: ignore[arg-type]
+                lambda A=A: Fast([one], [fmpq_mat(A.tolist())], count).decay(Fraction(1)),
+            ):
+                if roots.real.max() < 0:
+                    decays()
+                else:
+                    with pytest.raises((Unproven, Refused), match="without mass"):
+                        decays()
+        seen[bool(roots.real.max() < 0)] += 1
+    assert min(seen.values()) > 3
 
 
 @pytest.mark.parametrize("name", column_names())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ import freebeam as fb
 from freebeam.pulsating.growth import judged
 from freebeam.pulsating.monodromy import Pulsating, monodromy
 from freebeam_derive.certify import floquet
-from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.floquet import Motion, Pulsation, decide
 from freebeam_sym import question as floats
@@ -128,6 +129,17 @@ def test_stability_is_not_proven_when_the_damping_is_taken_away() -> None:
         fb.certified_pulse(BECK, 3, **given)
 
 
+def test_what_a_step_is_bounded_by_is_the_integral_of_its_norms() -> None:
+    """∫ ‖B₁‖ e^(Ωτ) + ‖B₂‖ e^(2Ωτ) dτ by Gauss's nodes."""
+    them: Any = object.__new__(Motion)
+    them.norms = [arb(7), arb(3), arb(5)]
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    for r, omega in ((0.5, 3.0), (2.0, 0.5)):
+        tau = r * (nodes + 1) / 2
+        wanted = r / 2 * (weights @ (3 * np.exp(omega * tau) + 5 * np.exp(2 * omega * tau)))
+        assert float(them._majorant(arb(r), arb(omega))) == pytest.approx(wanted, rel=1e-12)
+
+
 def test_growth_is_proven_without_damping() -> None:
     found = fb.certified_pulse(BECK, 3, load=12, frequency=12, amplitude="0.3")
     assert found.kind == "unstable" and found.growth[0] is not None and float(found.growth[0]) > 0.4
@@ -144,6 +156,27 @@ def test_powers_decide_by_the_largest_multiplier() -> None:
             assert low is not None and low <= m.log() <= high
         turn = acb(0, 1).exp()
         assert decide(arb_mat([[turn.real, -turn.imag], [turn.imag, turn.real]])) is None
+
+
+def test_what_no_verdict_is_of_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A mass that is not definite or hangs on the load; multipliers too near the circle, with as many bits as there
+    are tried, or on it, without damping."""
+    one, pulsation = arb_mat([[1]]), Pulsation(Fraction(1), Fraction(0), Fraction(5))
+    with pytest.raises(Unproven, match="mass matrix is not positive definite"):
+        Motion(-1 * one, [], [one], pulsation)
+    question = Question(2, Fraction(0), Fraction(1, 10))
+    monkeypatch.setattr(floquet, "decide", lambda U: None)
+    tried = []
+    exact = Motion.monodromy
+    monkeypatch.setattr(Motion, "monodromy", lambda self, bits: tried.append(bits) or exact(self, 128))
+    with pytest.raises(Unproven, match="too near the unit circle"):
+        floquet.prove(BECK.kernel, question, pulsation)
+    assert tried == [128, 256, 512, 1024]
+    with pytest.raises(Unproven, match="without damping none can be proven to die out"):
+        floquet.prove(BECK.kernel, Question(2, Fraction(0), Fraction(0)), pulsation)
+    monkeypatch.setattr(floquet, "coefficients", lambda *_: ([one, one], [], [one]))
+    with pytest.raises(Unproven, match="its mass hangs on the load"):
+        floquet.motion(BECK.kernel, question, pulsation)
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from numpy.polynomial.legendre import leggauss
 from scipy.linalg import eigh, eigvalsh, null_space
 
 import freebeam as fb
-from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps, stepped_section
+from freebeam_derive.certify import beam_itself, beam_stability, frequency_gaps, stepped_section, variable_section
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.column_forms import ColumnForms
@@ -141,6 +141,20 @@ def test_the_constants_of_lemma_7_are_above_what_they_bound(kinds: tuple[str, st
         bounds = [(1 - free(*given) / least) / 0.01 for given in (
             (h, none, {}), (none, h, {}), (none, none, {(1, 0, 0): h}), (none, none, {(1, 1, 1): h})
         )]  # fmt: skip
+        # as the page has them
+        t, at_ends = np.pi / 2 - float(modes.spread), [float(v) for v in variable_section._every(kinds, BITS).end]
+        W = 1 / (2 * G * t) + (1 + 2 * G / t).log() / (2 * np.pi * G)
+        L = 1 / t + (G / t).log() / np.pi
+        sums = [float(L / G**3 + W / (2 * G**2)), float(L / (4 * G) + W)]
+        slope = (least * (1 - (1 + t / float(G)) ** -4)) ** -0.5
+        slope += kinds.count("free") * at_ends[0] * at_ends[1] * (sums[0] * sums[1]) ** 0.5
+        told = [slope, 1 / least, *(bound**2 * total for bound, total in zip(at_ends, sums, strict=True))]
+        assert least == pytest.approx(float(4 * t * (G - arb.pi() + t) ** 3), rel=1e-9)
+        assert bounds == pytest.approx(
+            [0 if bound == 0 else of for bound, of in zip(bounds, told, strict=True)], rel=1e-9
+        )
+        both = (1 - float(_free(modes, G, beside, ((none, h, none), {}), kinds)) / least) / 0.01
+        assert both == pytest.approx(2 * (slope / least) ** 0.5, rel=1e-9)
         slopes = np.array(modes.form({(0, 1, 1): 1}, {}).tolist(), dtype=float)
         gamma = np.array([float(g) for g in modes.gamma])
         at_end = [np.array([float(v) for v in modes.derivative(1, d)]) for d in (0, 1)]
@@ -183,6 +197,13 @@ def test_the_energy_of_a_variable_section_is_that_of_a_uniform_beam_and_a_remain
             assert abs((y[0] - 2 * y[1] + y[2]) / h**2 - curvature) < 1e-3 * (1 + abs(curvature))
         *_, g1, g0, _, _ = local(1.0)
         rest += g1 * 0.5**2 + 2 * g0 * 0.5 * 0.5
+        largest, at_ends = section._remainder
+        for n, of in enumerate(largest):
+            assert max(abs(local(x)[n]) for x in nodes) <= float(of) < 5 * max(abs(local(x)[n]) for x in (0.0, 1.0))
+        for end in (0, 1):
+            *_, g1, g0, _, _ = local(float(end))
+            told = {(end, 1, 1): abs(g1), (end, 0, 1): abs(g0), (end, 1, 0): abs(g0)}
+            assert {key: float(f) for key, f in at_ends.items() if key[0] == end} == pytest.approx(told, rel=1e-9)
     assert abs(energy / (c**4 * (uniform + rest)) - 1) < 1e-9
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb
+from flint import arb, fmpq, fmpq_poly
 from numpy.polynomial import Polynomial as Numeric
 
 import freebeam as fb
@@ -17,8 +17,11 @@ from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.column_forms import ColumnForms, at
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
-from freebeam_derive.certify.load_size import Value, _by_parts, load_size
+from freebeam_derive.certify.load_size import Value, _by_parts, _size, load_size
 from freebeam_derive.certify.strips import NoStrips
+from freebeam_derive.certify.verifier_sections import Sections
+from tests.certify.test_column_forms import along, kernel
+from tests.certify.test_column_forms import at as at_place
 
 BITS = 64
 JOINTS = {"crack": {"k": Fraction(2), "a": Fraction(2, 5)}, "shear-joint": {"k": Fraction(50), "a": Fraction(3, 5)}}
@@ -127,6 +130,40 @@ def test_no_eigenvalue_of_a_jointed_column_meets_a_line(name: str, load: str) ->
     for turn in np.linspace(0, np.pi, 7):
         s = 1 / np.linalg.eigvals(np.linalg.solve(E + 0.98 * reach * np.exp(1j * turn) * (K - E), M))
         assert all(np.sum(s.real < R) == k for k, R in lines.items())
+
+
+@pytest.mark.parametrize("ends", [("clamped", "free"), ("pinned", "clamped")])
+def test_both_programs_find_one_size_of_a_load(ends: tuple[str, str]) -> None:
+    """Of two parts with a mass and a rotary inertia at each place: loads of all orders, forces, moments."""
+    draw, (left, right) = random.Random(3), ((Fraction(2), Fraction(5)), (Fraction(3), Fraction(4)))
+    places = [(Fraction(1, 2), 0), (Fraction(1, 2), 1), (Fraction(1), 0), (Fraction(1), 1)]
+    for _ in range(3):
+        loads = [(n, p, q, Fraction(draw.randint(-5, 5))) for n in (0, 1) for p in (0, 1) for q in (0, 1)]
+        masses = {place: Fraction(draw.randint(1, 9), 10) for place in places}
+        forces = {(draw.choice(places), draw.choice(places)): Fraction(draw.randint(-5, 5)) for _ in range(3)}
+        stub = kernel(
+            ends=ends, mass=[along(0, 0, f, on=(n,)) for n, f in enumerate(left)],
+            bending=[along(2, 2, f, on=(n,)) for n, f in enumerate(right)],
+            masses=[at_place(*place, f) for place, f in masses.items()],
+            load=[along(p, q, f, on=(n,)) for n, p, q, f in loads],
+            forces=[at_place(*row, f, of) for (row, of), f in forces.items()],
+        )  # fmt: skip
+        with precision(BITS):
+            forms = ColumnForms(stub, {})
+            tables: list[Any] = [{(p, q): fmpq_poly([fmpq(int(f))]) for m, p, q, f in loads if m == n} for n in (0, 1)]
+            other = Sections(
+                ends, forms.breaks, *([fmpq_poly([int(f)]) for f in of] for of in (right, left)), [{}, {}], tables,
+                {numbered(place): f for place, f in masses.items() if not forms.is_held(*place)}, {},
+                {(numbered(row), numbered(of)): f for (row, of), f in forces.items()},
+            )  # fmt: skip
+            for turned in (False, True):
+                found = _size(forms, forms.load, forms.load_points, turned)
+                assert not found.places and float(found.constant) == pytest.approx(float(other.size(turned)), rel=1e-9)
+            assert load_size(forms).constant == _size(forms, forms.load, forms.load_points, False).constant
+
+
+def numbered(place: tuple[Fraction, int]) -> tuple[int, int]:
+    return int(2 * place[0]), place[1]
 
 
 def test_a_moment_where_no_rotary_inertia_is_has_no_bound() -> None:

@@ -83,7 +83,11 @@ def test_a_divergence_and_a_flutter_at_one_load_are_both_said() -> None:
     slow, fast = map(F, frequencies["flutter"] or ())
     assert slow**2 < 4 < fast**2  # the mean of 3 and 5
     said = verifier.verify(written())
-    assert "and at exactly that load by" in str(said) and len(said.record()["at_once"]) == 1
+    (other,) = said.record()["at_once"]
+    (kind, _), *_ = found.at_once
+    slow, fast = F(other["frequency_lower"]), F(other["frequency_upper"])
+    assert "and at exactly that load by" in str(said) and other["kind"] == kind and other["turn"] is None
+    assert slow**2 < 4 < fast**2 if kind == "flutter" else slow == fast == 0
     listed = fb.certified_crossings(column("links"), 1, load_max=4, digits=12)
     assert {c.kind for c in listed[:2]} == {"flutter", "divergence"} and listed[1].unstable_above == 3
     all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
@@ -226,6 +230,12 @@ def test_prover_and_verifier_eliminate_to_one_polynomial_that_vanishes_at_crossi
         assert ours is not None and ours / ours.leading_coefficient() == theirs / theirs.leading_coefficient()
         assert (ours.degree() > 3) == flutter
     assert not equal([(part, True), (part, True)], limit, F(-(10**6)), F(10**6))  # many loads
+
+
+def test_one_function_flutters_where_its_damping_is_nothing() -> None:
+    M, C, K = matrices([[[1]]]), matrices([[[6]], [[-3]]]), matrices([[[3]]])
+    found = vanishing(Part(("y",), M, C, K), True, False)
+    assert found is not None and found.degree() == 1 and found(2) == 0
 
 
 def test_the_polynomial_of_a_flutter_known_in_closed_form_holds_it() -> None:

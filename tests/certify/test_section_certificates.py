@@ -16,7 +16,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, acb_poly, arb, arb_poly, fmpq_poly
+from flint import acb, acb_poly, arb, arb_poly, arb_series, fmpq_poly
 from scipy.linalg import expm
 
 import freebeam as fb
@@ -341,6 +341,35 @@ def test_what_is_left_out_of_waves_is_no_less_than_where_all_is_coupled_as_much_
         with flint.ctx.workprec(BITS):
             rest = them.rest(arb(g), arb(0))
             assert rest is not None and truth <= float(rest) * (1 + 1e-12) <= 3 * truth + 1e-9
+
+
+def test_waves_have_the_equation_and_the_end_values_of_the_section() -> None:
+    """With y = ρ w and the load at rest, at places: m ρ (w'''' − (A w')' + H w) in z is the equation of y in x, and
+    (w, w', w'', w''' − A w') gives y, y', moment and shear force."""
+    m, EI, N, k = (fmpq_poly(f) for f in ([2, -1], [3, 1, -1], [5, 2, 7], [4, -3]))
+    of = Sections(("clamped", "free"), (Fraction(0), Fraction(1)), [EI], [m], [{0: k, 1: N}], [{}], {}, {}, {})
+    with flint.ctx.workprec(400):
+        h, polynomial = arb(2) ** -100, fmpq_poly([1, -2, 3, 1, -4, 2])
+        for x in (arb("0.2"), arb("0.7")):
+            y, mass, bend, axial, spring = (
+                arb_series(arb_poly(f)(arb_poly([x, 1])).coeffs(), prec=8) for f in (polynomial, m, EI, N, k)
+            )
+            rate = (mass / bend).sqrt().sqrt()
+            rho = (rate / mass).sqrt()
+            w = [y / rho]
+            for _ in range(4):
+                w.append(w[-1].derivative() / rate)
+            A, H, _ = verifier_waves._local(of, 0, x)
+            above, below = (verifier_waves._local(of, 0, x + side)[0] for side in (h, -h))
+            slope = (above - below) / (2 * h) / rate[0]  # of A, in z
+            moment = bend * y.derivative().derivative()
+            force = axial * y.derivative() - moment.derivative()
+            felt = w[4][0] - A * w[2][0] - slope * w[1][0] + H * w[0][0]
+            assert abs((spring * y - force.derivative())[0] - mass[0] * rho[0] * felt) < 1e-40
+            u = [w[0][0], w[1][0], w[2][0], w[3][0] - A * w[1][0]]
+            wanted = [y[0], y[1], moment[0], force[0]]
+            for row, value in zip(verifier_waves._turned(of, 0, x), wanted, strict=True):
+                assert abs(sum((a * b for a, b in zip(row, u, strict=True)), arb(0)) - value) < 1e-40
 
 
 def test_a_wave_and_its_slope_are_not_both_small() -> None:

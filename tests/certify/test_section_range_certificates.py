@@ -20,14 +20,14 @@ from typing import Any
 
 import flint
 import pytest
-from flint import arb
+from flint import arb, arb_mat
 
 import freebeam as fb
 from freebeam_derive.certify import verifier, verifier_of_sections, verifier_over_sections
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_of_sections import Frequencies, Gaps
-from freebeam_derive.certify.verifier_over_sections import FORMATS, OverPieces, between, check_one_condition
+from freebeam_derive.certify.verifier_over_sections import FORMATS, OverPieces, _filled, between, check_one_condition
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, load_size
 from freebeam_derive.certify.verifier_waves import Apart
@@ -210,6 +210,12 @@ def test_waves_of_a_range_hold_those_of_each_value() -> None:
             for wave, (B,) in one.stages[-1].items():
                 for held, value in zip(whole.stages[-1][wave][0].coeffs(), B.coeffs(), strict=True):
                     assert held.overlaps(value) and held.real.rad() < 1
+
+
+def test_a_polynomial_of_fewer_powers_is_the_same_with_more() -> None:
+    """So that half of two is the value between them, whichever has more powers of P, and of s."""
+    of = arb_mat([[1, 2], [3, 4]])
+    assert _filled(of, 3, 4).tolist() == [[1, 2, 0, 0], [3, 4, 0, 0], [0, 0, 0, 0]] and _filled(of, 2, 2) == of
 
 
 def main(*cases: str) -> None:

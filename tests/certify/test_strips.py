@@ -16,8 +16,8 @@ import freebeam_kernels.beck_legendre as polynomials
 import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls
-from freebeam_derive.certify.balls import precision
-from freebeam_derive.certify.comparison_form import ORDERS, Modes, bounds, roots
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.comparison_form import ORDERS, Modes, _settled, bounds, characteristic, roots
 from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines, rigid_motions
 
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]
@@ -62,6 +62,36 @@ def test_few_roots_are_the_first_of_many() -> None:
         for ends in (("clamped", "free"), ("pinned", "pinned")):
             few, many = roots(ends, 1, BITS), roots(ends, 12, BITS)
             assert few[0][0].overlaps(many[0][0]) and many[1] - few[1] == 11
+
+
+@pytest.mark.parametrize("ends", ENDS[1::3], ids=["-".join(e) for e in ENDS[1::3]])
+def test_the_series_of_the_characteristic_function_is_that_of_its_values(ends: tuple[str, str]) -> None:
+    """Of f e^γ at a γ: summed a little further on, and its first slope beside that of f."""
+    with precision(BITS):
+        f = characteristic(ends)
+        for g, h in ((arb("0.7"), arb(1) / 64), (arb(5), arb(-1) / 64)):
+            series = f.scaled_series(g, 16)
+            (value, slope), (there, _) = f(g), f(g + h)
+            assert series[0].overlaps(value * g.exp()) and series[1].overlaps((value + slope) * g.exp())
+            total = sum((c * h**n for n, c in enumerate(series)), arb(0))
+            assert abs(total - there * (g + h).exp()) < 1e-30 * g.exp()
+
+
+def test_modes_that_are_too_low_for_the_bounds_have_none() -> None:
+    """2/(1 − 4ε/(1 − ε)²) bounds no mode where 4 ε > (1 − ε)², below γ = 1.7627…; nor are few settled."""
+    with precision(BITS):
+        least = (3 + 2 * arb(2).sqrt()).log()
+        for ends in ENDS:
+            assert bounds(ends, least + arb("0.01")).end[1] > 1
+            with pytest.raises(Unproven, match="too low for their bounds"):
+                bounds(ends, least - arb("0.01"))
+        for ends, count in ((("free", "free"), 1), (("clamped", "free"), 1), (("clamped", "free"), 2)):
+            settled = _settled(characteristic(ends), roots(ends, count, BITS)[0][-1] - 1)
+            if settled:
+                assert Modes(ends, count).spread < arb.pi() / 4
+            else:
+                with pytest.raises(Unproven, match="more modes are needed"):
+                    Modes(ends, count)
 
 
 def squares(form: Form, R: arb) -> arb:
