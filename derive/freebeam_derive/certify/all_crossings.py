@@ -23,7 +23,7 @@ from types import ModuleType
 
 from flint import arb, arb_poly, fmpq
 
-from freebeam_derive.certify.balls import Unproven, ends, exact, precision, rational
+from freebeam_derive.certify.balls import Unproven, ball, ends, exact, precision, rational
 from freebeam_derive.certify.bivariate import bernstein, keeps_sign, sign, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, functions_of
 from freebeam_derive.certify.first_crossing import (
@@ -98,7 +98,8 @@ class Crossings(list[Crossing]):
 
 @dataclass
 class _Found:
-    """A crossing with the box about it, of loads and of x, in which there is no other of its part."""
+    """A crossing with the box about it, of loads and of x, in which there is no other of its part; square: None where
+    one eigenvalue is zero, exactly 0 where a pair is."""
 
     load: arb
     square: arb | None
@@ -212,7 +213,7 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
         raise Inseparable(lowest.low, lowest.high, found)
     found.sort(key=lambda c: c.load.mid())
     for one, following in pairwise(found):
-        pairs = [(parts[c.part].part, c.square is not None) for c in (one, following)]
+        pairs = [(parts[c.part].part, not (c.square is None or c.square == 0)) for c in (one, following)]
         both = [(part, flutter) for part, flutter in pairs if part]
         if not (one.load < following.load or equal(both, limit, *ends(one.load.union(following.load)))):
             raise Unproven(
@@ -231,13 +232,15 @@ def _refined(
         of, before = fine[crossing.part], parts[crossing.part]
         z = [crossing.load] if crossing.square is None else [crossing.load, crossing.square]
         P, *places = refined(of, z, bits, 40)
+        if crossing.square == 0:  # exactly
+            places = [arb(0)]
         inside = all(exact(crossing.bottom) < x < exact(crossing.top) for x in places)
         pairs = zip(of.h.rows, before.h.rows, strict=True)
         again = all(v.contains(0) for p, q in pairs for v in (p - q).coeffs())
         if not (again and inside and exact(crossing.low) < P < exact(crossing.high)):
             raise Unproven(f"the crossing near {float(P.mid()):.10g} was lost in refining it")
         for square, times in _told(of.part, places, crossing.scales):
-            if square is not None and not square > 0:
+            if square is not None and not (square > 0 or square == 0):
                 raise Unproven(f"whether the frequency at the load {float(P.mid()):.10g} is zero is not known")
             told = None if square is None else _interval(square, digits - 1)
             kind, change = "divergence" if square is None else "flutter", times * crossing.change
@@ -257,6 +260,8 @@ def _told(part: Part | None, places: list[arb], scales: list[fmpq]) -> list[tupl
     x, turn = places[0] if places else None, exact(part.turn) if part else arb(0)
     if x is None:
         return [(None, len(scales))] if turn == 0 else [(turn**2, 2 * len(scales))]
+    if turn == 0 and x == 0:
+        return [(x, len(scales))]
     if turn == 0:
         return [(scale * x, scales.count(scale)) for scale in sorted(set(scales))]
     whirls = [x - turn] if part and part.whirls else [x.sqrt() - turn, x.sqrt() + turn]
@@ -268,7 +273,9 @@ def _scale(part: Part | None, other: Part | None) -> fmpq | None:
 
 
 def _interval(ball: arb, digits: int) -> tuple[Fraction, Fraction]:
-    """A rational interval about a positive ball, of a relative width a little below 10^−digits."""
+    """A rational interval about a positive ball, of a relative width a little below 10^−digits; of 0 it alone."""
+    if ball == 0:
+        return Fraction(0), Fraction(0)
     middle = rational(ball, 400 + 4 * digits)
     spread = middle / 10 ** (digits + 2)
     if not (exact(middle - spread) < ball < exact(middle + spread)):
@@ -280,8 +287,8 @@ def _place(
     of: Boundary, load: tuple[Fraction, Fraction], places: list[arb], digits: int
 ) -> tuple[Fraction, Fraction] | None:
     """An interval of x about a crossing in which the root of g stays for all loads of an interval."""
-    if not places:
-        return None
+    if not places or places[0] == 0:
+        return (Fraction(0), Fraction(0)) if places else None
     middle, point = (load[0] + load[1]) / 2, rational(places[0], 400 + 4 * digits)
     spread = spread_of(of.about(exact(middle), exact(point)), middle, point, (load[1] - load[0]) / middle)
     if not exact(point - spread) < places[0] < exact(point + spread):
@@ -303,8 +310,16 @@ class _Survey:
         tops += [(self.found.h, self.found.N)] if self.found.fast or not self.found.odd else []
         if 0 in signs_on([arb_poly([row[of] for row in top.rows]) for top, of in tops], zero, self.load_max):
             raise Unproven("det M is not known to keep its sign, and eigenvalues may come from infinity")
+        for P in self.found.twice:
+            if exact(zero) < P < exact(self.load_max):
+                pair = self._box(P, arb(0), zero, self.load_max)
+                if pair is None:
+                    raise Unproven(f"how two eigenvalues leave zero at the load {float(P.mid()):.10g} is not known")
+                self.crossings.append(pair)
+        edges = [zero, *(v for c in self.crossings for v in (c.low, c.high)), self.load_max]
         try:
-            self._divergences(zero, self.load_max, 0)
+            for a, b in zip(edges[::2], edges[1::2], strict=True):
+                self._divergences(a, b, 0)
         except Inseparable as open_:
             self._flutter(zero, open_.low)  # what there is below, so that it can be told
             raise Inseparable(open_.low, open_.high, self.crossings) from None
@@ -442,7 +457,8 @@ class _Survey:
         return sorted(places, key=lambda z: abs(z - x))[:3]
 
     def _box(self, P: arb, x: arb, a: Fraction, b: Fraction) -> _Found | None:
-        if not (exact(a) <= P <= exact(b) and x > 0):
+        rests = x == 0
+        if not (exact(a) <= P <= exact(b) and (rests or x > 0)):
             return None
         if any(
             c.square is not None and exact(c.low) < P < exact(c.high) and exact(c.bottom) < x < exact(c.top)
@@ -453,7 +469,8 @@ class _Survey:
             P, x = enclose(self.found, [P, x], LOWEST_BITS)
         except Unproven:
             return None
-        middle, place = rational(P, 60), rational(x, 60)
+        middle, place = rational(P, 60), Fraction(0) if rests else rational(x, 60)
+        size = place or Fraction(min((z.real for z in _zeros(self.found.h.at(P)) if z.real > abs(x)), default=1.0))
         local = self.found.about(exact(middle), exact(place))
         # which way the eigenvalues cross
         det = sign(local.slopes([arb(0), arb(0)]).det())
@@ -461,12 +478,14 @@ class _Survey:
         width = (b - a) / 2
         for halvings in range(0, 60, 2):
             r = width / 2**halvings
-            rho = next((p for k in range(1, 40, 2) if alone(local, r, p := place / 2**k)), None)
+            rho = next((p for k in range(1, 40, 2) if alone(local, r, p := size / 2**k)), None)
             if rho is None or not (exact(middle - r) < P < exact(middle + r)):
+                continue
+            if rests and not local.leaves_as_pair(*(ball(0, exact(v)) for v in (r, rho))):
                 continue
             low, high, bottom, top = middle - r, middle + r, place - rho, place + rho
             if exact(bottom) < x < exact(top) and self._doubtful(max(low, Fraction(0)), high, (bottom, top)) is None:
-                return _Found(P, x, low, high, bottom, top, change) if det else None
+                return _Found(P, arb(0) if rests else x, low, high, bottom, top, change) if det else None
         return None
 
     def _divergences(self, a: Fraction, b: Fraction, depth: int) -> None:

@@ -34,6 +34,7 @@ from freebeam_derive.certify.balls import (
 )
 from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
+from freebeam_derive.certify.one_load import zeros_twice
 from freebeam_derive.certify.parts import Part, split
 from freebeam_derive.certify.structure import Structure, null_space, of_balls, structure
 
@@ -106,6 +107,18 @@ class Boundary:
     def above_zero(self) -> bool:
         """Whether what is said of stability is not said of P = 0."""
         return self.rests > 0 or self.none > 0
+
+    @cached_property
+    def twice(self) -> list[arb]:
+        """Loads at which two eigenvalues are known to be zero at once: h = h_P = g = 0 at x = 0, exactly."""
+        return zeros_twice(self.part) if self.part and self.damped else []
+
+    def leaves_as_pair(self, P: arb, x: arb) -> bool:
+        """Whether these two leave zero as a conjugate pair, and det K is zero at no other load of a ball. x: about 0.
+
+        With λ = μ (P − P*) the determinant is h_PP / 2 + g_P μ − h_x μ² to lowest order, times (P − P*)².
+        """
+        return bool(self.g.by_P(P, x) ** 2 + 2 * self.h.by_x(P, x) * self.h.by_P.by_P(P, x) < 0)
 
     @property
     def between(self) -> int:

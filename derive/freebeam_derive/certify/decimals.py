@@ -40,19 +40,23 @@ def said(value: Fraction) -> str:
 def outward(low: Fraction, high: Fraction, digits: int) -> tuple[str, str]:
     """Decimals of so many significant digits, rounded down and up."""
     size = max(abs(low), abs(high))
-    places = digits - 1 - _exponent(size) if size else digits
+    if size == 0:
+        return "0", "0"
+    places = digits - 1 - _exponent(size)
     unit = Fraction(10) ** places
     return _decimal(math.floor(low * unit), places), _decimal(math.ceil(high * unit), places)
 
 
 def shown(low: Fraction, high: Fraction) -> tuple[str, str]:
     """The ends of an interval as decimals that tell them apart, rounded down and up."""
-    width = (high - low) / max(abs(low), abs(high))
+    width = (high - low) / (max(abs(low), abs(high)) or 1)
     return outward(low, high, 4 - _exponent(width) if width else 20)
 
 
 def roots(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
-    """An interval that holds the square roots of a positive one, and is not much wider."""
+    """An interval that holds the square roots of a positive one, and is not much wider; of 0 it is 0 alone."""
+    if high == 0 == low:
+        return low, high
     bits = 64 + int(high / (high - low)).bit_length() + max(0, int(1 / low).bit_length())
     below, above = (math.isqrt(v.numerator * 4**bits // v.denominator) for v in (low, high))
     return Fraction(below, 2**bits), Fraction(above + 1, 2**bits)

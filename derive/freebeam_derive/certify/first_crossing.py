@@ -42,6 +42,7 @@ MOST_BITS = 60_000
 DEEPEST = 120  # bisections of the load axis before a proof is given up
 MOST_STRETCHES = 2000  # some tens are usual; a file of so many has 2 MB at eight functions
 FAST_HALVINGS = 12  # of it where all that is asked is the sign of some determinants
+NEAR = arb("1e-3")  # of a load: how far from where it is looked for a crossing may be
 MOST_APART = 400  # digits to which two loads are told apart
 Separator = tuple[Fraction, Fraction]
 
@@ -63,6 +64,7 @@ class Stretch:
 class Enclosure:
     """A certified critical load. load, square: intervals of P and of ω² (None where kind is "none").
 
+    A pair of eigenvalues that leaves zero is a flutter, and square (0, 0).
     parts: motions that leave the others alone, first those that lose stability; beside: stretches of the others, up to
     the upper end of load, None for one that is the first again, but for the unit of time, and the enclosure of one that
     is lost at exactly the same load. From a frame that turns square is an interval of (ω + turn)², or of ω + turn of
@@ -448,19 +450,19 @@ def _lost_within(part: Boundary, first: Enclosure, digits: int, bits: int) -> En
     middle = (low + high) / 2
     P = exact(middle)
     tops = (part.h, part.g) if part.damped else (part.g,)
-    starts = [[P]] if not part.part.turn else []
+    starts = [[load, arb(0)] for load in part.twice] + ([[P]] if not part.part.turn else [])
     starts += [[P, x] for of in tops for x in real_zeros(of.at(P)) if x > 0]
     for start in starts:
         try:
             z = start
-            for _ in range(6):
+            for _ in range(0 if start[-1] == 0 else 6):
                 z = [v.mid() for v in newton(part, z)]
-            if not (exact(low) < z[0] < exact(high) and all(x > 0 for x in z[1:])):
+            if not (exact(low) < z[0] < exact(high) and all(x >= 0 for x in z[1:])):
                 continue
             found = _certify_near(part, first.question, (middle, 0), z, digits, bits, middle)
         except Unproven:
             continue
-        each = (first.parts[0], first.kind == "flutter"), (part.part, found.kind == "flutter")
+        each = tuple((p, bool(of.square and any(of.square))) for p, of in ((first.parts[0], first), (part.part, found)))
         if not equal(each, first.question.kappa is not None, low, high):
             raise Together(
                 f"motions that leave each other alone are lost at loads near {float(middle):.10g} that agree to "
@@ -483,7 +485,8 @@ def _place(parts: list[Boundary], near: tuple[float | Fraction, float]) -> tuple
     for found in parts:
         turn, whirls = (exact(found.part.turn), found.part.whirls) if found.part else (arb(0), False)
         if turn == 0:
-            each.append((found, [load, omega**2] if near[1] > 0 else [load]))
+            rests = near[1] == 0 and any(abs(P - load) < load * NEAR for P in found.twice)
+            each.append((found, [load, omega**2] if near[1] > 0 or rests else [load]))
         elif near[1] > 0:  # x = 0 is no divergence there
             seen = turn + omega, turn - omega
             each += [(found, [load, x if whirls else x**2]) for x in seen]
@@ -497,7 +500,7 @@ def _place(parts: list[Boundary], near: tuple[float | Fraction, float]) -> tuple
                 z = [v.mid() for v in newton(part, z)]
         except Unproven:
             return math.inf
-        found = sum(float(abs(v / w - 1)) for v, w in zip(z, item[1], strict=True))
+        found = sum(float(abs(v - w) / (abs(w) if w != 0 else 1)) for v, w in zip(z, item[1], strict=True))
         return found if math.isfinite(found) else math.inf
 
     return each[0] if len(each) == 1 else min(each, key=distance)
@@ -521,11 +524,11 @@ def _certify_near(
     middle: Fraction | None = None,
 ) -> Enclosure:
     """middle: of the interval of loads, where it is given."""
-    start, flutter = z[0], len(z) > 1
+    start, flutter, rests = z[0], len(z) > 1, z[-1] == 0
     P, *squares = refined(found, z, bits, 20)
-    if not abs(P - start) < abs(start) * arb("1e-3"):
+    if not abs(P - start) < abs(start) * NEAR:
         raise Unproven(f"no crossing was found near the load {float(near[0]):.10g}")
-    if any(not x > 0 for x in squares):
+    if not rests and any(not x > 0 for x in squares):
         raise Unproven("the crossing's frequency is not known to be positive")
     tolerance = Fraction(1, 10 ** (max(digits, 8) + 2))
     middle = rational(P, bits) if middle is None else middle
@@ -533,7 +536,7 @@ def _certify_near(
     if not exact(low) < P < exact(high):
         raise Unproven(f"the crossing near {float(near[0]):.10g} could not be enclosed to {digits} digits")
     check_fast(found, high)
-    point = rational(squares[0], bits) if flutter else None
+    point = Fraction(0) if rests else rational(squares[0], bits) if flutter else None
     kind, there = "flutter" if flutter else "divergence", f"{float(middle):.10g}"
     try:
         last = _last_stretch(found, middle, point, tolerance)
@@ -556,6 +559,9 @@ def _certify_near(
         if found.part and found.part.whirls and square[0] <= found.part.turn <= square[1]:
             raise Unproven(f"whether the frequency of the whirl at the load {there} is zero is not known")
         single = alone(local, middle * tolerance / 2, spread)
+        if rests:
+            radii = (exact(middle * tolerance / 2), exact(spread))
+            single, square = single and local.leaves_as_pair(*(ball(0, r) for r in radii)), (point, point)
     if not single:
         raise Unproven(
             f"a second crossing may lie with the one at {there} in the interval of {digits} digits; established "

@@ -3,6 +3,9 @@
 Where a part loses stability det K is zero, or h and g have a common root x, so that the resultant of h and g by x
 vanishes there. A product of two such polynomials, with each factor once, that is monotone on an interval of loads has
 one root in it at most: two critical loads that both lie in it are one then.
+
+Where two motions of one part rest at a load, det K and its slope in P vanish, and so does what det(λ² M + λ C + K) has
+of the first order in λ: a shaft that turns, as it sees itself, has both of its planes at rest at its critical speed.
 """
 
 from __future__ import annotations
@@ -12,10 +15,10 @@ from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_poly
+from flint import arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_poly
 
 from freebeam_derive.certify.balls import exact, precision
-from freebeam_derive.certify.parts import Part
+from freebeam_derive.certify.parts import Part, Powers
 
 MOST_ROWS = 20  # of a part that flutters: the resultant of 20 is of degree 380 in P, and takes half a minute
 MOST_BITS = 20_000
@@ -77,6 +80,33 @@ def vanishing(part: Part, flutter: bool, limit: bool) -> fmpq_poly | None:
             loads.append(P)
             values.append(one.resultant(other))
     return _through(loads, values)
+
+
+def zeros_twice(part: Part) -> list[arb]:
+    """Positive loads at which a part is known to have two motions at rest, K v = 0, and so two eigenvalues zero.
+
+    Where K of all motions together is symmetric and falls, a root of det K is as many times one as motions rest there,
+    and so it is of each part. Raises Unproven.
+    """
+    still = vanishing(part, False, False)
+    if still is None or not still.coeffs() or part.turn or not all((X == X.T).all() for X in part.whole):
+        return []
+    double = still.gcd(still.derivative())
+    more = double.gcd(double.derivative())
+    double //= more
+    double //= double.gcd(more)  # of the order 2 alone
+    roots: list[Any] = double.numer().complex_roots() if double.degree() > 0 else []
+    loads = [root.real for root, _ in roots if root.imag == 0]
+
+    def at(K: Powers, P: arb) -> arb_mat:
+        return arb_mat([[arb(v) for v in row] for row in sum((X * P**a for a, X in enumerate(K)), 0 * K[0]).tolist()])
+
+    slopes = [X * a for a, X in enumerate(part.whole)][1:]
+    return [
+        P
+        for P in loads
+        if P > 0 and all(v > 0 for v in at(slopes, P).charpoly()) and all(at(K, P).det() != 0 for K in part.others)
+    ]
 
 
 def _boundary(

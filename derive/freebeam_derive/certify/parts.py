@@ -38,7 +38,8 @@ class Part:
     order of `_place`. planes: two that are alike, of which M and K are one's as seen from a frame that turns at the
     rate turn; whirls: as a problem in s = ω + turn, else in its square. kind: shared by those of the same names that
     are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls. together: where it
-    is one of those of the roots of a polynomial, M, C and K of all of these, of fractions. before: seen from the frame
+    is one of those of the roots of a polynomial, M, C and K of all of these, of fractions; others: K of each of the
+    other roots. whole: K of all motions of these names. before: seen from the frame
     before it was taken apart from others."""
 
     names: tuple[str, ...]
@@ -52,6 +53,8 @@ class Part:
     kind: int = -1
     known: Structure | None = None
     together: tuple[Powers, Powers, Powers] | None = None
+    others: tuple[Powers, ...] = ()
+    whole: Sequence[Any] = ()
     before: bool = False
 
     def damped(self, limit: bool) -> bool:
@@ -107,7 +110,7 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
     for group in sorted(groups, key=lambda g: min(map(whole.names.index, g))):
         rows = np.flatnonzero([name in group for name in names])
         of_M, of_C, of_K = ([X[np.ix_(rows, rows)] for X in terms] for terms in (M, C, K))
-        part = Part(tuple(name for name in whole.names if name in group), of_M, of_C, of_K)
+        part = Part(tuple(name for name in whole.names if name in group), of_M, of_C, of_K, whole=of_K)
         if not exact:
             parts.append(part)
             continue
@@ -150,9 +153,12 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
         if (rates and not symmetric) or (limit and structure(M, [], K).degree != known.degree):
             return alone
         shared = known.shared(len(of.roots))
+        every_K = [[of.at(k, X) for X in K] for k in range(len(of.roots))]
         for k, kind in enumerate(of.kinds):
-            M_r, C_r, K_r = ([of.at(k, X) for X in powers] for powers in (M, C, K))
-            found.append((replace(part, M=M_r, C=C_r, K=K_r, kind=kind, known=shared, together=(M, C, K)), []))
+            M_r, C_r = ([of.at(k, X) for X in powers] for powers in (M, C))
+            others = (*every_K[:k], *every_K[k + 1 :])
+            own = replace(part, M=M_r, C=C_r, K=every_K[k], kind=kind, known=shared, together=(M, C, K), others=others)
+            found.append((own, []))
     ordered = sorted(((_place(each), each, of) for each, of in found), key=cmp_to_key(_compared))
     return [(replace(each, motion=k), of) for k, (_, each, of) in enumerate(ordered)] or alone
 

@@ -6,7 +6,8 @@ What acceptance proves, with C = of_M M + of_E E and K = E + P H, of the series 
     column is stable. Where the kind is "flutter" or "divergence", there is exactly one load P* with low ≤ P* ≤ high at
     which an eigenvalue λ is on the imaginary axis, and stability is lost there:
     - flutter: a pair λ = ±iω with ω > 0 and ω² within frequency_squared, and no other eigenvalue; det K > 0 for all
-      low ≤ P ≤ high.
+      low ≤ P ≤ high. Where frequency_squared is 0: two eigenvalues are 0, a conjugate pair at loads next to P*, and
+      det K > 0 but for P*.
     - divergence: λ = 0, and no other eigenvalue; det K passes zero.
     The crossing is simple: with damping, and in its limit, the eigenvalue is simple and crosses at a speed that is not
     zero; without damping two frequencies meet, ω² of a double root of det(K − ω² M), and are no longer real above. So
@@ -41,7 +42,9 @@ They are interpolated here from determinants of balls, and checked:
     is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
     zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
-(iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0.
+(iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. Of a pair that leaves zero it is known
+    exactly that h = h_P = g = 0 at x = 0 and one load (`check_pair_at_rest`); (ii) and (iii) hold with a box about it,
+    and (h_PP, g_P, h_x) there make both λ / (P − P*) of a positive real part, and no real numbers.
 (v) Motions that leave each other alone in M, C and K (`apart`, `motions`) have stretches each, to low where stability
     is lost, to high of the others, but for those that are the first again (`alike`), or are so in another unit of time
     (`rescaled`), which lose it with that; (ii) to (iv) are of the first, and of others that are lost at P* too: both
@@ -99,7 +102,7 @@ from freebeam_derive.certify.verifier_claims import (
     whirl,
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
-from freebeam_derive.certify.verifier_loads import check_one_load
+from freebeam_derive.certify.verifier_loads import check_one_load, check_pair_at_rest
 from freebeam_derive.certify.verifier_motions import Motion, motions
 from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
 
@@ -496,9 +499,10 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         for k in mine:
             motion = each[parts[k]["motion"]]
             if turn is None:
-                found[k] = Part.of(
+                of_motion = Part.of(
                     motion, limit, frames[mine.index(k)], [held[own[n]][-1] for n in motion.stands], group
                 )
+                found[k] = replace(of_motion, whole=inner[2])
             else:
                 found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
     return [part for part in found if part]
@@ -508,7 +512,7 @@ def of_forms(data: dict[str, Any]) -> Read:
     """A certificate of forms on segments."""
     differ = ", ".join(sorted(GENERAL_FIELDS ^ (set(data) - APART)))[:100]
     require(set(data) in (GENERAL_FIELDS, GENERAL_FIELDS | APART), f"fields are missing, or not known: {differ}")
-    claims, space, given = claims_of(data), _space(data), data["forms"]
+    claims, space, given = claims_of(data, at_zero=True), _space(data), data["forms"]
     require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
     powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
     terms = [term for form in powers for part in ("along", "points") for term in _list(form[part], MOST_PARTS)]
@@ -565,7 +569,8 @@ def of_forms(data: dict[str, Any]) -> Read:
 class Part:
     """Motions that leave all others alone: M, C and K by powers of the load, exact. motion: where they are those of all
     roots of a polynomial, which one is meant. limit: of vanishing damping. turn: the rate of a frame from which one of
-    two planes is seen that rates couple; whirls: with ω + turn in place of ω². names: of fields and coordinates."""
+    two planes is seen that rates couple; whirls: with ω + turn in place of ω². names: of fields and coordinates.
+    whole: K of all motions of these names."""
 
     M: list[fmpq_mat]
     C: list[fmpq_mat]
@@ -577,6 +582,7 @@ class Part:
     turn: fmpq | None = None
     whirls: bool = False
     names: Sequence[str] = ()
+    whole: Sequence[fmpq_mat] = ()
 
     @staticmethod
     def of(motion: Motion, limit: bool, frame: Any = None, rows: Sequence[str] = (), names: Sequence[str] = ()) -> Part:
@@ -598,7 +604,7 @@ class Part:
         even = not C or motion.even or (known.even and motion.count == 1)
         known = known.each(motion.count, not limit and even)
         require(known.highest > 1, "no motion has a frequency")
-        return Part(M, C, K, motion, limit, known, fast, turn, whirls, names)
+        return Part(M, C, K, motion, limit, known, fast, turn, whirls, names, motion.terms[2])
 
     def scale(self, other: Part) -> Fraction | None:
         """λ² in it over those in another that it is again: 1 for the same motions, or the same matrices but for one
@@ -631,12 +637,22 @@ class Part:
             [[arb_mat(X) for X in powers] for powers in terms] if self.motion.count == 1 else self.motion.matrices()
         )
         C = C[: len(self.C)]
-        return System(M, C if self.C else [], K, self.limit, self.known, self.fast, self.turn, self.whirls)
+        known = self.known, self.fast, self.turn, self.whirls, self._pair_at_rest
+        return System(M, C if self.C else [], K, self.limit, *known)
+
+    def _pair_at_rest(self, low: Fraction, high: Fraction) -> None:
+        """At one load between two, two motions rest: exactly, of those of all roots of a polynomial together, and no
+        others of these do."""
+        require(self.turn is None and not self.limit, "no pair leaves zero there")
+        load = check_pair_at_rest(self._terms, self.whole, low, high)
+        for n in range(self.motion.count):
+            others = _at_load(replace(self.motion, number=n).matrices()[2], load) if n != self.motion.number else None
+            require(others is None or others.det() != 0, "which of several motions rest is not known")
 
     def lost(self, load: Any, data: Any) -> Lost:
         """What a file says of it, where that is that it is lost at the same load as the first."""
         require(set(data) == {"kind", "frequency_squared", "stretches"}, "a part beside has other parts than it should")
-        claimed = crossing(data | {"load": load})
+        claimed = crossing(data | {"load": load}, at_zero=True)
         require(claimed["load"] is not None, "a part beside is lost, and the first is not")
         square = claimed["square"]
         require(self.turn is None or square is not None, "a divergence is not one of a frame that turns")
@@ -654,7 +670,9 @@ class Part:
 
         def check(series: Series) -> None:
             require(series.check_crossing(low, high, lost.square) > 0, "stability is not lost there")
-            both = [(part._terms, kind == "flutter") for part, kind in ((first, stated.kind), (self, lost.kind))]
+            both = [
+                (p._terms, bool(square and any(square))) for p, square in ((first, stated.square), (self, lost.square))
+            ]
             check_one_load(both, first.limit or self.limit, ball(low).union(ball(high)))
 
         return self.system, self.stretches(data["stretches"], low), check
@@ -822,7 +840,8 @@ class Fast:
 @dataclass(frozen=True)
 class System:
     """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction. known: what
-    holds exactly of their determinant; of none M is regular, and K without load. turn, whirls: as of a `Part`."""
+    holds exactly of their determinant; of none M is regular, and K without load. turn, whirls: as of a `Part`.
+    pair_at_rest: checks that two λ are zero at one load between two."""
 
     M: list[arb_mat]
     C: list[arb_mat]
@@ -832,6 +851,7 @@ class System:
     fast: Fast | None = None
     turn: fmpq | None = None
     whirls: bool = False
+    pair_at_rest: Callable[[Fraction, Fraction], None] | None = None
 
     @property
     def centre(self) -> arb:
@@ -976,8 +996,13 @@ class Series:
             require(regular, "det M may vanish within the load's interval")
             require(rate != 0, "how an eigenvalue leaves zero is not known")
             return 1 if (slope * rate < 0) == self.damped else -1
-        require(over(h, -centre) != 0, "det K may vanish within the load's interval")
-        bottom, top = (ball(x) - centre for x in square)
+        pair = not any(square)
+        if pair:
+            top = self._about_zero(low, high, over)
+            bottom = -top
+        else:
+            require(over(h, -centre) != 0, "det K may vanish within the load's interval")
+            bottom, top = (ball(x) - centre for x in square)
         box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
         across = opposite(over(g, bottom), over(g, top))
         require(across, "the frequency's interval is not known to hold a root of g at each of the loads")
@@ -986,7 +1011,8 @@ class Series:
         left, right = next((v for v in around if over(g_x, v[0].union(v[1])) != 0), (bottom, top))
         require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         far = right.max(centre)
-        over.apart(h, g, -centre, left)
+        if not pair:
+            over.apart(h, g, -centre, left)
         if centre > right:
             over.apart(h, g, right, far)
         over.apart(turned_h, turned_g, arb(0), 1 / far)
@@ -995,7 +1021,19 @@ class Series:
         require(slope != 0, "the crossing is not known to be simple and alone")
         across = opposite(*(_along_root(h, g, P, box) for P in (start, end)))
         require(across, "nothing is known to cross within the intervals of load and frequency")
+        if pair:
+            apart = over(g_P, box) ** 2 + 2 * over(h_x, box) * over(by_load(h_P), box)
+            require(apart < 0, "how two eigenvalues leave zero is not known")
         return 2 if (slope * over(g_x, box) < 0) == self.damped else -2
+
+    def _about_zero(self, low: Fraction, high: Fraction, over: Over) -> arb:
+        """A pair is zero at one load between two, exactly; and what the root of g is below for all of these."""
+        check = self.system.pair_at_rest
+        if check is None or not self.damped:
+            raise Refused("no pair is known to leave zero")
+        check(low, high)
+        slope = over(by_load(self.g), arb(0)) / over(by_x(self.g), arb(0))
+        return arb((2 * abs(slope) * ball(high - low)).upper())
 
 
 def _along_root(h: Rows, g: Rows, P: arb, box: arb) -> arb:
@@ -1163,7 +1201,8 @@ def check(
     stated: Statement, N: int, system: Callable[[], System], stretches: list[Stretch], beside: list[Checked]
 ) -> Statement:
     """The proof, of what was read; what it proves. Raises Refused."""
-    widths = [int(high / (high - low)).bit_length() for low, high in filter(None, (stated.load, stated.square))]
+    given = [of for of in (stated.load, stated.square) if of and any(of)]
+    widths = [int(high / (high - low)).bit_length() for low, high in given]
     # Free-free and Beck, polynomials and modes, damped and not: 8 bits a function suffice up to N = 20, 5 do not.
     with flint.ctx.workprec(200 + 20 * N + max(widths, default=0)):
         series = stable_series(system(), stretches, stated.end, stated.top)

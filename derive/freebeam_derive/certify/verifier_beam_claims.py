@@ -14,7 +14,7 @@ from typing import Any
 
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import roots, said, shown
-from freebeam_derive.certify.verifier_claims import Form, require
+from freebeam_derive.certify.verifier_claims import Form, at_frequency, require
 from freebeam_derive.certify.verifier_equations import Interval
 from freebeam_derive.certify.verifier_signs import Stretch
 
@@ -79,7 +79,7 @@ class Passing:
     def __str__(self) -> str:
         what = f"{self.kind} between {' and '.join(shown(*self.load))}"
         if self.square is not None:
-            what += f" with omega between {' and '.join(shown(*roots(*self.square)))}"
+            what += f" {at_frequency(roots(*self.square))}"
         return f"{what} (unstable below it: {self.unstable}, above it: {self.unstable + self.change})"
 
 

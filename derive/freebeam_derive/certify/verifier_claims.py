@@ -135,7 +135,7 @@ class Statement:
         lost = f"stability is first lost by {self.kind}, at exactly one load between {low} and {high}"
         where = "where det K = 0"
         if self.frequency is not None:
-            where = f"with omega between {' and '.join(shown(*self.frequency))}"
+            where = at_frequency(self.frequency)
         other = f"eigenvalue{self.of_one} has Re = 0" if damped else f"frequencies{self.of_one} meet"
         if lasting:
             other = "eigenvalue of a damped part has Re = 0, and no frequencies of an undamped one meet,"
@@ -285,7 +285,7 @@ class OfForms(Statement):
         """How its frequency is seen, and what else is lost at the same load, in words."""
         text = "" if self.whirls else _from_rest(self.turn)
         for of in self.at_once:
-            where = "where det K = 0" if of.omega is None else f"with omega between {' and '.join(shown(*of.omega))}"
+            where = "where det K = 0" if of.omega is None else at_frequency(of.omega)
             where += _from_rest(of.turn)
             text += f", and at exactly that load by {of.kind} of motions of {'-'.join(of.names)}, {where}"
         return text
@@ -311,6 +311,13 @@ def _motions(parts: Sequence[tuple[str, ...]]) -> str:
     """Parts in words, those of the same names counted."""
     named = {names: parts.count(names) for names in parts}
     return " and ".join(f"{n} motions of " * (n > 1) + "-".join(names) for names, n in named.items())
+
+
+def at_frequency(omega: tuple[Fraction, Fraction]) -> str:
+    """Where a pair crosses, in words."""
+    if not any(omega):
+        return "where a pair of eigenvalues leaves zero"
+    return f"with omega between {' and '.join(shown(*omega))}"
 
 
 def _from_rest(turn: fmpq | None) -> str:
@@ -350,19 +357,24 @@ def named(data: dict[str, Any]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def crossing(data: dict[str, Any]) -> dict[str, Any]:
-    """Kind, load and squared frequency of a crossing, or of none, which must fit each other."""
+def crossing(data: dict[str, Any], at_zero: bool = False) -> dict[str, Any]:
+    """Kind, load and squared frequency of a crossing, or of none, which must fit each other. at_zero: that may be 0, of
+    a pair that leaves zero."""
     kind = data["kind"]
     require(kind in ("none", "flutter", "divergence"), "the kind is neither flutter nor divergence")
     given = [data[k] is not None for k in ("load", "frequency_squared")]
     require(given == [kind != "none", kind == "flutter"], "what is given does not fit the kind")
-    load, square = (interval(data[k]) if data[k] is not None else None for k in ("load", "frequency_squared"))
+    load = None if data["load"] is None else interval(data["load"])
+    square = data["frequency_squared"]
+    if square is not None:
+        square = (Fraction(0), Fraction(0)) if at_zero and square == ["0", "0"] else interval(square)
     return {"kind": kind, "load": load, "square": square}
 
 
-def claims_of(data: dict[str, Any]) -> dict[str, Any]:
-    """What is claimed of any column, each of the type and size that it must be, and whether it fits each other."""
-    claims = named(data) | crossing(data)
+def claims_of(data: dict[str, Any], at_zero: bool = False) -> dict[str, Any]:
+    """What is claimed of any column, each of the type and size that it must be, and whether it fits each other.
+    at_zero: as of `crossing`."""
+    claims = named(data) | crossing(data, at_zero)
     crosses = claims["kind"] != "none"
     proof = {"crossing": crosses, "first": crosses, "stable_below": True, "kind": True}
     require(data["proof"] == proof, "what is said to be proven is not what is checked")

@@ -112,7 +112,7 @@ Claim = tuple[Interval, Interval | None]
 def _read(data: dict[str, Any]) -> Claim:
     """The intervals of a crossing's load and of x."""
     fields(data, OF_CROSSING)
-    read = crossing(data)
+    read = crossing(data, at_zero=True)
     require(read["load"] is not None, "a crossing is none")
     return read["load"], read["square"]
 
@@ -182,7 +182,7 @@ def _widened(series: Series, load: Interval, square: Interval | None, room: Inte
     if load[1] - load[0] > reach or not room[0] < wide[0] < wide[1] < room[1]:
         return load
     try:
-        if square is not None:
+        if square is not None and any(square):
             over, (P, x) = Over(ball(load[1])), map(ball, (load[1], square[1]))
             slope = abs(over(by_load(series.g), x) / over(by_x(series.g), x)) + x / P
             spread = (2 * slope * ball(reach)).upper().fmpq()

@@ -7,10 +7,14 @@ does of the motions of all roots of a polynomial together, whose determinant is 
 
 from __future__ import annotations
 
-import flint
-from flint import arb, arb_poly, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
 
-from freebeam_derive.certify.verifier_claims import require
+import flint
+from flint import arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
+
+from freebeam_derive.certify.verifier_claims import ball, require
 
 Terms = list[list[fmpq_mat]]  # M, C and K, each by powers of the load
 MOST_ROWS, MOST_BITS = 20, 20_000
@@ -32,6 +36,29 @@ def check_one_load(parts: list[tuple[Terms, bool]], limit: bool, loads: arb) -> 
                 return
         bits *= 2
     require(False, "two loads are not known to be one: they are narrowed down too little, or differ")
+
+
+def check_pair_at_rest(terms: Terms, whole: Sequence[fmpq_mat], low: Fraction, high: Fraction) -> arb:
+    """The one load from low to high at which K takes two motions to nothing, and det K has a double root. Raises
+    Refused.
+
+    whole: K of all motions, of which these are a part that is left to itself. Where it is symmetric and its slope in P
+    is negative definite, each of its eigenvalues passes zero at a speed: a root of det K, and of that of each part, is
+    as many times one as there are motions that K takes to nothing. Of n rows of rank n − 2 all cofactors are zero: the
+    slope of det K, and what det(λ² M + λ C + K) has of the first order in λ.
+    """
+    require(all(X == X.transpose() for X in whole), "K is not symmetric, and one motion alone may rest")
+    still = _lost(terms, False, False)
+    twice = still.gcd(still.derivative())
+    thrice = twice.gcd(twice.derivative())
+    once = twice // thrice
+    once //= once.gcd(thrice)
+    roots: list[Any] = once.numer().complex_roots() if once.degree() > 0 else []
+    loads: list[arb] = [root.real for root, _ in roots if root.imag == 0 and ball(low) < root.real < ball(high)]
+    require(len(loads) == 1, "two motions are not known to rest at one load")
+    slope = sum((arb_mat(X) * (a * loads[0] ** (a - 1)) for a, X in enumerate(whole) if a), 0 * arb_mat(whole[0]))
+    require(all(v > 0 for v in slope.charpoly()), "K may not fall with the load, and one motion alone may rest")
+    return loads[0]
 
 
 def _lost(terms: Terms, flutter: bool, limit: bool) -> fmpq_poly:

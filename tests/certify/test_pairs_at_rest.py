@@ -1,0 +1,130 @@
+"""Shafts that turn, with internal damping alone, as they see themselves: both planes are lost at λ = 0 at once.
+
+Against the same as seen from rest, where a whirl crosses at its frequency, closed forms, and forged certificates.
+"""
+
+from __future__ import annotations
+
+import copy
+import json
+from fractions import Fraction
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import fmpq, fmpq_mat
+
+import freebeam as fb
+from freebeam_derive.certify import verifier, verifier_lists, verifier_loads
+from freebeam_derive.certify.one_load import zeros_twice
+from freebeam_derive.certify.parts import Part
+from tests.runtime.test_rotors import column
+
+F = Fraction
+
+
+@cache
+def found(name: str, modes: int) -> fb.Certified:
+    return fb.certified_load(column(name), modes, alpha="1/100", digits=12)
+
+
+@cache
+def listed(name: str, modes: int, load_max: int) -> fb.CertifiedCrossings:
+    return fb.certified_crossings(column(name), modes, alpha="1/100", load_max=load_max, digits=10)
+
+
+def copied(certificate: Any) -> dict[str, Any]:
+    data: dict[str, Any] = json.loads(json.dumps(certificate))
+    return data
+
+
+def overlap(one: Any, other: Any) -> bool:
+    return max(F(one[0]), F(other[0])) < min(F(one[1]), F(other[1]))
+
+
+@pytest.mark.parametrize(("own", "rest", "modes"), [("turning disc", "disc", 1), ("turning shaft", "shaft", 4)])
+def test_a_shaft_is_proven_to_be_lost_at_rest_in_its_own_frame(own: str, rest: str, modes: int) -> None:
+    """Seen from rest its whirl is as fast as the shaft turns."""
+    lost, whirling = found(own, modes), found(rest, modes)
+    assert all(lost.proof.values()) and (lost.kind, lost.frequency) == ("flutter", ("0", "0"))
+    assert overlap(lost.load, whirling.load) and overlap(whirling.load, whirling.frequency)
+    said = verifier.verify(copied(lost.certificate))
+    assert said.frequency == (0, 0) and overlap(said.load, lost.load)
+    assert "where a pair of eigenvalues leaves zero" in str(said) and said.record()["frequency_upper"] == "0"
+
+
+def test_each_mode_of_a_shaft_is_lost_at_its_own_critical_speed() -> None:
+    for modes, load_max, count in ((2, 30, 1), (3, 60, 2)):
+        own, rest = (listed(name, modes, load_max) for name in ("turning shaft", "shaft"))
+        assert len(own) == len(rest) == count
+        for one, other in zip(own, rest, strict=True):
+            assert overlap(one.load, other.load) and one.frequency == ("0", "0")
+            assert one.unstable_above == other.unstable_above
+        passings = verifier_lists.verify(copied(own.certificate)).passings
+        assert [p.unstable + p.change for p in passings] == [2 * k + 2 for k in range(count)]
+        assert all(p.square == (0, 0) and "leaves zero" in str(p) for p in passings)
+
+
+def test_forged_pairs_at_rest_are_refused() -> None:
+    data = copied(found("turning disc", 1).certificate)
+
+    def refused(match: str, **changed: Any) -> None:
+        with pytest.raises(verifier.Refused, match=match):
+            verifier.verify(data | changed)
+
+    low, high = map(F, data["load"])
+    refused("det K does not fall", kind="divergence", frequency_squared=None)
+    refused("det K may vanish", frequency_squared=["1/1000000", "1"])
+    refused("not positive", frequency_squared=["0", "1"])
+    for moved in (low - high, high - low):
+        refused("not shown up to the load|not known to rest", load=[str(low + moved), str(high + moved)])
+    refused("separated", alpha="-1/100")
+    refused("separators", alpha="0")
+    for changed, why in (("1e-20", "not known to rest"), ("-1e-20", "not known to rest")):  # the planes differ
+        forms = copy.deepcopy(data["forms"])
+        point = next(v for v in forms["K"][0]["points"] if v[0][0] == v[1][0] == "p")
+        point[2] = str(F(point[2]) + F(changed))
+        refused(why, forms=forms)
+    forms = copy.deepcopy(data["forms"])
+    for one, other, force in (("p", "q", "1e-30"), ("q", "p", "-1e-30")):
+        forms["K"][0]["points"].append([[one, 0, None, 0], [other, 0, None, 0], force])
+    refused("not symmetric", forms=forms)  # a force across moves the loss off zero
+    beck = copied(fb.certified_load(fb.column("beck", "legendre"), 2, alpha="1/10", digits=8).certificate)
+    for other, why in ((beck, "not positive"), (copied(found("disc", 1).certificate), "not symmetric")):
+        with pytest.raises(verifier.Refused, match=why):
+            verifier.verify(other | {"frequency_squared": ["0", "0"]})
+    of_list = copied(listed("turning shaft", 2, 30).certificate)
+    for changed in ({"frequency_squared": None, "kind": "divergence"}, {"frequency_squared": ["1/100", "1"]}):
+        crossings = [[crossing | changed for crossing in of] for of in of_list["crossings"]]
+        with pytest.raises(verifier.Refused):
+            verifier_lists.verify(of_list | {"crossings": crossings})
+
+
+def matrices(*rows: list[list[int]]) -> list[Any]:
+    return [np.array([[fmpq(v) for v in row] for row in X], dtype=object) for X in rows]
+
+
+@pytest.mark.parametrize(
+    ("K", "loads"),
+    [
+        (matrices([[4, 0], [0, 4]], [[0, 0], [0, 0]], [[-1, 0], [0, -1]]), [2]),  # two motions rest at 2
+        (matrices([[4, 0], [0, 9]], [[0, 0], [0, 0]], [[-1, 0], [0, -1]]), []),  # one at 2 and one at 3
+        (matrices([[4, 0], [0, 1]], [[-4, 0], [0, 0]], [[1, 0], [0, 0]]), []),  # one touches zero at 2
+        (matrices([[2, 1], [0, 2]], [[-1, 0], [0, -1]]), []),  # at 2 one rests, and no other
+    ],
+)
+def test_a_double_root_of_det_K_is_two_motions_at_rest_where_K_is_symmetric_and_falls(
+    K: list[Any], loads: list[int]
+) -> None:
+    M, C = matrices([[1, 0], [0, 1]]), matrices([[1, 0], [0, 1]])
+    told = zeros_twice(Part(("p", "q"), M, C, K, whole=K))
+    assert [float(P) for P in told] == pytest.approx(loads)
+    given = [[fmpq_mat(X.tolist()) for X in of] for of in (M, C, K)]
+    if loads:
+        assert verifier_loads.check_pair_at_rest(given, given[2], F(1), F(3)).contains(2)
+        with pytest.raises(verifier.Refused, match="not known to rest"):
+            verifier_loads.check_pair_at_rest(given, given[2], F(3), F(4))
+        return
+    with pytest.raises(verifier.Refused):
+        verifier_loads.check_pair_at_rest(given, given[2], F(1), F(5, 2))
