@@ -81,20 +81,40 @@ def splits(G: fmpq_mat, matrices: Sequence[fmpq_mat], symmetric: bool) -> list[S
 
 
 def commuting(G: fmpq_mat, matrices: Sequence[fmpq_mat]) -> list[fmpq_mat]:
-    """A basis of what commutes with all G⁻¹X and has no trace; none where none is found.
+    """A basis of what commutes with all G⁻¹X and has no trace; none where none is found."""
+    return _joining((G, matrices), None)
 
-    Modulo primes, from which fractions are had; that these commute is then checked. Where nothing but multiples of 1
-    commutes modulo a prime, nothing else does in fractions.
+
+def alike(one: Sequence[fmpq_mat], other: Sequence[fmpq_mat]) -> bool:
+    """Whether matrices X and Y, of the same number, are those of the same motions in other coordinates, but for a
+    factor: Y T = H T G⁻¹ X with G and H a sum of them and T regular."""
+    sums = [sum((X / (k + 1) for k, X in enumerate(of)), 0 * of[0]) for of in (one, other)]
+    found = _joining((sums[0], one), (sums[1], other))
+    return any(T.det() != 0 for T in [*found, *(_sum(found, t) for t in range(TRIALS) if found)])
+
+
+def _joining(
+    one: tuple[fmpq_mat, Sequence[fmpq_mat]], other: tuple[fmpq_mat, Sequence[fmpq_mat]] | None
+) -> list[fmpq_mat]:
+    """A basis of all T with H⁻¹Y T = T G⁻¹X for each two matrices X and Y; without another H and Y it is G and X, and T
+    has no trace. None where none is found.
+
+    Modulo primes, from which fractions are had; that T joins them is then checked. Where nothing does modulo a prime,
+    nothing does in fractions.
     """
+    (G, matrices), (H, others) = one, other or one
     n, q, known, words = G.nrows(), 1, [0], list[Word]()
-    matrices = [X for X in matrices if any(X.entries())]
+    pairs = [(X, Y) for X, Y in zip(matrices, others, strict=True) if any(X.entries()) or any(Y.entries())]
     inverse = None
     for prime in islice((p for p in count(1 << 62) if fmpz(p).is_prime()), MOST_PRIMES):
         try:
-            small, *others = (_reduced(X, prime) for X in (G, *matrices))
-            B = [small.solve(X) for X in others]
+            small, *reduced = (_reduced(X, prime) for X in (G, *(X for X, _ in pairs)))
+            B = A = [small.solve(X) for X in reduced]
+            if other:
+                small, *reduced = (_reduced(Y, prime) for Y in (H, *(Y for _, Y in pairs)))
+                A = [small.solve(Y) for Y in reduced]
             words = words or _words(B, prime)
-            rows = _modulo(B, words, prime)
+            rows = _modulo(B, A, words, prime, traces=other is not None)
         except ZeroDivisionError:
             continue  # a denominator, or a determinant, is a multiple of the prime
         if not rows:
@@ -106,7 +126,7 @@ def commuting(G: fmpq_mat, matrices: Sequence[fmpq_mat]) -> list[fmpq_mat]:
         entries = [_fraction(x, q) for x in known]
         inverse = inverse or G.inv()
         found = [fmpq_mat(n, n, entries[k : k + n * n]) for k in range(0, len(entries), n * n)]
-        if all(X * T == G * T * inverse * X for T in found for X in matrices):
+        if all(Y * T == H * T * inverse * X for T in found for X, Y in pairs):
             return found
     return []
 
@@ -139,36 +159,38 @@ def _words(B: Sequence[nmod_mat], prime: int) -> list[Word]:
     return words
 
 
-def _modulo(B: Sequence[nmod_mat], words: Sequence[Word], prime: int) -> list[int]:
-    """The entries of a basis of what commutes and has no trace, reduced to echelon form.
+def _modulo(B: Sequence[nmod_mat], A: Sequence[nmod_mat], words: Sequence[Word], prime: int, traces: bool) -> list[int]:
+    """The entries of a basis of all T with A T = T B, without a trace unless it may have one, reduced to echelon form.
 
-    T is known by all w = T v, for T b v = b w. Equations for these are that T X e = X T e for some vectors e and each
-    matrix X.
+    T is known by all w = T v, for T b v = a w, with a the same product of matrices A as b is of B. Equations for these
+    are that T B e = A T e for some vectors e and each two matrices.
     """
     n, starts = B[0].nrows(), [j for k, j in words if k < 0]
     if len(words) < n:
         return []
     one = nmod_mat(n, n, [int(i == j) for i in range(n) for j in range(n)], prime)
-    products: list[tuple[int, nmod_mat]] = []  # the number of v, and b
+    products: list[tuple[int, nmod_mat, nmod_mat]] = []  # the number of v, b, and a
     for k, j in words:
-        products.append((starts.index(j), one) if k < 0 else (products[j][0], B[k] * products[j][1]))
-    basis = _beside([b * _vector(n, starts[i], prime) for i, b in products])
+        i, b, a = (starts.index(j), one, one) if k < 0 else products[j]
+        products.append((i, b, a) if k < 0 else (i, B[k] * b, A[k] * a))
+    basis = _beside([b * _vector(n, starts[i], prime) for i, b, _ in products])
 
     def image(u: nmod_mat) -> Any:
         """T u as a matrix times all w."""
         factors, found = basis.solve(u), [0 * one for _ in starts]
-        for j, (i, b) in enumerate(products):
-            found[i] += factors[j, 0] * b
+        for j, (i, _, a) in enumerate(products):
+            found[i] += factors[j, 0] * a
         return _beside(found)
 
     places = [_vector(n, 3 * n + k, prime) for k in range(len(starts))]
-    rows = _beside([(image(X * e) - X * image(e)).transpose() for X in B for e in places]).transpose()
+    pairs = list(zip(B, A, strict=True))
+    rows = _beside([(image(X * e) - Y * image(e)).transpose() for X, Y in pairs for e in places]).transpose()
     free, size = rows.nullspace()
     inverse, found = basis.inv(), []
     for k in range(size):
         w = [nmod_mat(n, 1, [free[n * i + j, k] for j in range(n)], prime) for i in range(len(starts))]
-        T = _beside([b * w[i] for i, b in products]) * inverse
-        trace = sum(int(T[i, i]) for i in range(n)) * pow(n, -1, prime)
+        T = _beside([a * w[i] for i, _, a in products]) * inverse
+        trace = 0 if traces else sum(int(T[i, i]) for i in range(n)) * pow(n, -1, prime)
         found.append((T - trace % prime * one).entries())
     whole, rank = nmod_mat(size, n * n, [x for row in found for x in row], prime).rref()
     return [int(x) for x in whole.entries()[: rank * n * n]]

@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from freebeam_derive.certify.commutant import splits
+from freebeam_derive.certify.commutant import alike, splits
 from freebeam_derive.certify.structure import Structure, held, is_even, structure
 
 Powers = list[Any]
@@ -63,7 +63,8 @@ class Part:
 
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
-        matrices but for one factor; the quotient of two factors where M and K have one each, without C."""
+        matrices but for one factor; the quotient of two factors where M and K have one each, without C; of fractions in
+        other coordinates too."""
         if self.names == other.names and self.kind == other.kind >= 0:
             return fmpq(1)
         if self.turn != other.turn:
@@ -71,10 +72,34 @@ class Part:
         factors = [_factor(a, b) for a, b in ((self.M, other.M), (self.C, other.C), (self.K, other.K))]
         of_M, of_C, of_K = factors
         if of_M is None or of_K is None or of_C is None:
-            return None
+            return self._in_other_coordinates(other)
         if any(held(X).any() for X in self.C):
             return fmpq(1) if of_M == of_C == of_K else None
         return of_K / of_M if of_K == of_M or (of_K / of_M > 0 and self.turn == 0) else None
+
+    def _in_other_coordinates(self, other: Part) -> fmpq | None:
+        every = [[*part.M, *part.C, *part.K] for part in (self, other)]
+        sizes = [(len(part.M[0]), len(part.M), len(part.C), len(part.K)) for part in (self, other)]
+        if sizes[0] != sizes[1]:
+            return None
+        if any(isinstance(v, arb) for of in every for X in of for v in X.flat):
+            return None
+        one, two = ([fmpq_mat(X.tolist()) for X in of] for of in every)
+        if alike(one, two):
+            return fmpq(1)
+        # without C ω² may all be a number of times as large
+        if any(held(X).any() for X in (*self.C, *other.C)) or self.turn or not (one[0].det() != 0 != two[0].det()):
+            return None
+        traces = [_trace(M.solve(sum(of[-len(self.K) + 1 :], of[-len(self.K)]))) for M, *of in (one, two)]
+        if traces[0] == 0 or not traces[1] / traces[0] > 0:
+            return None
+        scale = traces[1] / traces[0]
+        first = len(one) - len(self.K)
+        return scale if alike([*one[:first], *(X * scale for X in one[first:])], two) else None
+
+
+def _trace(X: fmpq_mat) -> fmpq:
+    return sum((X[i, i] for i in range(X.nrows())), fmpq(0))
 
 
 def _factor(one: Powers, other: Powers) -> Any:

@@ -103,7 +103,7 @@ from freebeam_derive.certify.verifier_claims import (
 )
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
 from freebeam_derive.certify.verifier_loads import check_one_load, check_pair_at_rest
-from freebeam_derive.certify.verifier_motions import Motion, motions
+from freebeam_derive.certify.verifier_motions import Motion, in_other_coordinates, motions
 from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
@@ -616,7 +616,10 @@ class Part:
         if alike(self._terms, other._terms):
             return Fraction(1)
         found = rescaled(other._terms, self._terms) if self.turn is None else None
-        return None if found is None else Fraction(int(found.p), int(found.q))
+        found = found or in_other_coordinates(other._terms, self._terms)
+        if found is None or (found != 1 and self.turn is not None):
+            return None
+        return Fraction(int(found.p), int(found.q))
 
     @property
     def _terms(self) -> list[list[fmpq_mat]]:

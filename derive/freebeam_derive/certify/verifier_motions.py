@@ -117,20 +117,58 @@ def motions(terms: Terms, limit: bool) -> list[Motion]:
         return sorted(_alike(found, _combined(algebra, SUMS)), key=cmp_to_key(_before))
 
 
+def in_other_coordinates(one: Terms, other: Terms) -> fmpq | None:
+    """λ² of another over those of one, at every load, where M, C and K are those of one in other coordinates, K times
+    that number without C; None where that is not known."""
+    if [*map(len, one)] != [*map(len, other)] or one[2][0].nrows() != other[2][0].nrows():
+        return None
+    flat = [[X for powers in of for X in powers] for of in (one, other)]
+    if alike(flat[0], flat[1]):
+        return fmpq(1)
+    if any(any(X.entries()) for of in (one, other) for X in of[1]) or one[0][0].det() == 0 or other[0][0].det() == 0:
+        return None
+    first, second = (sum((X for X in of[2][1:]), of[2][0]) for of in (one, other))
+    traces = [_trace(of[0][0].inv() * X) for of, X in ((one, first), (other, second))]
+    if traces[0] == 0 or traces[1] / traces[0] <= 0:
+        return None
+    factor = traces[1] / traces[0]
+    return factor if alike([*one[0], *one[1], *(X * factor for X in one[2])], flat[1]) else None
+
+
+def _trace(X: fmpq_mat) -> fmpq:
+    return sum((X[i, i] for i in range(X.nrows())), fmpq(0))
+
+
 # --- what commutes with all matrices ------------------------------------------------------------------------------
 
 
-def commuting(B: list[fmpq_mat]) -> list[fmpq_mat]:
-    """Matrices without trace that commute with all of B, independent ones; none where there are none, or where none are
-    found. They are had modulo primes; that they commute is checked in fractions."""
+def alike(one: list[fmpq_mat], other: list[fmpq_mat]) -> bool:
+    """Whether det Σ c X of some matrices is that of others, times a number: each G⁻¹X is T⁻¹ (H⁻¹Y) T, G and H the same
+    sum of either. No wherever no T is found."""
+    G, H = (sum((X / (2 * k + 3) for k, X in enumerate(of)), 0 * of[0]) for of in (one, other))
+    if G.det() == 0 or H.det() == 0:
+        return False
+    B, A = ([of_sum.inv() * X for X in of] for of_sum, of in ((G, one), (H, other)))
+    found = commuting(B, A)
+    return any(T.det() != 0 for T in [*found, *(_combined(found, k) for k in range(SUMS) if found)])
+
+
+def commuting(B: list[fmpq_mat], A: list[fmpq_mat] | None = None) -> list[fmpq_mat]:
+    """Matrices T without trace that commute with all of B, independent ones; with any trace and A T = T B, of each two
+    of A and B, where there is an A. None where there are none, or where none are found.
+
+    They are had modulo primes; that they are such is checked in fractions.
+    """
     n, total, residues = B[0].nrows(), 1, list[int]()
     primes = (p for p in range(2**61 + 1, 2**61 + 100_000, 2) if fmpz(p).is_prime())
     for _, p in zip(range(MOST_PRIMES), primes, strict=False):
-        if any(int(v.q) % p == 0 for X in B for v in X.entries()):
+        if any(int(v.q) % p == 0 for X in B + (A or []) for v in X.entries()):
             continue
-        found = _commuting_modulo(
-            [nmod_mat(n, n, [int(v.p) * pow(int(v.q), -1, p) for v in X.entries()], p) for X in B], p
-        )
+        reduced = [
+            [nmod_mat(n, n, [int(v.p) * pow(int(v.q), -1, p) for v in X.entries()], p) for X in of]
+            for of in (B, A or B)
+        ]
+        found = _commuting_modulo(reduced[0], reduced[1], p, A is None)
         if not found:
             return []
         if len(found) != len(residues):
@@ -140,14 +178,15 @@ def commuting(B: list[fmpq_mat]) -> list[fmpq_mat]:
         total *= p
         entries = [_rational(a, total) for a in residues]
         algebra = [fmpq_mat(n, n, entries[k : k + n * n]) for k in range(0, len(entries), n * n)]
-        if all(X * T == T * X for X in B for T in algebra):
+        if all(Y * T == T * X for X, Y in zip(B, A or B, strict=True) for T in algebra):
             return algebra
     return []
 
 
-def _commuting_modulo(B: list[nmod_mat], p: int) -> list[int]:
-    """Entries of a basis in echelon form. From some motions v all others come by products b of matrices, for which
-    T b v = b T v; T v is what T X e = X T e leaves free, for some motions e. Empty where that is nothing."""
+def _commuting_modulo(B: list[nmod_mat], A: list[nmod_mat], p: int, without: bool) -> list[int]:
+    """Entries of a basis in echelon form. From some motions v all others come by products b of matrices B, for which
+    T b v = a T v, a the same product of A; T v is what T X e = Y T e leaves free, for some motions e. Empty where that
+    is nothing. without: a trace."""
     n = B[0].nrows()
 
     def column(k: int) -> nmod_mat:
@@ -155,15 +194,16 @@ def _commuting_modulo(B: list[nmod_mat], p: int) -> list[int]:
 
     one = nmod_mat(n, n, [int(i == j) for i in range(n) for j in range(n)], p)
     start, made, reached = list[nmod_mat](), list[tuple[int, nmod_mat]](), list[nmod_mat]()
+    pairs = list(zip(B, A, strict=True))
     while len(reached) < n and len(start) < 2 * n:
         v = column(len(start))
         start.append(v)
-        waiting = [one]
-        for b in waiting:  # which grows
+        waiting = [(one, one)]
+        for b, a in waiting:  # which grows
             if len(reached) < n and _beside([*reached, b * v]).rank() > len(reached):
                 reached.append(b * v)
-                made.append((len(start) - 1, b))
-                waiting += [X * b for X in B]
+                made.append((len(start) - 1, a))
+                waiting += [(X * b, Y * a) for X, Y in pairs]
     if len(reached) < n:
         return []
     back = _beside(reached).inv()
@@ -171,17 +211,19 @@ def _commuting_modulo(B: list[nmod_mat], p: int) -> list[int]:
     def of(u: nmod_mat) -> Any:
         """T u over T v, for each v."""
         parts, factors = [0 * one for _ in start], back * u
-        for k, (i, b) in enumerate(made):
-            parts[i] += factors[k, 0] * b
+        for k, (i, a) in enumerate(made):
+            parts[i] += factors[k, 0] * a
         return _beside(parts)
 
-    rows = [(of(X * e) - X * of(e)).transpose() for e in map(column, range(2 * n, 2 * n + len(start))) for X in B]
+    rows = [
+        (of(X * e) - Y * of(e)).transpose() for e in map(column, range(2 * n, 2 * n + len(start))) for X, Y in pairs
+    ]
     free, count = _beside(rows).transpose().nullspace()
     found = []
     for k in range(count):
         images = [nmod_mat(n, 1, [free[n * i + j, k] for j in range(n)], p) for i in range(len(start))]
-        T = _beside([b * images[i] for i, b in made]) * back
-        trace = sum(int(T[i, i]) for i in range(n)) * pow(n, -1, p) % p
+        T = _beside([a * images[i] for i, a in made]) * back
+        trace = sum(int(T[i, i]) for i in range(n)) * pow(n, -1, p) % p if without else 0
         found += (T - trace * one).entries()
     echelon, rank = nmod_mat(count, n * n, found, p).rref()
     return [int(v) for v in echelon.entries()[: rank * n * n]]
