@@ -18,7 +18,14 @@ from flint import fmpq, fmpq_mat, fmpq_poly
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_lists, verifier_loads, verifier_of_matrices
+from freebeam_derive.certify import (
+    one_load,
+    verifier,
+    verifier_lists,
+    verifier_loads,
+    verifier_motions,
+    verifier_of_matrices,
+)
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.one_load import equal, obstacle, vanishing
 from freebeam_derive.certify.parts import Part
@@ -146,6 +153,53 @@ def test_two_planes_are_lost_at_the_load_of_one_alone(name: str, asked: dict[str
     assert isinstance(said, verifier.OfForms) and said.times + len(said.at_once) == 2
     listed = fb.certified_crossings(column(name), 2, load_max=float(found.load[1]) * 1.01, digits=10, **asked)
     assert listed[-1].unstable_above == 4
+
+
+@pytest.mark.parametrize("mass", ["1", "3"])
+def test_a_column_and_its_mirror_image_are_lost_at_one_load_whatever_the_functions(
+    tmp_path: Path, mass: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where there are too many for resultants: they are the same in other coordinates, the second one slower where its
+    mass is larger."""
+    monkeypatch.setattr(one_load, "MOST_ROWS", 2)
+    monkeypatch.setattr(verifier_loads, "MOST_ROWS", 2)
+    stated = MIRRORED | {"T": f"integral(y.diff(t) ** 2 + {mass} * psi.diff(t) ** 2) / 2"}
+    found = fb.certified_load(fb.column(file_of(tmp_path, "twins", stated)), 6, digits=8)
+    (_, (low, high)), (slow, fast) = found.at_once[0], found.frequency or ("", "")
+    assert found.load is not None and float(found.load[0]) == pytest.approx(20.050953619, rel=1e-4)
+    ratios = (F(low) / F(fast)) ** 2, (F(high) / F(slow)) ** 2
+    assert ratios[0] < (F(mass) if mass == "1" else F(mass) ** (1 if F(low) > F(slow) else -1)) < ratios[1]
+    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    assert isinstance(said, verifier.OfForms) and said.times == 2 and not said.at_once
+
+
+def test_motions_in_other_coordinates_are_told_from_others() -> None:
+    """T' M T, T' K T at random; K of the other twice as large without C, or nearly the same."""
+    dice, n = np.random.default_rng(5), 5
+    A, H, T = (dice.integers(-3, 4, (n, n)) for _ in range(3))
+    T = np.triu(T, 1) + np.eye(n, dtype=int)
+    one = np.eye(n, dtype=int), A @ A.T + np.eye(n, dtype=int), H
+    for factor, C, changed, scale in ((1, 0, 0, 1), (2, 0, 0, 2), (1, 1, 0, 1), (2, 1, 0, None), (1, 0, 1, None)):
+        other = [T.T @ X @ T for X in one]
+        other[1][0, 0] += changed
+        given = [
+            [[M], [C * (E + M)], [k * E, k * X]] for (M, E, X), k in ((one, 1), (other, factor))
+        ]  # fmt: skip
+        parts = [
+            Part((name,), *(matrices([X.tolist() for X in of]) for of in terms))
+            for name, terms in zip("rs", given, strict=True)
+        ]
+        assert parts[0].scale(parts[1]) == scale
+        theirs = [[[fmpq_mat(X.tolist()) for X in of] for of in terms] for terms in given]
+        assert verifier_motions.in_other_coordinates(*theirs) == scale
+
+
+def test_two_planes_with_a_root_are_refused_with_their_names(tmp_path: Path) -> None:
+    column_of = fb.column(file_of(tmp_path, "rooted", ALIKE | {"V": f"sqrt(2) * ({ALIKE['V']})"}))
+    with pytest.raises(
+        fb.InputError, match=r"flutter of y and flutter of psi, at loads near 28.6.* state a column of each"
+    ):
+        fb.certified_crossings(column_of, 3, digits=8, load_max=30)
 
 
 def test_two_planes_of_unlike_mass_buckle_at_one_load_in_closed_form_but_for_the_series() -> None:

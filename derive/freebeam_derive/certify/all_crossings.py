@@ -42,7 +42,7 @@ from freebeam_derive.certify.first_crossing import (
     stretch_over,
 )
 from freebeam_derive.certify.krawczyk import enclose, newton
-from freebeam_derive.certify.one_load import equal, obstacle
+from freebeam_derive.certify.one_load import equal, undecided
 from freebeam_derive.certify.parts import Part
 
 MOST_BITS = 4000  # for telling crossings apart; their digits take what they take
@@ -215,11 +215,11 @@ def _merged(parts: list[Boundary], load_max: Fraction, say: Callable[[str], None
     for one, following in pairwise(found):
         pairs = [(parts[c.part].part, not (c.square is None or c.square == 0)) for c in (one, following)]
         both = [(part, flutter) for part, flutter in pairs if part]
-        if not (one.load < following.load or equal(both, limit, *ends(one.load.union(following.load)))):
-            raise Unproven(
-                f"which of two crossings near the load {float(one.load.mid()):.10g} comes first is not known"
-                + (f": {why}" if (why := obstacle(both)) else "")
-            )
+        if one.load < following.load:
+            continue
+        low, high = ends(one.load.union(following.load))
+        if not equal(both, limit, low, high):
+            raise Unproven(undecided(both, low, high))
     return found
 
 

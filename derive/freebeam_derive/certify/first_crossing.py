@@ -34,7 +34,7 @@ from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
 from freebeam_derive.certify.decimals import roots
 from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
-from freebeam_derive.certify.one_load import equal, obstacle
+from freebeam_derive.certify.one_load import equal, undecided
 from freebeam_derive.certify.parts import Part
 
 LOWEST_BITS = 160
@@ -464,11 +464,7 @@ def _lost_within(part: Boundary, first: Enclosure, digits: int, bits: int) -> En
             continue
         each = tuple((p, bool(of.square and any(of.square))) for p, of in ((first.parts[0], first), (part.part, found)))
         if not equal(each, first.question.kappa is not None, low, high):
-            raise Together(
-                f"motions that leave each other alone are lost at loads near {float(middle):.10g} that agree to "
-                f"{digits} digits; whether they are one load is not known"
-                + (f": {why}" if (why := obstacle(each)) else "")
-            )
+            raise Together(undecided(each, low, high))
         return replace(found, parts=(part.part,))
     return None
 

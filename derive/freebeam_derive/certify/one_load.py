@@ -47,6 +47,16 @@ def equal(parts: Sequence[tuple[Part, bool]], limit: bool, low: Fraction, high: 
     return False
 
 
+def undecided(parts: Sequence[tuple[Part, bool]], low: Fraction, high: Fraction) -> str:
+    """That critical loads of two parts from low to high are not known to be one load, nor to be two, and why."""
+    each = [f"{'flutter' if lost else 'divergence'} of {' and '.join(part.names)}" for part, lost in parts]
+    digits, why = len(str(int(high / (high - low)))) - 1, obstacle(parts)
+    text = f"{' and '.join(each) or 'two crossings'}, at loads near {float(high):.10g} that agree to {digits} digits: "
+    text += "whether these are one load, or which is the lower one, is not known" + (f": {why}" if why else "")
+    apart = len({part.names for part, _ in parts}) > 1
+    return text + ("; they leave each other alone: state a column of each, and prove these one by one" if apart else "")
+
+
 def obstacle(parts: Sequence[tuple[Part, bool]]) -> str:
     """Why critical loads of parts are not told to be one, in words; empty where nothing is in the way."""
     for part, flutter in parts:
