@@ -76,13 +76,13 @@ def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
         raise indefinite() from None
     m, k = np.sqrt(np.diag(M)), np.diag(E)
     if (k > 0).all():
-        rest_M = np.abs(M / np.outer(m, m) - np.eye(len(m))).max()
-        rest_E = np.abs(E / np.sqrt(np.outer(k, k)) - np.eye(len(m))).max()
-        if max(rest_M, rest_E) <= 1e-13:  # comparison modes: a scaling, with no rounding of the lowest by the highest
+        rest = [np.abs(X / np.outer(d, d) - np.eye(len(d))).max() for X, d in ((M, m), (E, np.sqrt(k)))]
+        if max(rest) <= 1e-13:  # comparison modes: a scaling, with no rounding of the lowest by the highest
             order = np.argsort(k / m**2)
             return (k / m**2)[order], np.diag(1 / m)[:, order]
     # 1/e from the elastic energy's side: the low modes, which decide, keep their relative accuracy
     try:
+        np.linalg.cholesky(E - 1e-14 * np.diag(k))  # what rests with a factor such as exp(-x) has e of rounding alone
         L = np.linalg.cholesky(E)
     except np.linalg.LinAlgError:
         raise Unstable(

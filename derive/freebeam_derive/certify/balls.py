@@ -7,7 +7,7 @@ fractions, and π/4 is handed to them as a ball.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
@@ -21,6 +21,7 @@ from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
+from freebeam_derive.certify.formal import Formal, Resting, resting
 from freebeam_derive.certify.moments import enclosing
 from freebeam_derive.certify.numbers import Number, plain, reason
 
@@ -336,20 +337,50 @@ def named_matrices(
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
     M, parts, R = _stated(kernel, modes, own)
-    T, dropped = _elastic(R, M[0])
-    M, *parts = ([X if T is None else T.T @ X @ T for X in terms] for terms in (M, *parts))
-    if alone and not all(v == 0 for X in parts[0] for v in X.flat):
-        raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
-    if alone and len(parts) > 4:
-        raise Unproven(f"{name}: a damping that vanishes acts on displacements too")
     alpha, beta = map(_size, dampings)
     C, K = (
         [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else of[0]
         for of in (parts[:3], parts[3:])
     )
+    whole = M, C, K
+    (M, C, K, own_damping), dropped = _elastic_terms((*whole, parts[0]), R)
+    if alone and not all(v == 0 for X in own_damping for v in X.flat):
+        raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
+    if alone and len(parts) > 4:
+        raise Unproven(f"{name}: a damping that vanishes acts on displacements too")
+    rest = None
+    if any(isinstance(v, arb) for terms in (M, C, K) for X in terms for v in X.flat) and not _regular(K[0]):
+        rest = _at_rest(kernel, modes, own, dampings, whole[2][0])
+    if rest is not None and (not R.shape[1] or rest.holds(R)):
+        turned = [[rest.left.T @ X @ rest.right for X in terms] for terms in whole]
+        (M, C, K), dropped = _elastic_terms(turned, rest.seen(R))
+        kept = [n for n in range(len(R)) if n not in dropped]
+        K[0][[kept.index(n) for n in rest.rows if n in kept], :] = fmpq(0)
+        K[0][:, [kept.index(n) for n in rest.columns if n in kept]] = fmpq(0)
     numbers = kernel.basis(modes).numbers
     names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
     return M, C, K, [of for n, of in enumerate(names) if n not in dropped]
+
+
+def _regular(K: Any) -> bool:
+    return not arb_mat([[arb(v) for v in row] for row in K.tolist()]).det().contains(0)
+
+
+def _at_rest(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], K: Any
+) -> Resting | None:
+    """What rests without load; None where that is not known. K: without load, with rigid motions."""
+    if not any(isinstance(v, arb) for v in K.flat):
+        return resting(array_of(Formal, K))
+    basis = kernel.complete(array([Formal(k) for k in range(modes + 2)]))
+    given = {name: Formal(fmpq(*value.as_integer_ratio())) for name, value in own.items()}
+    try:
+        sizes = [Formal(size) for size in map(_size, dampings) if isinstance(size, fmpq)]
+        sizes = sizes if kernel.COLUMN.get("circulatory") else []
+        still, *_ = enclosing(kernel, formal=True).stiffness_terms(basis, *sizes, **given)
+    except (AttributeError, TypeError, ValueError):
+        return None
+    return resting(array_of(lambda value: value + Formal(0), still))
 
 
 def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, list[Any], Any]:
@@ -394,6 +425,12 @@ def ball_matrices(M: list[Any], C: list[Any], K: list[Any]) -> tuple[Terms, Term
 
 def _size(damping: Exact) -> fmpq | arb:
     return fmpq(*damping.as_integer_ratio()) if isinstance(damping, Fraction | int) else exact(damping)
+
+
+def _elastic_terms(terms: Sequence[list[Any]], R: Any) -> tuple[list[list[Any]], list[int]]:
+    """Matrices without rigid motions, those of M first; and which coordinates are left out."""
+    T, dropped = _elastic(R, terms[0][0])
+    return [[X if T is None else T.T @ X @ T for X in of] for of in terms], dropped
 
 
 def _elastic(R: Any, M: Any) -> tuple[Any, list[int]]:

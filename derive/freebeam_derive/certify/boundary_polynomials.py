@@ -346,7 +346,11 @@ def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool | N
         limit = question.kappa is not None
         if limit and not any(p.damped(limit) for p in parts):
             raise Unproven("kappa: there is no damping that could vanish")
-        found = [replace(_of_any(p.M, p.C, p.K, limit and p.damped(limit), p.known), part=p) for p in parts]
+        words = [f"of {' and '.join(p.names)} " for p in parts]
+        found = [
+            replace(_of_any(p.M, p.C, p.K, limit and p.damped(limit), p.known, of), part=p)
+            for p, of in zip(parts, words, strict=True)
+        ]
     if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
     return found
@@ -364,11 +368,19 @@ def _parts(kernel: ModuleType, question: Question, rest: bool | None) -> list[Pa
     return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, rest)
 
 
-def _of_any(M: list[Any], C: list[Any], K: list[Any], limit: bool, exactly: Structure | None = None) -> Boundary:
-    """h and g of matrices of fractions or balls; exactly: what is known of these. Raises Unproven."""
+def _of_any(
+    M: list[Any], C: list[Any], K: list[Any], limit: bool, exactly: Structure | None = None, of: str = ""
+) -> Boundary:
+    """h and g of matrices of fractions or balls; exactly: what is known of these; of: which they are, in words. Raises
+    Unproven."""
     known, fast = (exactly, 0) if exactly else _structure((M, C, K), limit)
     of_M, of_C, of_K = ball_matrices(M, C, K)
     found = expansion(of_M, of_C, of_K, limit, known)
+    if not known.rests and found.h.rows[0][0].contains(0) and any(isinstance(v, arb) for v in K[0].flat):
+        raise Unproven(
+            f"without load a motion {of}rests, as far as balls tell, and that is known exactly of motions of fractions "
+            "alone; where a factor such as exp(-1) ties a coordinate, take the product of the two for the coordinate"
+        )
     return replace(found, fast=_fast(M, C, K, fast)) if fast else found
 
 

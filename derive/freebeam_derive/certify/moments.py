@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from flint import acb, arb, fmpq_poly
 
+from freebeam_derive.certify.formal import Formal
 from freebeam_derive.certify.numbers import Inexact, Operators, exact_value
 
 MOST_VALUES = 20_000
@@ -61,16 +62,20 @@ for _name in ("exp", "sin", "cos", "tan", "sinh", "cosh", "tanh"):  # not finite
     setattr(_Place, _name, _entire(_name))
 
 
-def enclosing(kernel: ModuleType) -> Any:
-    """A kernel's functions of M, C and K, which enclose integrals that they sample else. Inexact is raised for places
-    that are no fractions, ValueError for factors that cannot be integrated."""
+def enclosing(kernel: ModuleType, formal: bool = False) -> Any:
+    """A kernel's functions of M, C and K, which enclose integrals that they sample else; formal: or give them names.
+    Inexact is raised for places that are no fractions, ValueError for factors that cannot be integrated."""
 
     def along(
         matrix: Any, basis: Any, breaks: Any, segment: int, test: Any, trial: Any, factor: Any, text: str
     ) -> None:
         low, size = breaks[segment], len(basis.order)
-        moments = _moments(factor, low, breaks[segment + 1] - low, 2 * size - 1)
-        if not all(moment.is_finite() for moment in moments):
+        length, count = breaks[segment + 1] - low, 2 * size - 1
+        if formal:
+            moments: list[Any] = [Formal.named(f"∫ {text} from {low} over {length}, {k}") for k in range(count)]
+        else:
+            moments = _moments(factor, low, length, count)
+        if not formal and not all(moment.is_finite() for moment in moments):
             raise ValueError(f"{text}: its integrals from {float(low):.6g} on are not known; it is singular")
         between = np.array([[_combined((P * Q).coeffs(), moments) for Q in _legendre(size)] for P in _legendre(size)])
         block = basis.series[test[0]][test[1]] @ between @ basis.series[trial[0]][trial[1]].T
@@ -110,8 +115,8 @@ def _moments(factor: Callable[[Any], Any], low: Any, length: Any, count: int) ->
     return [acb.integral(integrand(k), 0, 1, eval_limit=MOST_VALUES).real for k in range(count)]
 
 
-def _combined(factors: Any, moments: list[arb]) -> arb:
-    return sum((moment * arb(c) for c, moment in zip(factors, moments, strict=False)), arb(0))
+def _combined(factors: Any, moments: list[Any]) -> Any:
+    return sum((moment * c for c, moment in zip(factors, moments, strict=False)), 0 * moments[0])
 
 
 @cache
