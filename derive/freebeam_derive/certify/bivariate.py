@@ -136,17 +136,26 @@ def _reversed(p: arb_poly, n: int) -> arb_poly:
 # --- where to look: approximations, and no more ---------------------------------------------------------------
 
 
+CLOSE = 1e-6  # points between zeros need no more
+
+
 def zeros(polynomial: arb_poly) -> list[acb]:
-    """Approximations of all zeros."""
+    """Approximations of all zeros, to CLOSE of their sizes."""
     degree = polynomial.degree()
     if degree < 1:
         return []
     try:
-        return list(acb_poly(polynomial).roots())
+        found: Any = acb_poly(polynomial).roots()
+        # isolated is all that these are: of two that are far apart one may be off by nearly as much
+        if any(z.real.rad() > CLOSE * abs(z.mid()) for z in found):
+            sizes = [abs(c) for c in polynomial.coeffs() if not c.contains(0)]
+            least = sizes[0] / sum(sizes, arb(0))  # which no zero but 0 is below
+            found = acb_poly(polynomial).roots(tol=max(CLOSE * float(least), 1e-300))
+        return list(found)
     except (ValueError, ArithmeticError):
         # double zeros, or about so: floats will do
         coefficients = [float(polynomial[k].mid()) for k in range(degree, -1, -1)]
-        found: Any = np.roots(coefficients) if np.isfinite(coefficients).all() else []
+        found = np.roots(coefficients) if np.isfinite(coefficients).all() else []
         return [acb(z.real, 0 if abs(z.imag) < 1e-9 * abs(z) else z.imag) for z in map(complex, found)]
 
 
