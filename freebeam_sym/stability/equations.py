@@ -114,7 +114,7 @@ def newton(
         J[m, :n] = J[m + 1, n:m] = c
         r = J[:, :m] @ x
         r[m] -= 1
-        rows = np.abs(J[:, :m]).max(axis=1)
+        rows = np.abs(J[:, :m]).max(axis=1).clip(1e-300)  # a motion left to itself may be met exactly
         try:
             change = np.linalg.solve(J / rows[:, None], r / rows)
         except np.linalg.LinAlgError:

@@ -229,3 +229,15 @@ def test_a_load_that_acts_in_few_rows_leaves_a_polynomial_of_their_number() -> N
             assert found(arb(P)).contains((terms[0] + P * terms[1] + P * P * terms[2]).det())
     with pytest.raises(Unproven, match="not known to be regular"):
         determinant([arb_mat(n, n), arb_mat(terms[0])])
+
+
+def test_zeros_are_found_and_not_only_told_apart() -> None:
+    """Of a shaft on springs at P = 203/32; FLINT isolates these in balls of up to a hundred times their size."""
+    known = [fmpq(743, 1000), fmpq(181), fmpq(5466, 10), fmpq(1287), fmpq(8995), fmpq(352127)]
+    for bits in (160, 400):
+        with precision(bits):
+            product = arb_poly([1])
+            for z in known:
+                product *= arb_poly([-z, 1])
+            found = sorted(float(z.real.mid()) for z in zeros(product))
+            assert found == pytest.approx([int(z.p) / int(z.q) for z in known], rel=1e-6)

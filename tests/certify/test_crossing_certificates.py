@@ -29,6 +29,7 @@ from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_lists import OfCrossings, verify
 from freebeam_derive.certify.verifier_plane import check_apart
 from tests.certify import test_motions_apart as apart
+from tests.stated import file_of
 
 F = Fraction
 Data = dict[str, Any]
@@ -259,6 +260,32 @@ def test_a_common_root_is_seen_wherever_it_is_and_at_whatever_angle(
             check_apart(h, g, verifier.ball(F(low)), verifier.ball(F(high)), 100)
         with pytest.raises(verifier.Refused, match="another crossing"):
             check_apart(h, g, arb(1), arb(3), 100)
+
+
+def test_a_load_that_takes_the_damping_of_each_motion_away(tmp_path: Path) -> None:
+    """Of q at P = beta, with ω² = 5; of p at P = 2 beta, with 10: g of each is a function of P alone."""
+    stated = {
+        "T": "(q.diff(t) ** 2 + p.diff(t) ** 2) / 2", "V": "(5 * q ** 2 + 10 * p ** 2) / 2", "W_c": "0", "ends": "()",
+        "dW_nc": "(P - beta) * q.diff(t) * delta(q) + (P / 2 - beta) * p.diff(t) * delta(p)", "parameters": "()",
+    }  # fmt: skip
+    column = fb.column(file_of(tmp_path, "galloping", stated))
+    first = json.loads(json.dumps(fb.certified_load(column, 1, beta="1/10", digits=10).certificate))
+    found = fb.certified_crossings(column, 1, beta="1/10", load_max=1, digits=10)
+    list_of = json.loads(json.dumps(found.certificate))
+    passings = verify(list_of).passings
+    for one, other, load, square in zip(found, passings, (F(1, 10), F(1, 5)), (5, 10), strict=True):
+        assert F(one.load[0]) < load < F(one.load[1]) and F(one.frequency[0]) ** 2 < square < F(one.frequency[1]) ** 2
+        assert other.square is not None and other.load[0] < load < other.load[1]
+        assert other.square[0] < square < other.square[1] and other.change == 2
+    said = verifier.verify(first)
+    assert said.load is not None and said.load[0] < F(1, 10) < said.load[1]
+    verifier.verify(first | {"frequency_squared": ["1/2", "15"]})  # true of a wider interval, too
+    low, high = map(F, first["load"])
+    for changed in ({"load": [str(low), str((low * 3 + high) / 4)]}, {"frequency_squared": ["3", "39/8"]}):
+        with pytest.raises(verifier.Refused):
+            verifier.verify(first | changed)
+    for moved in (["1/8", "1/6"], ["1/4", "1/3"]):
+        refused(list_of | {"crossings": [[c | {"load": moved} for c in of] for of in list_of["crossings"]]})
 
 
 if __name__ == "__main__":  # python -m tests.certify.test_crossing_certificates 20: lists of so many random systems

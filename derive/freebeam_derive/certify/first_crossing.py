@@ -265,6 +265,8 @@ def _slopes_through(found: Boundary, P: Fraction, x: Fraction, start: Fraction, 
     and, in a limit of vanishing damping, two where two roots of h do, on either side of the root of g."""
     if not found.damped:
         return [Fraction(0)]
+    if not found.between:  # g has no root, and nothing closes in
+        return []
     J, bend = found.slopes([exact(P), exact(x)]), found.h.by_x.by_x(exact(P), exact(x))
     if abs(J[0, 1]) < abs(bend) * exact(x) * arb(2) ** (-LOWEST_BITS // 2):
         # h is h_P (P − P*) + h_xx (x − x*)² / 2, or about so
@@ -569,9 +571,10 @@ def _certify_near(
 
 def spread_of(local: Boundary, load: Fraction, point: Fraction, tolerance: Fraction) -> Fraction:
     """So far the root of g that passes through a crossing at (load, x = point) stays from there for all loads within
-    this share of it, and farther. local: P and x counted from the crossing."""
-    J = local.slopes([arb(0), arb(0)])
-    return tolerance * (point + load * rational(abs(J[1, 0] / J[1, 1]).upper(), 60))
+    this share of it, and farther; that of h where g is a function of P alone. local: P and x counted from the
+    crossing."""
+    J, row = local.slopes([arb(0), arb(0)]), int(local.between > 0)
+    return tolerance * (point + load * rational(abs(J[row, 0] / J[row, 1]).upper(), 60))
 
 
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:

@@ -41,7 +41,8 @@ They are interpolated here from determinants of balls, and checked:
 (ii) On [low, high], outside the box x_low < x < x_high, cells of x in [0, ∞), the last in 1/x, on each of which h or g
     is not zero (`apart`); next to the box g has no other root than that in it, for g_x is not zero there. det M ≠ 0.
 (iii) In the box g has for each P one root ξ(P), and φ(P) = h(P, ξ(P)) has the slope (h_P g_x − h_x g_P) / g_x, not
-    zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0.
+    zero, and changes sign: one common root, simple, crossed at a speed. At x = 0: h(P, 0) = det K > 0. Where g is a
+    function of P alone (one motion, with its damping) h and g change places.
 (iv) Divergence has no box: h(P, 0) falls on all of [low, high], from > 0 to < 0. Of a pair that leaves zero it is known
     exactly that h = h_P = g = 0 at x = 0 and one load (`check_pair_at_rest`); (ii) and (iii) hold with a box about it,
     and (h_PP, g_P, h_x) there make both λ / (P − P*) of a positive real part, and no real numbers.
@@ -1006,13 +1007,15 @@ class Series:
         else:
             require(over(h, -centre) != 0, "det K may vanish within the load's interval")
             bottom, top = (ball(x) - centre for x in square)
-        box, h_x, g_x = bottom.union(top), by_x(h), by_x(g)
-        across = opposite(over(g, bottom), over(g, top))
+        box, h_x, alone = bottom.union(top), by_x(h), self.damped and len(g) == 1
+        f, o = (h, g) if alone else (g, h)
+        f_x = by_x(f)
+        across = opposite(over(f, bottom), over(f, top))
         require(across, "the frequency's interval is not known to hold a root of g at each of the loads")
         size, lowest = top + centre, (bottom - centre) / 2
         around = (((bottom - size / 2**k).max(lowest), top + size / 2**k) for k in range(1, flint.ctx.prec))
-        left, right = next((v for v in around if over(g_x, v[0].union(v[1])) != 0), (bottom, top))
-        require(over(g_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
+        left, right = next((v for v in around if over(f_x, v[0].union(v[1])) != 0), (bottom, top))
+        require(over(f_x, left.union(right)) != 0, "the frequency's interval may hold more than one crossing")
         far = right.max(centre)
         if not pair:
             over.apart(h, g, -centre, left)
@@ -1020,14 +1023,14 @@ class Series:
             over.apart(h, g, right, far)
         over.apart(turned_h, turned_g, arb(0), 1 / far)
         require(regular, "det M may vanish within the load's interval")
-        slope = over(h_P, box) - over(h_x, box) * over(g_P, box) / over(g_x, box)
+        slope = over(by_load(o), box) - over(by_x(o), box) * over(by_load(f), box) / over(f_x, box)
         require(slope != 0, "the crossing is not known to be simple and alone")
-        across = opposite(*(_along_root(h, g, P, box) for P in (start, end)))
+        across = opposite(*(_along_root(o, f, P, box) for P in (start, end)))
         require(across, "nothing is known to cross within the intervals of load and frequency")
         if pair:
             apart = over(g_P, box) ** 2 + 2 * over(h_x, box) * over(by_load(h_P), box)
             require(apart < 0, "how two eigenvalues leave zero is not known")
-        return 2 if (slope * over(g_x, box) < 0) == self.damped else -2
+        return 2 if (slope * over(f_x, box) < 0) == (self.damped and not alone) else -2
 
     def _about_zero(self, low: Fraction, high: Fraction, over: Over) -> arb:
         """A pair is zero at one load between two, exactly; and what the root of g is below for all of these."""

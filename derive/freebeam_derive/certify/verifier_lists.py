@@ -184,7 +184,8 @@ def _widened(series: Series, load: Interval, square: Interval | None, room: Inte
     try:
         if square is not None and any(square):
             over, (P, x) = Over(ball(load[1])), map(ball, (load[1], square[1]))
-            slope = abs(over(by_load(series.g), x) / over(by_x(series.g), x)) + x / P
+            f = series.h if series.damped and len(series.g) == 1 else series.g
+            slope = abs(over(by_load(f), x) / over(by_x(f), x)) + x / P
             spread = (2 * slope * ball(reach)).upper().fmpq()
             room_of_x = Fraction(int(spread.p), int(spread.q))
             square = square[0] - room_of_x, square[1] + room_of_x
