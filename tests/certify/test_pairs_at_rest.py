@@ -43,7 +43,7 @@ def overlap(one: Any, other: Any) -> bool:
     return max(F(one[0]), F(other[0])) < min(F(one[1]), F(other[1]))
 
 
-@pytest.mark.parametrize(("own", "rest", "modes"), [("turning disc", "disc", 1), ("turning shaft", "shaft", 4)])
+@pytest.mark.parametrize(("own", "rest", "modes"), [("turning disc", "disc", 1), ("turning shaft", "shaft", 3)])
 def test_a_shaft_is_proven_to_be_lost_at_rest_in_its_own_frame(own: str, rest: str, modes: int) -> None:
     """Seen from rest its whirl is as fast as the shaft turns."""
     lost, whirling = found(own, modes), found(rest, modes)
@@ -55,15 +55,14 @@ def test_a_shaft_is_proven_to_be_lost_at_rest_in_its_own_frame(own: str, rest: s
 
 
 def test_each_mode_of_a_shaft_is_lost_at_its_own_critical_speed() -> None:
-    for modes, load_max, count in ((2, 30, 1), (3, 60, 2)):
-        own, rest = (listed(name, modes, load_max) for name in ("turning shaft", "shaft"))
-        assert len(own) == len(rest) == count
-        for one, other in zip(own, rest, strict=True):
-            assert overlap(one.load, other.load) and one.frequency == ("0", "0")
-            assert one.unstable_above == other.unstable_above
-        passings = verifier_lists.verify(copied(own.certificate)).passings
-        assert [p.unstable + p.change for p in passings] == [2 * k + 2 for k in range(count)]
-        assert all(p.square == (0, 0) and "leaves zero" in str(p) for p in passings)
+    own, rest = (listed(name, 3, 60) for name in ("turning shaft", "shaft"))
+    assert len(own) == len(rest) == 2
+    for one, other in zip(own, rest, strict=True):
+        assert overlap(one.load, other.load) and one.frequency == ("0", "0")
+        assert one.unstable_above == other.unstable_above
+    passings = verifier_lists.verify(copied(own.certificate)).passings
+    assert [p.unstable + p.change for p in passings] == [2, 4]
+    assert all(p.square == (0, 0) and "leaves zero" in str(p) for p in passings)
 
 
 def test_forged_pairs_at_rest_are_refused() -> None:
@@ -94,7 +93,7 @@ def test_forged_pairs_at_rest_are_refused() -> None:
     for other, why in ((beck, "not positive"), (copied(found("disc", 1).certificate), "not symmetric")):
         with pytest.raises(verifier.Refused, match=why):
             verifier.verify(other | {"frequency_squared": ["0", "0"]})
-    of_list = copied(listed("turning shaft", 2, 30).certificate)
+    of_list = copied(listed("turning shaft", 3, 60).certificate)
     for changed in ({"frequency_squared": None, "kind": "divergence"}, {"frequency_squared": ["1/100", "1"]}):
         crossings = [[crossing | changed for crossing in of] for of in of_list["crossings"]]
         with pytest.raises(verifier.Refused):
