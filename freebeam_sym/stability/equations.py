@@ -134,15 +134,29 @@ def newton(
 
 
 def moved(
-    G: NDArray[Any], G_P: NDArray[Any], G_omega: NDArray[Any] | None, change: Real | float, meet: float = 0.0
+    G: NDArray[Any],
+    G_P: NDArray[Any],
+    G_omega: NDArray[Any] | None,
+    change: Real | float,
+    meet: float = 0.0,
+    rates: Real | None = None,
 ) -> float:
     """By how much a load at which G = K + iωC − ω²M is singular moves, to first order, for a real change g of G: at
     most for one of this norm, as a rule for one of entries of these sizes, (n, n). With the null vectors u and v,
     uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet without damping uᴴG_ωv = 0, up to a share `meet`
-    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left."""
-    left, _, right = np.linalg.svd(G)
+    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left. rates: the sizes of changes of ωC.
+    With these G v is also rounded as by `newton`, in the parts of v = a + iωb: of a motion that is nearly real the
+    second is small, with its rounding; of a whirl nothing tells the parts apart."""
+    left, sizes, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
-    a, uv = u @ G_P @ v, np.outer(u, v)
+    v = v * np.exp(-0.5j * np.angle(v @ v))
+    a, off = u @ G_P @ v, change * np.outer(u, v)
     if G_omega is not None and abs(b := u @ G_omega @ v) >= meet * (np.abs(u) @ np.abs(G_omega) @ np.abs(v)):
-        a, uv = (a * b.conj()).imag, (b.conj() * uv).imag
-    return float(np.linalg.norm(change * uv) / abs(a)) if a else math.inf
+        a, u = (a * b.conj()).imag, b.conj() * u
+        off = change * np.outer(u, v).imag
+        if rates is not None:
+            if abs(v @ v) < 0.9 or sizes[:-1].min(initial=1.0) < CLOSE:  # of two motions any whirl is one too
+                u, v = np.abs(u) * (1 + 1j), np.abs(v) * (1 + 1j)
+            real, imag = (change * np.abs(x) + rates * np.abs(y) for x, y in ((v.real, v.imag), (v.imag, v.real)))
+            off = np.hypot(u.imag[:, None] * real, u.real[:, None] * imag)
+    return float(np.linalg.norm(off) / abs(a)) if a else math.inf

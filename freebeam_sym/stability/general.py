@@ -302,12 +302,16 @@ class General:
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
         G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
         # entry by entry: the norm of K is 100 times what rounding does to the low motions of 20 segments
-        change: Real = ROUNDING * np.asarray(sum(P**k * np.abs(X) for k, X in enumerate(self.K)))
+        inertia, rates, change = (
+            np.asarray(ROUNDING * omega**j * sum(P**k * np.abs(X) for k, X in enumerate(each)))
+            for j, each in ((2, self.M), (1, self.C), (0, self.K))
+        )
+        change = change + inertia
         gyroscopic = self.damped and np.abs(C + C.T).max() <= ROUNDING * np.abs(C).max()
         if gyroscopic:  # frequencies may meet, and did where they are apart by SPLIT
             v = self._own(crossing.vector)
             change = change + (SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v)
-        return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic) / P, 1.0)
+        return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic, rates) / P, 1.0)
 
 
 class _Operator:

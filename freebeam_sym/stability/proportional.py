@@ -20,7 +20,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
-from functools import lru_cache, partial
+from functools import cached_property, lru_cache, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,37 +87,18 @@ class Proportional:
     def unstable(self, load: float) -> int:
         """Elastic eigenvalues λ that grow at a load. Where damping vanishes, or is too small for the 2N eigenvalues to
         show its effect: branches s_j that are not real and positive, or whose growth to first order is positive."""
-        p = self.pencil
-        if self.size / math.sqrt(p.e[0]) < LIGHTEST_STATE:
-            s, V = np.linalg.eig(np.diag(p.e) + load * p.H)
-            bad = int(((s.imag != 0) | (s.real <= 0)).sum())
-            if bad or (not self.size and self.kappa is None):
-                return bad
-            growth = -np.einsum("jn,n,nj->j", np.linalg.inv(V), self.shape, V).real
-            return int((growth > 0).sum())
-        try:
-            A = self._inverse_state(load)
-        except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
-            return 1
-        return int((np.linalg.eigvals(A).real > 1e-14 * np.linalg.norm(A)).sum())
+        return self._of_any.unstable(load, (self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST_STATE, 0.0))
 
     def onset(self, load: float) -> Crossing:
-        p, direction = self.pencil, np.diag(self.shape)  # of any size where it vanishes
-        matrices = [np.eye(p.size)], [(self.size or 1.0) * direction], [np.diag(p.e), p.H]
-        found = General(*matrices, vanishing=not self.size).onset(load)
-        return replace(found, vector=p.vector(found.vector))
+        found = self._of_any.onset(load)
+        return replace(found, vector=self.pencil.vector(found.vector))
 
-    def _inverse_state(self, load: float) -> Real:
-        """Inverse of the state matrix of Eq. (25), (2N, 2N), of states (q, w) with E = I and w = λ E^(−1/2) q: of light
-        damping it is nearly skew, so that growth is told from rounding. Its eigenvalues are 1/λ: those of the low
-        modes, which decide, are not lost in the rounding of the fast ones, however strong the damping."""
-        n, e = self.pencil.size, self.pencil.e
-        inverse = np.linalg.inv(np.eye(n) + load * self.pencil.relative)
-        A = np.zeros((2 * n, 2 * n))
-        A[:n, :n] = -inverse * (self.size * self.shape / e)
-        A[:n, n:] = -inverse / np.sqrt(e)
-        A[n:, :n] = np.diag(1 / np.sqrt(e))
-        return A
+    @cached_property
+    def _of_any(self) -> General:
+        """The same as a problem of any damping: of one that vanishes, or without, of any size."""
+        p, direction = self.pencil, np.diag(self.shape)
+        matrices = [np.eye(p.size)], [(self.size or 1.0) * direction], [np.diag(p.e), p.H]
+        return General(*matrices, vanishing=not self.size)
 
     def newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
         """The flutter near (ω² = w, P, v = a + iω·size·b) in the basis of the pencil, of negative frequency where
