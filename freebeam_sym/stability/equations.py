@@ -16,6 +16,7 @@ from freebeam_sym.stability.problem import CLOSE, Complex, Crossing, Event, Real
 
 __all__ = ["divergence", "divergences", "moved", "newton", "shifted", "slope", "value"]
 
+Matrix = NDArray[Any]
 Motion = Callable[[Real, float], Complex]
 """What makes a motion in the column's coordinates of one in those of K, and its load."""
 SINGULAR = 1e-14
@@ -134,19 +135,13 @@ def newton(
 
 
 def moved(
-    G: NDArray[Any],
-    G_P: NDArray[Any],
-    G_omega: NDArray[Any] | None,
-    change: Real | float,
-    meet: float = 0.0,
-    rates: Real | None = None,
+    G: Matrix, G_P: Matrix, G_omega: Matrix | None, change: Real | float, meet: float = 0.0, rates: Real | None = None
 ) -> float:
     """By how much a load at which G = K + iωC − ω²M is singular moves, to first order, for a real change g of G: at
     most for one of this norm, as a rule for one of entries of these sizes, (n, n). With the null vectors u and v,
     uᴴ(g + G_P dP + G_ω dω)v = 0 in both parts. Where frequencies meet without damping uᴴG_ωv = 0, up to a share `meet`
-    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left. rates: the sizes of changes of ωC.
-    With these G v is also rounded as by `newton`, in the parts of v = a + iωb: of a motion that is nearly real the
-    second is small, with its rounding; of a whirl nothing tells the parts apart."""
+    of its terms, and of a divergence ω stays 0: G_omega None, and one part is left. rates: sizes of changes of ωC. With
+    these G v is rounded as by `newton`, in both parts of v = a + iωb: they are apart where v is nearly real alone."""
     left, sizes, right = np.linalg.svd(G)
     u, v = left[:, -1].conj(), right[-1].conj()
     v = v * np.exp(-0.5j * np.angle(v @ v))

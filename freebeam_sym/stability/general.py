@@ -33,6 +33,8 @@ __all__ = ["General"]
 LIGHT = 1e-4
 """Largest entry of C in the four lowest modes, relative to 2√(ωᵢωⱼ), below which Newton's method starts from the limit
 of vanishing damping: flutters move by its square. Of `_States` eigenvalues are then off by rounding over its square."""
+HIDDEN = 1e-7
+"""The same of coordinates, below which a load that `_Vanishing` has not is refused: rounding hides where it is."""
 LIGHTEST = 1e-6
 """The same below which growth is counted to first order."""
 GROWTH = 1e-13
@@ -191,11 +193,11 @@ class General:
         """manner: that of a problem of the same damping, or nearly so, which saves the work to find it."""
         light, threshold = manner or self.manner
         try:
-            if light:
-                return int((self._first_order(load)[2] > 0).sum())
-            if threshold:
-                return int((self._bad(load)[2] > 0).sum())
-            return int((_growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0) > 0).sum())
+            if light or threshold:
+                growth = (self._first_order if light else self._bad)(load)[2]
+            else:
+                growth = _growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0)
+            return int((growth > 0).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
 
@@ -257,6 +259,14 @@ class General:
         stays = self.damped and not self.vanishing
         with suppress(np.linalg.LinAlgError):
             return _Vanishing(self, P, unit, LIGHT if stays else math.inf)
+        mass = np.diagonal(self.M[0])[low := np.argsort(-np.diagonal(self.M[0]))[:4]]
+        with np.errstate(all="ignore"):  # rates that turn, C = −Cᵀ, damp nothing; no more does what has no mass here
+            ratio = (np.abs(np.diagonal(self.C, axis1=1, axis2=2)).sum(axis=0)[low] / np.sqrt(mass)).max() / 2
+        if stays and 0 < ratio < HIDDEN:
+            raise InputError(
+                f"damping ratio {ratio:.1e} of the low modes: is lost in rounding where rates turn motions or two have "
+                "one frequency; give a larger damping of the same kind, by whose size the load hardly changes"
+            )
         with suppress(np.linalg.LinAlgError):
             return _States(self, P, unit) if stays else None
         return None
@@ -302,16 +312,13 @@ class General:
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
         G_omega = rate * C - 2 * omega * M if omega and self.damped and not self.vanishing else None
         # entry by entry: the norm of K is 100 times what rounding does to the low motions of 20 segments
-        inertia, rates, change = (
-            np.asarray(ROUNDING * omega**j * sum(P**k * np.abs(X) for k, X in enumerate(each)))
-            for j, each in ((2, self.M), (1, self.C), (0, self.K))
-        )
-        change = change + inertia
+        parts = ((2, self.M), (1, self.C), (0, self.K))
+        inertia, rates, change = (ROUNDING * omega**j * value(np.abs(X), P) for j, X in parts)
         gyroscopic = self.damped and np.abs(C + C.T).max() <= ROUNDING * np.abs(C).max()
         if gyroscopic:  # frequencies may meet, and did where they are apart by SPLIT
             v = self._own(crossing.vector)
             change = change + (SPLIT * omega) ** 2 * np.linalg.norm(M @ v) / np.linalg.norm(v)
-        return min(moved(G, G_P, G_omega, change, NEAR * gyroscopic, rates) / P, 1.0)
+        return min(moved(G, G_P, G_omega, change + inertia, NEAR * gyroscopic, rates) / P, 1.0)
 
 
 class _Operator:
@@ -368,13 +375,9 @@ class _States(_Operator):
         W = np.linalg.inv(_blocks(n, np.eye(n), M[0]) @ self.V)
         self.A, self.B = [], []
         for j in range(max(len(M), len(C), len(K))):
-            a = np.zeros((2 * n, 2 * n))
-            if j < len(K):
-                a[n:, :n] = -K[j]
-            if j < len(C):
-                a[n:, n:] = -C[j]
-            if not j:
-                a[:n, n:] = np.eye(n)
+            a = np.zeros((2 * n, 2 * n)) if j else np.eye(2 * n, 2 * n, n)
+            for X, part in ((K, slice(n)), (C, slice(n, None))):
+                a[n:, part] = -X[j] if j < len(X) else 0
             self.A.append(W @ a @ self.V)
             self.B.append(W @ _blocks(n, np.zeros((n, n)), M[j]) @ self.V if 0 < j < len(M) else None)
         while len(self.A) > 1 and not np.any(self.A[-1]) and self.B[-1] is None:

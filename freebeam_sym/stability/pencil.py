@@ -84,12 +84,14 @@ def diagonalise(M: Real, E: Real) -> tuple[Real, Real]:
     try:
         np.linalg.cholesky(E - 1e-14 * np.diag(k))  # what rests with a factor such as exp(-x) has e of rounding alone
         L = np.linalg.cholesky(E)
+        half = np.linalg.solve(L, M)
+        inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
+        if not (inverse > 0).all():  # E is singular but for rounding, which hides it from its factors
+            raise np.linalg.LinAlgError
     except np.linalg.LinAlgError:
         raise Unstable(
             "E is not positive definite: the column is not stable at load 0, so it has no first loss of stability"
         ) from None
-    half = np.linalg.solve(L, M)
-    inverse, Y = np.linalg.eigh(np.linalg.solve(L, half.T))
     e = 1 / inverse[::-1]
     return e, np.linalg.solve(L.T, Y[:, ::-1]) * np.sqrt(e)
 

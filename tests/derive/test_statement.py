@@ -210,7 +210,7 @@ REFUSED: dict[str, tuple[dict[str, str], tuple[str, ...]]] = {
     # what Ritz's series cannot take
     "external damping that drives": (
         {"dW_nc": "integral(beta * y.diff(t) * delta(y)) - P * at(y.diff(x), 1) * at(delta(y), 1)"},
-        ("C = −beta ∫ φᵢ φⱼ dx", "feeds energy in", "not supported"),
+        ("C = −beta ∫ φᵢ φⱼ dx", "feeds energy in", "not supported", "a parameter of its own"),
     ),
     "internal damping that drives": (
         {"dW_nc": "damping + 2 * alpha * integral(y.diff(x, 2, t) * delta(y.diff(x, 2)))"},

@@ -116,6 +116,14 @@ def test_answers_are_those_of_the_runtime(visited: Callable[..., Opened], column
         assert_motions_are_those_of_the_runtime(page, column)
 
 
+@pytest.mark.parametrize("alpha", [2.8e-10, 1e-13])
+def test_light_damping_is_as_any(visited: Callable[..., Opened], columns: dict[str, Any], alpha: float) -> None:
+    expected = fb.critical_load(columns["pflueger"], 5, alpha)
+    found = visited("pflueger").ask("(case_) => freebeam.firstLoss(...case_).crossing", [5, alpha, 0, {}])
+    assert found["load"] == pytest.approx(expected.load, rel=1e-9)
+    assert found["omega"] == pytest.approx(expected.frequency, rel=1e-9)
+
+
 def assert_motions_are_those_of_the_runtime(page: Opened, column: Any) -> None:
     """After a step, under a sine and after a pulse."""
     asked = {"sensor": 0.8, "place": 0.6, "rate": 2.5, "N": 5}

@@ -95,16 +95,17 @@ function meetingAt(problem, damping, P, omega) {
 
 /**
  * The flutter near (w = ω², P, a, b), to rounding; null where the iteration does not settle. As `_newton` of general.py:
- * (K − wM) a − w C b = 0, (K − wM) b + C a = 0, c·a = 1, c·b = 0, without w C b where damping is taken to first order,
- * and with M for C where there is none.
+ * (K − wM) a − w f² D b = 0, (K − wM) b + D a = 0, c·a = 1, c·b = 0, with C = f D, so that light damping is as any, f = 0
+ * where damping is taken to first order, and M for D where there is none.
  */
 function generalNewton({ M, K, n, first }, damping, start) {
-  const all = [M, damping.size ? damping.C : M, K];
-  const share = damping.ratio < LIGHTEST ? 0 : 1;
+  const factor = damping.size ? Math.max(...damping.C.map((X) => X.norm())) : 1;
+  const all = [M, damping.size ? damping.C.map((X) => Matrix.div(X, factor)) : M, K];
+  const share = damping.ratio < LIGHTEST ? 0 : factor ** 2;
   let { w, P, a, b } = start;
   const size = dot(a, a);
   const c = a.map((x) => x / size);
-  b = b.map((x, i) => x - dot(c, start.b) * start.a[i]);
+  b = b.map((x, i) => (x - dot(c, start.b) * start.a[i]) / factor);
   // both parts of the equation for matrices at a load, or their slopes
   const parts = (m, d, k) => {
     const G = square(n, (i, j) => k.get(i, j) - w * m.get(i, j));
