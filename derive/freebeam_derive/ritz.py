@@ -265,7 +265,7 @@ def _refuse_driving(C: Form) -> None:
         if all(factor.is_nonpositive for factor in (*form.along.values(), *form.points.values())):
             raise StatementError(
                 f"dW_nc: the damping C = {display_form(form)} feeds energy in, whatever the motion, which is not "
-                "supported; damping opposes the motion, such as -beta * y.diff(t) * delta(y); what is meant to drive it, "
+                "supported; damping opposes the motion, such as -beta * y.diff(t) * delta(y); what is meant to drive, "
                 "such as wind, takes a parameter of its own, whose value may be negative"
             )
 
