@@ -116,7 +116,7 @@ def test_answers_are_those_of_the_runtime(visited: Callable[..., Opened], column
         assert_motions_are_those_of_the_runtime(page, column)
 
 
-@pytest.mark.parametrize("alpha", [2.8e-10, 1e-13])
+@pytest.mark.parametrize("alpha", [1e-8, 2.8e-10, 1e-13])
 def test_light_damping_is_as_any(visited: Callable[..., Opened], columns: dict[str, Any], alpha: float) -> None:
     expected = fb.critical_load(columns["pflueger"], 5, alpha)
     found = visited("pflueger").ask("(case_) => freebeam.firstLoss(...case_).crossing", [5, alpha, 0, {}])

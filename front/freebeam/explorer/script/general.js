@@ -3,6 +3,7 @@
 
 const GROWTH = 1e-13; // as in general.py: Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows
 const SPLIT = 1e-7; // as there: relative, where eigenvalues stay on the axis and rounding splits two that meet by its root
+const LIGHT = 1e-5; // damping ratio of the first modes below which growth is taken to first order: its square is below 1e-9
 const BASES = [0, 0.01, 0.0371, 0.293]; // loads of which the first with a regular K is taken, as there
 
 /** Everything of a column at N functions and own parameters that does not depend on load and damping. */
@@ -157,16 +158,17 @@ function polished({ K, n }, near) {
 }
 
 /** The damping of a case. size: 0 where there is none at all; ratio: of the first modes, Infinity where that says nothing;
- * below LIGHTEST growth is taken to first order. splits: share of an eigenvalue from which it grows. */
+ * below LIGHT growth is taken to first order. splits: share of an eigenvalue from which it grows. */
 function generalDamping(problem, alpha, beta) {
   const { C, ofAlpha, ofBeta } = problem;
   const terms = C.map((X, k) => X.clone().add(Matrix.mul(ofAlpha[k], alpha)).add(Matrix.mul(ofBeta[k], beta)));
-  const moves = problem.massless || terms.slice(1).some((X) => X.norm() > 0);
+  const turns = C[0].clone().sub(C[0].transpose()).norm() > 1e-12 * C[0].norm(); // to first order rates that turn do nothing
+  const moves = problem.massless || turns || terms.slice(1).some((X) => X.norm() > 0);
   const isDamped = moves || terms.some((X) => X.norm() > 0);
   const damping = { C: terms, size: isDamped ? 1 : 0, ratio: 0, splits: SPLIT };
   if (isDamped) {
     damping.ratio = moves ? Infinity : firstRatio((problem.rates ??= firstRates(problem)), [1, alpha, beta]) / problem.first;
-    if (damping.ratio >= LIGHTEST) {
+    if (damping.ratio >= LIGHT) {
       const at = thetaAt(problem, damping, problem.unit * 1e-3);
       const isOnAxis = at.some(({ re, im }) => Math.abs(re) < 1e-10 * Math.hypot(re, im));
       damping.splits = isOnAxis ? SPLIT : 0;
@@ -249,7 +251,7 @@ function thetaAt(problem, damping, P) {
 
 /** Growth, up to a positive factor and 0 where there is none but rounding, and frequency of each motion. */
 function generalGrowth(problem, damping, P) {
-  if (damping.ratio < LIGHTEST) {
+  if (damping.ratio < LIGHT) {
     const { s, growth } = branchesAt(problem, P, damping.size ? damping.C : []);
     return growth.map((x, k) => ({ growth: x, omega: Math.sqrt(Math.max(0, s[k].re)) }));
   }

@@ -32,7 +32,9 @@ function bracketed(problem, damping, stable, unstable, close) {
     if (isNewton && high - low < NARROW * high) {
       const found = flutterNear(problem, damping, high, fastestAt(problem, damping, high).omega);
       const isInside = found && low * (1 - 1e-9) < found.load && found.load < high * (1 + 1e-9);
-      if (isInside && isFirst(problem, damping, found.load, [Math.max(low / found.load, 1 - 1e-6)], 1e-6)) return found;
+      // growth of light damping is seen a little above alone, and just below nothing is yet
+      const above = isInside && Math.min(Math.max(high / found.load - 1, 1e-6), MARGIN);
+      if (isInside && isFirst(problem, damping, found.load, [Math.max(low / found.load, 1 - 1e-6)], above)) return found;
       isNewton = high - low > (NARROW / 100) * high; // once more, from nearer
     }
     if (isGrowing(problem, damping, middle)) high = middle;
@@ -59,8 +61,8 @@ function isFirst(problem, damping, load, parts, above) {
 /** The flutter that Newton's method finds from the motion at a load whose frequency is nearest; null where there is none, and
  * where eigenvalues stay on the axis. */
 function flutterNear(problem, damping, P, omega) {
-  if (!(omega > 0) || (damping.ratio >= LIGHTEST && damping.splits)) return null;
-  const start = damping.ratio < LIGHTEST ? meetingAt(problem, damping, P, omega) : crossingAt(problem, damping, P, omega);
+  if (!(omega > 0) || (damping.ratio >= LIGHT && damping.splits)) return null;
+  const start = damping.ratio < LIGHT ? meetingAt(problem, damping, P, omega) : crossingAt(problem, damping, P, omega);
   return start && generalNewton(problem, damping, { P, ...start });
 }
 
@@ -95,13 +97,13 @@ function meetingAt(problem, damping, P, omega) {
 
 /**
  * The flutter near (w = ω², P, a, b), to rounding; null where the iteration does not settle. As `_newton` of general.py:
- * (K − wM) a − w f² D b = 0, (K − wM) b + D a = 0, c·a = 1, c·b = 0, with C = f D, so that light damping is as any, f = 0
- * where damping is taken to first order, and M for D where there is none.
+ * (K − wM) a − w f² D b = 0, (K − wM) b + D a = 0, c·a = 1, c·b = 0, with C = f D, so that light damping is as any; f = 0
+ * and M for D where there is none.
  */
 function generalNewton({ M, K, n, first }, damping, start) {
   const factor = damping.size ? Math.max(...damping.C.map((X) => X.norm())) : 1;
   const all = [M, damping.size ? damping.C.map((X) => Matrix.div(X, factor)) : M, K];
-  const share = damping.ratio < LIGHTEST ? 0 : factor ** 2;
+  const share = damping.size ? factor ** 2 : 0;
   let { w, P, a, b } = start;
   const size = dot(a, a);
   const c = a.map((x) => x / size);
