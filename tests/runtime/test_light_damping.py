@@ -59,7 +59,7 @@ def less_error_than_there_is(column: fb.Column, modes: int, dampings: dict[str, 
 
 
 @pytest.mark.parametrize("name", ["disc", "turning disc"])
-@pytest.mark.parametrize("size", LIGHT)
+@pytest.mark.parametrize("size", [1e-4, 1e-6, 1e-8, 1e-14])
 def test_a_rotors_load_is_right_to_the_error_that_it_states(name: str, size: float) -> None:
     """Jeffcott's rotor is lost at 2 (1 + 3) = 8 however light its damping, whichever frame it is seen from."""
     if size < 1e-7:
