@@ -320,7 +320,7 @@ def test_a_zero_next_to_s_or_frequency_zero_is_left_out_with_damping_alone(real:
 
     equations: Any = SimpleNamespace(R=0, real=real, system=system)
     cells = Cells(equations, Fraction(2), [])
-    found = cells.excluded(SimpleNamespace(value=None), arb(1, 1), arb("0.05", "0.0501"))  # type: ignore[arg-type]
+    found = cells.excluded(SimpleNamespace(value=None), arb(1, 1), arb("0.05", "0.0501"), [])  # type: ignore[arg-type]
     assert (found is None) == (not real)
 
 

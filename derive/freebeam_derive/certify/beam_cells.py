@@ -26,6 +26,7 @@ from freebeam_derive.certify.local_series import DEGREE_OF_ANY, FINER, Local
 
 MOST_CELLS = 60  # that one series serves, before it is cut into four; of 40 to 400 it matters little
 MOST_CELLS_OF_ANY = 400  # the same where F comes from Taylor steps, whose series cost as much as a hundred cells
+MOST_CELLS_OVER_DAMPINGS = 100  # the same over a range of a damping: 15 s, and 22 s with 400
 MOST_CUTS = 7
 BITS_OF_SERIES = 64  # tried first: Beck's column with damping takes half as long as with 128, and no cell more
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
@@ -52,6 +53,7 @@ class Cells:
         self.known, self._seek = known, seek
         self._checked = self._series = 0  # cells, and series that stand for F on them
         self._covered = Fraction(0)  # the area of those cells
+        self._over_dampings = isinstance(beam, ExactSystem) and beam.by_damping is not None
 
     def no_other_zero(self, problem: Onset, top: arb, say: Say = lambda _: None) -> int:
         """That there is no zero but the known for 0 ≤ P ≤ P* (and beyond, to the end of its ball) and 0 ≤ x ≤ top,
@@ -73,7 +75,9 @@ class Cells:
     def _tile(self, problem: Onset, P: Side, x: Side, depth: int) -> None:
         """The same for a part, on which one series stands for F; it is cut where that is too coarse."""
         of_any = isinstance(self.beam, ExactSystem)
-        tries = ((DEGREE_OF_ANY, None), (FINER, None)) if of_any else ((None, BITS_OF_SERIES), (None, None))
+        tries: Sequence[tuple[int | None, int | None]] = ((None, BITS_OF_SERIES), (None, None))
+        if of_any:  # where a range of a damping is too wide, a finer series does not help
+            tries = ((DEGREE_OF_ANY, None), (FINER, None))[: 1 if self._over_dampings else 2]
         if not any(self._with_one_series(problem, P, x, *given) for given in tries):
             if depth == MOST_CUTS or self._series > (MOST_SERIES_OF_ANY if of_any else MOST_SERIES):
                 name = "ω" if isinstance(problem, Damped) else "ω²"
@@ -99,6 +103,7 @@ class Cells:
             return False
         waiting, count, covered = [(P, x)], 0, Fraction(0)
         most = MOST_CELLS_OF_ANY if isinstance(self.beam, ExactSystem) else MOST_CELLS
+        most = MOST_CELLS_OVER_DAMPINGS if self._over_dampings else most
         while waiting:
             P, x = waiting.pop()
             count += 1

@@ -38,8 +38,8 @@ class ExactSystem:
     and ValueError for unknown parameters.
     """
 
-    slopes: tuple[ExactSystem, ExactSystem] | None = None
-    """Over a range of a damping: F in the middle, and dF/dt of each |t| ≤ 1 (`system_ranges`)."""
+    by_damping: tuple[ExactSystem, ...] | None = None
+    """Over a range of a damping the factors of the powers of t, |t| ≤ 1, the last for each t (`system_ranges`)."""
 
     def __init__(
         self,

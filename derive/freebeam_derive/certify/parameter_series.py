@@ -205,6 +205,12 @@ def power(k: int) -> arb:
     return arb(1) if k == 0 else arb(0, 1) if k % 2 else arb(0.5, 0.5)
 
 
+def summed(powers: list[Taylor]) -> Taylor:
+    """Taylor coefficients for each |t| ≤ 1, of the factors of the powers of t."""
+    return {order: sum((of[order] * power(k) for k, of in enumerate(powers[1:], 1)), value)
+            for order, value in powers[0].items()}  # fmt: skip
+
+
 def _check(beam: Beam, name: str) -> None:
     """That all is linear in a parameter, and bending stiffness, mass and internal damping are without it."""
     rows, place = rows_of(beam, name)

@@ -1,7 +1,8 @@
 """F(P, s) of a column beyond the textbook's over a range of one of its own parameters, or of alpha or beta.
 
 Eqs. (6), (15). In one condition F is linear in the parameter and lies between its values at the ends of the range; in a
-damping it is that in the middle and a slope over all of it. `beam_ranges` has what is proven with it.
+damping it is that in the middle, its slope there and its curvature over all of it. `beam_ranges` has what is proven
+with it.
 """
 
 from __future__ import annotations
@@ -13,10 +14,10 @@ from typing import Any
 import flint
 from flint import arb
 
-from freebeam_derive.certify.balls import Exact, Range
+from freebeam_derive.certify.balls import Range
 from freebeam_derive.certify.beam import Beam, NoSeries
 from freebeam_derive.certify.exact_system import ExactSystem
-from freebeam_derive.certify.parameter_series import power, straight
+from freebeam_derive.certify.parameter_series import straight, summed
 from freebeam_derive.certify.taylor_steps import Term
 
 
@@ -24,7 +25,7 @@ class OverSystem(ExactSystem):
     """The same of a column beyond the textbook's: one of its own parameters is a `Range`, or alpha or beta is one.
 
     own, alpha, beta, vanishing: as of `ExactSystem`. In the limit of vanishing damping the growth rate is linear in
-    beta; else F is that in the middle and its slope (`_Slope`). Raises NoSeries where the damping is not linear in
+    beta; else F is a series in the damping (`_Power`). Raises NoSeries where the damping is not linear in
     that, or a parameter stands elsewhere than in one condition, at an end or where segments meet.
     """
 
@@ -43,7 +44,8 @@ class OverSystem(ExactSystem):
             if isinstance(value, Range):
                 self._is_linear_in(name, name in own)
                 if name not in own and not vanishing:
-                    self.slopes = self.middle, _Slope(self.low, self.high, alpha, beta)
+                    ends, middle = (self.low, self.high), self.middle.dampings
+                    self.by_damping = self.middle, _Power(*ends, *middle, 1), _Power(*ends, alpha, beta, 2)
 
     def still(self) -> ExactSystem:
         ranged = any(isinstance(value, Range) for value in self.own.values())
@@ -79,25 +81,25 @@ class OverSystem(ExactSystem):
             )
 
     def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Any:
-        if self.slopes is not None:
-            at, over = (system.taylor(P, s, orders) for system in self.slopes)
-            return {order: value + over[order] * power(1) for order, value in at.items()}
+        if self.by_damping is not None:
+            return summed([system.taylor(P, s, orders) for system in self.by_damping])
         low, high = (system.taylor(P, s, orders) for system in (self.low, self.high))
         return {order: value.union(high[order]) for order, value in low.items()}
 
     def terms(self, middle: ExactSystem) -> list[Any]:
-        return [middle, self.slopes[1] if self.slopes else Half(self.low, self.high, middle)]
+        return [*self.by_damping] if self.by_damping else [middle, Half(self.low, self.high, middle)]
 
 
-class _Slope(ExactSystem):
-    """dF/dt of a column whose damping goes linearly from one to another, |t| ≤ 1: a ball for all t, in place of F.
+class _Power(ExactSystem):
+    """∂ⁿF/∂tⁿ/n! of a column whose damping goes linearly from one to another, |t| ≤ 1, in place of F.
 
-    Raises NoSeries where there is none at one of the two.
+    alpha, beta: those in the middle, or ranges, for a ball for all t. Raises NoSeries where there is no damping at one
+    of the two.
     """
 
-    def __init__(self, low: ExactSystem, high: ExactSystem, alpha: Exact, beta: Exact) -> None:
+    def __init__(self, low: ExactSystem, high: ExactSystem, alpha: Any, beta: Any, n: int) -> None:
         super().__init__(low.kernel, low.own, alpha, beta)
-        self._ends, self._with_slopes = (low, high), dict[int, Any]()
+        self._ends, self.n, self._with_slopes = (low, high), n, dict[int, Any]()
         if not (low._damped and high._damped):
             raise NoSeries(f"{self.name}: there is no damping at an end of the range")
 
@@ -120,8 +122,8 @@ class _Slope(ExactSystem):
         return self._with_slopes[bits]
 
     def taylor(self, P: Any, s: Any, orders: Sequence[Any]) -> Any:
-        found = super().taylor(P, s, [(*order, d) for order in orders for d in (0, 1)])
-        return {order: found[*order, 1] for order in orders}
+        found = super().taylor(P, s, [(*order, d) for order in orders for d in range(self.n + 1)])
+        return {order: found[*order, self.n] for order in orders}
 
 
 def _grown_terms(low: Sequence[Term], high: Sequence[Term]) -> list[Term]:

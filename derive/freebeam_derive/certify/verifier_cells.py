@@ -49,7 +49,8 @@ class Cells:
 
     def _with_one_box(self, P: Interval, x: Interval) -> bool:
         around = [over(P), over(x)]
-        for crossing in self._near(around):
+        near = self._near(around)
+        for crossing in near:
             around = [side.union(part) for side, part in zip(around, crossing, strict=True)]
         try:
             box = self.equations.box(*self.equations.place(*(side + (side - side.mid()) / 1024 for side in around)))
@@ -58,7 +59,7 @@ class Cells:
         waiting, left = [(P, x)], (P[1] - P[0]) * (x[1] - x[0])
         for _ in range(MOST_CELLS):
             P, x = waiting.pop()
-            axis = self.excluded(box, over(P), over(x))
+            axis = self.excluded(box, over(P), over(x), near)
             if axis is None:
                 left -= (P[1] - P[0]) * (x[1] - x[0])
                 if not waiting:
@@ -68,10 +69,15 @@ class Cells:
         return False
 
     def _near(self, X: list[arb]) -> list[list[arb]]:
-        return [c for c in self.crossings if all(side.overlaps(part) for side, part in zip(X, c, strict=True))]
+        """Crossings in a part, or no farther from it than half its width: over a range the equations are blurred."""
+        wider = [side + (side - side.mid()) for side in X]
+        return [c for c in self.crossings if all(side.overlaps(part) for side, part in zip(wider, c, strict=True))]
 
-    def excluded(self, box: Any, P: arb, x: arb) -> int | None:
-        """None where a cell holds no zero but a crossing that is known, else along which axis it is cut."""
+    def excluded(self, box: Any, P: arb, x: arb, near: list[list[arb]]) -> int | None:
+        """None where a cell holds no zero but a crossing that is known, else along which axis it is cut.
+
+        near: the crossings on whose hull with a cell the box serves.
+        """
         equations, X = self.equations, [P, x]
         bottom = not x.lower() > 0
         reduced = bottom and equations.R > 0
@@ -88,16 +94,16 @@ class Cells:
         parts = [[J[i][j] * (X[j] - middle[j]) for j in (0, 1)] for i in (0, 1)]
         if any(not (at[i] + parts[i][0] + parts[i][1]).contains(0) for i in (0, 1)):
             return None
-        if self._known_alone(box, X) or self._led_out(X, middle, at, J):
+        if self._known_alone(box, X, near) or self._led_out(X, middle, at, J):
             return None
         size = [
             sum(float(abs(parts[i][j]).upper()) / (float(abs(at[i]).upper()) + 1e-300) for i in (0, 1)) for j in (0, 1)
         ]
         return 0 if size[0] >= size[1] else 1
 
-    def _known_alone(self, box: Any, X: list[arb]) -> bool:
+    def _known_alone(self, box: Any, X: list[arb], near: list[list[arb]]) -> bool:
         """Whether a cell and a crossing together hold no two points with equal values, so that it is the only zero."""
-        near = self._near(X)
+        near = self._near(X) or near
         if len(near) != 1:
             return False
         hull = [side.union(c) for side, c in zip(X, near[0], strict=True)]

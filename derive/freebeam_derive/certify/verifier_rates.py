@@ -15,10 +15,10 @@ from typing import Any
 from flint import acb, arb
 
 from freebeam_derive.certify.verifier_boxes import Box, power
-from freebeam_derive.certify.verifier_claims import require
+from freebeam_derive.certify.verifier_claims import ball, require
 from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_damping_forms import halfway
-from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two, apart, over
+from freebeam_derive.certify.verifier_equations import Equations, Matrix, Two, over
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_shooting import Shooting
 
@@ -142,29 +142,26 @@ class RatesOverDamping(Rates):
     """Of one column and each damping between two whose R are the same form times a number. Raises Refused."""
 
     def __init__(self, F: Pieces, low: Damped, high: Damped) -> None:
-        middle, share = halfway(low, high)
-        super().__init__(F, middle)
-        self.of_E, self.of_M, self.of_R = (
+        self.middle, share = halfway(low, high)
+        super().__init__(F, self.middle)
+        self.of_E, self.of_M, of_R = (
             (min(pair), max(pair)) for pair in ((low.c_E, high.c_E), (low.c_M, high.c_M), (share, 2 - share))
         )
-        self.scale = over(self.of_R)
+        self.scale = over(of_R)
+        self.grown = (high.c_E - low.c_E) / 2, (high.c_M - low.c_M) / 2, 1 - share  # from the middle to the high end
 
     def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
-        """The middle, and slopes over all of the range."""
-        middle, box, fars = copy(self), self.box(*near), list[arb]()
-        middle.scale = arb(1)
-        for name in ("of_E", "of_M", "of_R"):
-            interval = getattr(self, name)
-            setattr(middle, name, (sum(interval) / 2,) * 2)
-            fars.append(apart(interval)[1])
+        """The middle, and the slope from there to the high end over all of the range."""
+        middle, box = copy(self), self.box(*near)
+        middle.of_E, middle.of_M, middle.scale = (self.middle.c_E,) * 2, (self.middle.c_M,) * 2, arb(1)
         p, s = self.place(P, x)
         lam = acb(0, x)
         step = lam / (1 + self.alpha * lam)
         q = self.scale * step
         F_p, F_s, F_q = (box.value(p, s, i, j, q, k) for i, j, k in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
-        slopes = (-step * (p * F_p + s * F_s + q * F_q), -step * F_s, step * F_q)
-        found = [([slope.real, slope.imag], far) for slope, far in zip(slopes, fars, strict=True)]
-        return [(middle.system(box.value, P, x)[0], arb(1)), *found]
+        of_E, of_M, of_R = map(ball, self.grown)
+        slope = step * (F_q * of_R - F_s * of_M - (p * F_p + s * F_s + q * F_q) * of_E)
+        return [(middle.system(box.value, P, x)[0], arb(1)), ([slope.real, slope.imag], power(1))]
 
 
 def _hull(low: Two, high: Two) -> Two:
