@@ -8,6 +8,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
 from freebeam import proofs
+from freebeam.certificates import Proven, attempted
 from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, refusal
 
@@ -51,11 +52,12 @@ class OpenPiece:
 
 
 @dataclass(frozen=True)
-class ExactRange:
+class ExactRange(Proven):
     """What is proven over a range of a parameter. pieces: side by side, ascending; open: the parts that are left out.
 
     load: (lower, upper) of all pieces. question: what was asked, in floats, at the middle of the range; inputs: what
-    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider.
+    each input was taken for. certificate: the data that prove it, for a file, with intervals of loads a little wider,
+    which the verifier accepts; None where missing says why. unverified: the same as the prover wrote them.
     """
 
     parameter: str
@@ -64,7 +66,8 @@ class ExactRange:
     load: tuple[str, str]
     question: Question
     inputs: Mapping[str, str]
-    certificate: Mapping[str, Any] = field(repr=False)
+    unverified: Mapping[str, Any] | None = field(repr=False)
+    missing: str = ""
 
 
 def exact_range(
@@ -126,7 +129,7 @@ def exact_range(
         raise InputError(f"not proven for {column.name}, the beam itself, anywhere in the range: {left[0][2]}")
     kernel = _uniform(asked, parameter, Range(start, end)) or _of_any(asked, parameter, Range(start, end))
     ends: Any = tuple(replace(asked.certified, **_at(asked, parameter, value)) for value in (start, end))
-    certificate = write_range(kernel, ends, parameter, pieces, left)
+    certificate, missing = attempted(lambda: write_range(kernel, ends, parameter, pieces, left))
     union = min(p.load[0] for p in pieces), max(p.load[1] for p in pieces)
     return ExactRange(
         parameter,
@@ -136,6 +139,7 @@ def exact_range(
         asked.question,
         asked.inputs,
         certificate,
+        missing,
     )
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
 
+from freebeam.certificates import Proven, attempted
 from freebeam.maps.known import answer
 from freebeam_sym.checks import InputError, count, nonnegative, positive, refusal
 from freebeam_sym.columns import is_column
@@ -24,13 +25,12 @@ if TYPE_CHECKING:
     from freebeam_derive.certify.all_crossings import Crossing
     from freebeam_derive.certify.beam_crossings import Survey
     from freebeam_derive.certify.beam_stability import Evidence
-    from freebeam_derive.certify.verifier_claims import Statement
     from freebeam_sym.columns import Column
 
 __all__ = [
     "Certified", "CertifiedCrossing", "CertifiedCrossings", "CertifiedPulse", "ExactSpectrum", "Truncation",
     "certified_crossings", "certified_load", "certified_pulse", "exact_crossings", "exact_load", "exact_spectrum",
-    "rational", "truncation_error", "verify_certificate",
+    "rational", "truncation_error",
 ]  # fmt: skip
 
 MOST = 1_000_000
@@ -40,13 +40,14 @@ LOAD_MAX = Fraction(1000)  # nondimensional, where none is given
 
 
 @dataclass(frozen=True)
-class Certified:
+class Certified(Proven):
     """A critical load with its proof, nondimensional, or in N and rad/s where a beam in SI units was given.
 
     load and frequency: (lower, upper) as decimal text, rounded outwards; None where kind is "none". proof: what was
     proven (crossing, first, stable_below, kind). question: what was asked, in floats, and inputs: what each input was
-    taken for. certificate: the data that prove it, for a file; None in SI units and where missing says why. missing:
-    the step that failed, in words, where something of proof is false, or why there is no certificate. evidence: of the
+    taken for. certificate: the data that prove it, for a file, which the verifier accepts; None in SI units and where
+    missing says why; unverified: the same as the prover wrote them. missing: the step that failed, in words, where
+    something of proof is false, or why there is no certificate. evidence: of the
     beam itself, what `first` stands on (docs/theorem.md): lowest, the number m of eigenvalues that were looked at one
     by one; reach, the nondimensional load up to which all others are each alone in a strip; stretches of changes of
     sign; cells of load and frequency. above_zero: stability below is proven of loads above 0 alone, for at 0 a motion
@@ -64,7 +65,7 @@ class Certified:
     digits: int
     question: Question
     inputs: Mapping[str, str]
-    certificate: Mapping[str, Any] | None = field(repr=False, default=None)
+    unverified: Mapping[str, Any] | None = field(repr=False, default=None)
     missing: str = ""
     evidence: Mapping[str, float] | None = field(repr=False, default=None)
     above_zero: bool = False
@@ -91,23 +92,25 @@ class CertifiedCrossing:
     stability: str
 
 
-class CertifiedCrossings(tuple[CertifiedCrossing, ...]):
-    """All of them, ascending. certificate: the data that prove it, for a file, up to a millionth beyond load_max where
-    a crossing cannot be told from it; None in SI units, and where missing says why."""
+class CertifiedCrossings(Proven, tuple[CertifiedCrossing, ...]):
+    """All of them, ascending. certificate: the data that prove it, for a file, which the verifier accepts, up to a
+    millionth beyond load_max where a crossing cannot be told from it; None in SI units, and where missing says why.
+    unverified: the same as the prover wrote them."""
 
-    certificate: Mapping[str, Any] | None = None
+    unverified: Mapping[str, Any] | None = None
     missing: str = ""
 
 
 @dataclass(frozen=True)
-class ExactSpectrum:
+class ExactSpectrum(Proven):
     """Eigenvalues λ of the beam itself at a load, sorted by |Im|, then Re; nondimensional.
 
     lower, upper: (real part, imaginary part) of each as decimal text, rounded outwards: λ is in that box, and no
     other eigenvalue is. unproven: Ritz values (complex) from which none could be enclosed. complete_to: every
     eigenvalue with |λ| up to it is among these, proven, as decimal text; None where that is not proven, and missing
     says why. inputs: what each input was taken for. certificate: the data that prove that those up to there are all,
-    for a file; None where complete_to is, and where missing says why.
+    for a file, which the verifier accepts; None where complete_to is, and where missing says why. unverified: the same
+    as the prover wrote them.
     """
 
     lower: tuple[tuple[str, str], ...]
@@ -117,7 +120,7 @@ class ExactSpectrum:
     inputs: Mapping[str, str]
     complete_to: str | None = None
     missing: str = ""
-    certificate: Mapping[str, Any] | None = field(repr=False, default=None)
+    unverified: Mapping[str, Any] | None = field(repr=False, default=None)
 
 
 @dataclass(frozen=True)
@@ -364,7 +367,6 @@ def certified_load(
     Raises InputError for bad values, and where something could not be proven: the message says what.
     """
     from freebeam_derive.certify import certificate
-    from freebeam_derive.certify.balls import Unproven
     from freebeam_derive.certify.decimals import outward
 
     digits = count("digits", digits, 1, MOST_DIGITS, "certified decimal digits")
@@ -374,11 +376,7 @@ def certified_load(
     if enclosure.load is not None:
         load = outward(*asked.load(enclosure.load), digits + 3)
         frequency = _frequency(asked, enclosure.frequency, digits)
-    data, missing = None, ""
-    try:
-        data = certificate.write(column.kernel, enclosure) if beam is None else None
-    except Unproven as error:
-        missing = str(error)
+    data, missing = (None, "") if beam is not None else attempted(lambda: certificate.write(column.kernel, enclosure))
     return Certified(
         load,
         frequency,
@@ -464,10 +462,8 @@ def certified_crossings(
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, N = {asked.question.modes}: {error}") from error
     told = CertifiedCrossings(_told(asked, c, digits) for c in found)
-    try:
-        told.certificate = None if asked.squares else write_crossings(column.kernel, asked.certified, found)
-    except Unproven as error:
-        told.missing = str(error)
+    if not asked.squares:
+        told.unverified, told.missing = attempted(lambda: write_crossings(column.kernel, asked.certified, found))
     return told
 
 
@@ -525,13 +521,14 @@ def exact_crossings(
         survey = Survey(itself, *asked.dampings_of(itself), asked.exact["load_max"], digits)
         survey.say = progress or survey.say
         found = survey.run()
-        certificate = None if asked.squares else write_list(column.kernel, asked.certified, survey, survey.crossings)
     except NoSeries as error:
         raise InputError(f"all crossings of the exact beam are not to be had: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {column.name}, the beam itself: {error}") from error
     told = CertifiedCrossings(_told(asked, c, digits) for c in found)
-    told.certificate = certificate
+    if not asked.squares:
+        stated = column.kernel, asked.certified, survey, survey.crossings
+        told.unverified, told.missing = attempted(lambda: write_list(*stated))
     return told
 
 
@@ -618,18 +615,20 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         survey: Survey | None = None
         if whole:
             crossing, evidence, missing, survey = beam_crossings.complete(beam, crossing, alpha, beta, kappa)
-        stated = beam.kernel, asked.certified
-        if evidence is not None and not asked.squares:
-            if survey is not None:
-                certificate = write_list(*stated, survey, survey.crossings)
-            elif evidence.checkable:
-                certificate = write_of_beam(*stated, crossing, evidence)
-            else:
-                missing = "the verifier does not look at joints, nor at a load where no mass is"
     except NoSeries as error:
         raise InputError(f"the exact beam is not to be had, only its Ritz series: {error}") from error
     except Unproven as error:
         raise InputError(f"not proven for {name}, the beam itself: {error}") from error
+    if evidence is not None and not asked.squares:
+        stated = beam.kernel, asked.certified
+        if survey is not None:
+            of_list = *stated, survey, survey.crossings
+            certificate, missing = attempted(lambda: write_list(*of_list))
+        elif evidence.checkable:
+            of_first = *stated, crossing, evidence
+            certificate, missing = attempted(lambda: write_of_beam(*of_first))
+        else:
+            missing = "the verifier does not look at joints, nor at a load where no mass is"
     load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
     if crossing.kind == "flutter":
         frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)
@@ -768,7 +767,8 @@ def exact_spectrum(
     complete_to = None if top is None else outward(*ends(top), 8)[0]
     bound, certificate = None if complete_to is None else read(complete_to), None
     if bound is not None and bound <= MOST_COUNTED:
-        certificate = write_spectrum(asked.column.kernel, asked.certified, values[0], balls, bound, narrow)
+        stated = asked.column.kernel, asked.certified, values[0], balls, bound, narrow
+        certificate, missing = attempted(lambda: write_spectrum(*stated))
     elif bound is not None:
         missing = f"the verifier counts eigenvalues up to |λ| = {MOST_COUNTED}; ask for those of fewer modes"
     return ExactSpectrum(
@@ -842,31 +842,3 @@ def certified_pulse(
     lower = None if low is None else outward(*ends(low), 15)[0]
     inputs = {**asked.inputs, **{name: text for name, (_, text) in taken.items()}}
     return CertifiedPulse(found.kind, (lower, outward(*ends(high), 15)[1]), asked.question, inputs)
-
-
-def verify_certificate(path: str) -> Statement:
-    """Check a certificate file with the verifier, which shares no code with the prover.
-
-    What is proven comes back: its text says it in full, its attributes are exact (column, modes, kind, load, …); the
-    theorems stand in docs/proofs.md and docs/theorem.md. Raises InputError with the reason where the file does not
-    prove what it claims.
-    """
-    from freebeam_derive.certify import (
-        verifier_lists,
-        verifier_of_beam,
-        verifier_of_matrices,
-        verifier_of_sections,
-        verifier_over_sections,
-        verifier_spectrum,
-    )
-    from freebeam_derive.certify.verifier import verify_file
-    from freebeam_derive.certify.verifier_claims import Refused
-
-    try:
-        modules = (
-            verifier_lists, verifier_of_beam, verifier_of_matrices, verifier_of_sections, verifier_over_sections,
-            verifier_spectrum,
-        )  # fmt: skip
-        return verify_file(path, {name: check for of in modules for name, check in of.FORMATS.items()})
-    except Refused as error:
-        raise InputError(str(error)) from error

@@ -90,14 +90,15 @@ from freebeam_derive.certify.verifier_claims import (
     ball,
     check_column,
     claims_of,
+    contents,
     crossing,
     damping_of,
     direction,
     exact,
     form,
     is_ours,
-    loaded,
     number,
+    parsed,
     ratio,
     require,
     whirl,
@@ -1243,13 +1244,19 @@ def _places(system: System, first: Stretch) -> list[Fraction]:
     return places[::2] if known.highest % 2 else [*places[::2], places[-1]]
 
 
+def verify_content(content: bytes, others: Others | None = None) -> Statement:
+    """Check what stands in a certificate file. Raises Refused with the reason in one line."""
+    try:
+        return verify(parsed(content), others)
+    except (ValueError, RecursionError) as error:
+        raise Refused(f"is not a certificate: {error}") from error
+
+
 def verify_file(path: Path | str, others: Others | None = None) -> Statement:
     """Check a certificate file. Raises Refused with the reason in one line."""
     try:
-        return verify(loaded(path), others)
+        return verify_content(contents(path), others)
     except OSError as error:
         raise Refused(f"{path}: cannot be read: {error.strerror}") from error
-    except (ValueError, RecursionError) as error:
-        raise Refused(f"{path}: is not a certificate: {error}") from error
     except Refused as error:
         raise Refused(f"{path}: {error}") from error

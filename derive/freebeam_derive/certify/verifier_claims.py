@@ -479,10 +479,14 @@ def check_linear(one: OfBeam, name: str) -> None:
 # --- files ---------------------------------------------------------------------------------------------------------
 
 
-def loaded(path: Path | str) -> Any:
-    """What stands in a file, as JSON of the kind that certificates are. Raises Refused, ValueError, OSError."""
+def contents(path: Path | str) -> bytes:
+    """What stands in a file, and one byte more than any certificate has at most. Raises OSError."""
     with open(path, "rb") as file:
-        content = file.read(LARGEST_FILE + 1)
+        return file.read(LARGEST_FILE + 1)
+
+
+def parsed(content: bytes) -> Any:
+    """JSON of the kind that certificates are. Raises Refused, ValueError."""
     require(len(content) <= LARGEST_FILE, f"is larger than any certificate, {LARGEST_FILE} bytes")
     return json.loads(content, **STRICT)
 

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
 from pathlib import Path
@@ -33,6 +31,7 @@ from freebeam.cli.output import print_json, print_table, working, write_picture,
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from freebeam.certificates import Proven
     from freebeam.proofs import Certified, CertifiedCrossing, CertifiedCrossings
     from freebeam_sym.columns import Column
     from freebeam_sym.stability.critical import CriticalLoad
@@ -62,11 +61,17 @@ class ProofOptions(FileOptions):
 
     certificate: Path | None = option("FILE", "Write the proof to a file, which freebeam verify checks.")
 
-    def keep(self, certificate: Mapping[str, Any] | None) -> None:
-        """Write a certificate to its file."""
+    def keep(self, found: Proven, why: str = "") -> None:
+        """Write the certificate of an answer to its file, once the verifier has accepted it. Raises InputError."""
+        from freebeam.certificates import text
+
         assert self.certificate is not None
+        with working("verify the certificate"):
+            certificate = found.certificate
+        refuse(certificate is None, f"{self.certificate}: is not written{why}: {found.missing}")
+        assert certificate is not None
         with written(self.certificate, self.force) as file:
-            file.write((json.dumps(certificate, indent=1) + "\n").encode())
+            file.write(text(certificate))
 
     def check_free(self) -> None:
         """Refuse a file that is there already, before the work is begun. Raises InputError."""
@@ -103,14 +108,9 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
         self.check()
         found = self.compute()
         if self.certificate and found.crossings is not None:
-            missing = found.crossings.missing
-            refuse(missing, f"{self.certificate}: is not written: {missing}")
-            self.keep(found.crossings.certificate)
+            self.keep(found.crossings)
         elif self.certificate and found.proven is not None:
-            missing = found.proven.missing
-            why = "" if all(found.proven.proof.values()) else ", for not all of it is proven"
-            refuse(missing, f"{self.certificate}: is not written{why}: {missing}")
-            self.keep(found.proven.certificate)
+            self.keep(found.proven, "" if all(found.proven.proof.values()) else ", for not all of it is proven")
         if self.plot:
             with working("picture"):
                 write_picture(self.plot, self.force, self.drawn, self.title())
@@ -465,9 +465,7 @@ class Spectrum(ProofOptions, CaseOptions):
             found = fb.exact_spectrum(self.chosen, *values, modes=self.question.modes, digits=digits, **own)
         boxes = {"eigenvalues_lower": found.lower, "eigenvalues_upper": found.upper}
         if self.certificate:
-            why = "" if found.complete_to else ", for it is not proven up to which |λ| none is missing"
-            refuse(found.certificate is None, f"{self.certificate}: is not written{why}: {found.missing}")
-            self.keep(found.certificate)
+            self.keep(found, "" if found.complete_to else ", for it is not proven up to which |λ| none is missing")
         complete = {"complete_to": found.complete_to, "missing": found.missing or None, "certificate": self.certificate}
         record = self.record(load=self.load, exact=True, digits=digits, **boxes, unproven=found.unproven, **complete)
         boxes_of = zip(found.lower, found.upper, strict=True)

@@ -43,7 +43,7 @@ def prove(asked: Any) -> None:
             asked.chosen, name, interval.low.exact, interval.high.exact, **exactly, **more, progress=report
         )
     if asked.certificate:
-        asked.keep(found.certificate)
+        asked.keep(found)
     title = asked.title(**{name: str(interval)})
     if asked.plot:
         with working("picture"):
