@@ -90,7 +90,7 @@ class Cells:
         if reduced:
             return 0 if P.rad() > ball(self.load) / 64 else 1
         middle = [side.mid() for side in X]
-        at = equations.system(box.value, *middle)[0]
+        at = equations.centre(box.value, *middle)
         parts = [[J[i][j] * (X[j] - middle[j]) for j in (0, 1)] for i in (0, 1)]
         if any(not (at[i] + parts[i][0] + parts[i][1]).contains(0) for i in (0, 1)):
             return None
@@ -107,8 +107,7 @@ class Cells:
         if len(near) != 1:
             return False
         hull = [side.union(c) for side, c in zip(X, near[0], strict=True)]
-        centre, whole = (self.equations.system(box.value, *at)[1] for at in ([h.mid() for h in hull], hull))
-        return one_to_one(centre, whole, [h.rad() for h in hull])
+        return one_to_one(self.equations.system(box.value, *hull)[1])
 
     def _led_out(self, X: list[arb], middle: list[arb], at: list[arb], J: list[list[arb]]) -> bool:
         """Whether Krawczyk's image of a cell, which holds its zeros, does not meet it."""

@@ -99,6 +99,10 @@ class Equations:
         by_x = acb(0, 1) * (F_p * (-a * p / below) + F_s * (-(2 * lam + b) - a * s) / below)
         return [F.real, F.imag], [[by_P.real, by_x.real], [by_P.imag, by_x.imag]]
 
+    def centre(self, f: Callable[..., Any], P: arb, x: arb) -> Two:
+        """The two equations at a point, in balls that hold those of each value of the range."""
+        return self.system(f, P, x)[0]
+
     def reduced(self, P: arb, x: arb) -> Callable[..., Any]:
         """F / s^R in place of F on a box next to s = 0, where a value lies in the hull of those of ∂^R F / ∂s^R / R! on
         the way from 0 to s, and so it is with derivatives."""
@@ -206,16 +210,12 @@ def krawczyk(X: list[arb], middle: list[arb], at: list[tuple[Two, arb]], J: Matr
     return found
 
 
-def one_to_one(centre: Matrix, over: Matrix, radii: list[arb]) -> bool:
-    """Whether no two points of a box have equal values."""
-    Y = _inverse(centre)
+def one_to_one(J: Matrix) -> bool:
+    """Whether no two points of a box have equal values: with d from one to the other and any Y, d = (1 − Y J) d, and no
+    d but 0 has |d| ≤ R |d| where all eigenvalues of R ≥ |1 − Y J| are below 1."""
+    Y = _inverse([[x.mid() for x in row] for row in J])
     if Y is None:
         return False
-    for i in (0, 1):
-        total = arb(0)
-        for j in (0, 1):
-            rest = int(i == j) - sum((Y[i][k] * over[k][j] for k in (0, 1)), arb(0))
-            total += abs(rest) * radii[j]
-        if not total < radii[i]:
-            return False
-    return True
+    (a, b), (c, d) = ([abs(int(i == j) - sum((Y[i][k] * J[k][j] for k in (0, 1)), arb(0))).upper() for j in (0, 1)]
+                      for i in (0, 1))  # fmt: skip
+    return bool(a < 1) and bool(d < 1) and bool((1 - a) * (1 - d) > b * c)

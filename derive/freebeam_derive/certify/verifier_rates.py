@@ -152,16 +152,23 @@ class RatesOverDamping(Rates):
 
     def at(self, P: arb, x: arb, near: tuple[Any, Any]) -> list[tuple[Two, arb]]:
         """The middle, and the slope from there to the high end over all of the range."""
-        middle, box = copy(self), self.box(*near)
+        return self._from_middle(self.box(*near).value, P, x)
+
+    def centre(self, f: Any, P: arb, x: arb) -> Two:
+        parts = self._from_middle(f, P, x)
+        return [sum((value[k] * weight for value, weight in parts), arb(0)) for k in (0, 1)]
+
+    def _from_middle(self, f: Any, P: arb, x: arb) -> list[tuple[Two, arb]]:
+        middle = copy(self)
         middle.of_E, middle.of_M, middle.scale = (self.middle.c_E,) * 2, (self.middle.c_M,) * 2, arb(1)
         p, s = self.place(P, x)
         lam = acb(0, x)
         step = lam / (1 + self.alpha * lam)
         q = self.scale * step
-        F_p, F_s, F_q = (box.value(p, s, i, j, q, k) for i, j, k in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
+        F_p, F_s, F_q = (f(p, s, i, j, q, k) for i, j, k in ((1, 0, 0), (0, 1, 0), (0, 0, 1)))
         of_E, of_M, of_R = map(ball, self.grown)
         slope = step * (F_q * of_R - F_s * of_M - (p * F_p + s * F_s + q * F_q) * of_E)
-        return [(middle.system(box.value, P, x)[0], arb(1)), ([slope.real, slope.imag], power(1))]
+        return [(middle.system(f, P, x)[0], arb(1)), ([slope.real, slope.imag], power(1))]
 
 
 def _hull(low: Two, high: Two) -> Two:
