@@ -39,9 +39,7 @@ def test_the_verifier_reads_a_certificate_before_it_is_had() -> None:
     assert (
         found.certificate == found.unverified and json.loads(certificates.text(found.certificate)) == found.unverified
     )
-    with pytest.raises(
-        fb.InputError, match="^proven, but without a certificate: the verifier refuses it: stability is not shown"
-    ):
+    with pytest.raises(fb.InputError, match=r"without a certificate: .* refuses it: stability is not"):
         replace(found, unverified=moved(dict(found.unverified))).certificate  # noqa: B018
     huge = found.unverified | {"more": "1" * 2_000_000}
     with pytest.raises(fb.InputError, match="larger than any certificate"):
