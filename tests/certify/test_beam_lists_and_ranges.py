@@ -41,7 +41,7 @@ from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Form, Refused, ball
-from freebeam_derive.certify.verifier_equations import Equations
+from freebeam_derive.certify.verifier_equations import Equations, one_to_one
 from freebeam_derive.certify.verifier_shooting import POWERS, Shooting
 from freebeam_derive.certify.verifier_signs import Signs
 from freebeam_derive.certify.verifier_touches import touches
@@ -318,10 +318,36 @@ def test_a_zero_next_to_s_or_frequency_zero_is_left_out_with_damping_alone(real:
     def system(value: Any, P: arb, x: arb) -> Any:
         return [P - 1, x - arb("0.05")], [[arb(1), arb(0)], [arb(0), arb(1)]]
 
-    equations: Any = SimpleNamespace(R=0, real=real, system=system)
+    equations = _alone(system, real)
     cells = Cells(equations, Fraction(2), [])
     found = cells.excluded(SimpleNamespace(value=None), arb(1, 1), arb("0.05", "0.0501"), [])  # type: ignore[arg-type]
     assert (found is None) == (not real)
+
+
+def _alone(system: Any, real: bool = True) -> Any:
+    return SimpleNamespace(R=0, real=real, system=system, centre=lambda f, P, x: system(f, P, x)[0])
+
+
+def test_a_cell_beside_a_blurred_crossing_holds_no_other() -> None:
+    """P = 1 and x = 1 up to 1/8, as over a range: a cell that is nearer than that is told by the crossing beside it."""
+
+    def system(value: Any, P: arb, x: arb) -> Any:
+        return [P - 1 + arb(0, "0.125"), x - 1 + arb(0, "0.125")], [[arb(1), arb(0)], [arb(0), arb(1)]]
+
+    crossing = [arb(1, "0.01"), arb(1, "0.01")]
+    cells = Cells(_alone(system), Fraction(2), [crossing])
+    beside = arb("1.09375", "0.03125"), arb(1, "0.03125")
+    box: Any = SimpleNamespace(value=None)
+    assert cells.excluded(box, *beside, [crossing]) is None
+    assert cells.excluded(box, *beside, []) is not None and cells.excluded(box, *beside, [crossing] * 2) is not None
+    assert cells._near([arb("1.05", "0.03"), arb(1)]) and not cells._near([arb("1.05", "0.015"), arb(1)])
+
+
+@pytest.mark.parametrize("b, c, holds", [("0.9", "0.9", True), ("1.1", "1.1", False), ("10", "0.05", True)])
+def test_a_box_is_one_to_one_where_no_matrix_of_slopes_is_singular(b: str, c: str, holds: bool) -> None:
+    """Slopes [[1, β], [γ, 1]], |β| ≤ b, |γ| ≤ c: one is singular where β γ = 1."""
+    assert one_to_one([[arb(1), arb(0, b)], [arb(0, c), arb(1)]]) == holds
+    assert not one_to_one([[arb(1), arb(1)], [arb(1), arb(1)]])
 
 
 def _ranged(one: tuple[list[str], Form, Form], other: tuple[list[str], Form, Form]) -> Shooting:

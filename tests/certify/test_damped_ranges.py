@@ -45,10 +45,11 @@ from tests.certify.test_section_range_certificates import report
 
 F = Fraction
 Data = dict[str, Any]
-CASE, LIMIT = "rotary inertia", "direction of the limit"
+CASE, LIMIT, DAMPING = "rotary inertia", "direction of the limit", "internal damping, narrow"
 CASES: dict[str, tuple[str, tuple[str, str, str], dict[str, str]]] = {
     CASE: ("pflueger", ("J", "0.1", "0.101"), {"alpha": "0.02", "beta": "0.1"}),
     LIMIT: ("pflueger", ("kappa", "1", "1.2"), {"J": "0.1"}),
+    DAMPING: ("pflueger", ("alpha", "0.02", "0.0201"), {"beta": "0.1", "J": "0.1"}),
     "internal damping": ("pflueger", ("alpha", "0.02", "0.022"), {"beta": "0.1", "J": "0.1"}),
     "external damping": ("pflueger", ("beta", "0.5", "0.6"), {}),
     "weight, internal damping": ("beck-self-weight", ("alpha", "0.01", "0.011"), {"beta": "0.1", "g": "2"}),
@@ -76,12 +77,15 @@ def written(case: str) -> Data:
     return data
 
 
-def test_a_range_is_accepted_as_it_was_written() -> None:
-    data, (name, (parameter, low, high), given) = written(CASE), CASES[CASE]
+@pytest.mark.parametrize("case, value", [(CASE, "0.1007"), (DAMPING, "0.02007")])
+def test_a_range_is_accepted_as_it_was_written(case: str, value: str) -> None:
+    data, (name, (parameter, low, high), given) = written(case), CASES[case]
     stated = verifier.verify(data, FORMATS)
     assert (stated.parameter, stated.low, stated.high, stated.open) == (parameter, F(low), F(high), ())
-    assert_within(stated, name, given | {parameter: "0.1007"})
+    assert_within(stated, name, given | {parameter: value})
     text = str(stated)
+    if case == DAMPING:
+        return
     assert "C = 0.02 E + the integral of 0.1 v y over 0 < x < 1, linear in J between" in text
     assert "for each value of J from 0.1 to 0.101" in text and "the first over all modes" in text
 
@@ -121,8 +125,43 @@ def forgeries(data: Data) -> Iterator[tuple[Data, str]]:
         yield with_dampings(*damper), "more than one condition|where no mass is|" + crossing
 
 
-def test_ranges_of_what_is_not_so_are_refused() -> None:
-    for forged, match in forgeries(written(CASE)):
+def forged_dampings(data: Data) -> Iterator[tuple[Data, str]]:
+    """The same of a range of alpha or beta in one piece."""
+    (piece,), dampings, name = data["pieces"], data["damping"], data["range"]
+    low, high = data["parameters"][name]
+    crossing, gap = "no crossing in the interval", "leave a gap|lie on one another"
+    middle, beyond = (str(F(low) + share * (F(high) - F(low))) for share in (F(1, 2), F(40)))
+
+    def with_piece(**changes: Any) -> Data:
+        return data | {"pieces": [piece | changes]}
+
+    halves = [piece | {"high": middle}, piece | {"low": middle}]
+    for left in (halves[:1], halves[1:], [piece, piece]):
+        yield data | {"pieces": left}, gap
+    wider = data | {"parameters": data["parameters"] | {name: [low, beyond]}}
+    yield wider, gap
+    grown = deepcopy(dampings)
+    for part in ("along", "points"):  # linear in the parameter, so that at its end it is as far beyond
+        terms = zip(dampings[0]["form"][part], grown[1]["form"][part], strict=True)
+        for before, term in terms:
+            term[-1] = str(F(before[-1]) + 40 * (F(term[-1]) - F(before[-1])))
+    yield wider | {"damping": grown, "pieces": [piece | {"high": beyond}]}, crossing
+    yield data | {"damping": grown}, crossing
+    yield data | {"damping": [dampings[0], dampings[0] | {"vanishing": True}]}, "vanishes at one end"
+    yield with_piece(load=[str(F(v) * F("1.03")) for v in piece["load"]]), crossing
+    a, b = map(F, piece["load"])
+    yield with_piece(load=[str(a + (b - a) / 4), str(b - (b - a) / 4)]), crossing
+    free = "not known to be free|too narrow|beyond the line|not known to change sign|not known to be damped"
+    for factor in (F(1, 2), F(3)):
+        yield with_piece(line=str(factor * F(piece["line"]))), free
+    if piece["lowest"] > 1:
+        fewer = [s | {"points": s["points"][:-1]} for s in piece["stretches"]]
+        yield with_piece(lowest=piece["lowest"] - 1, stretches=fewer), free
+
+
+@pytest.mark.parametrize("case", [CASE, DAMPING])
+def test_ranges_of_what_is_not_so_are_refused(case: str) -> None:
+    for forged, match in (forged_dampings if case == DAMPING else forgeries)(written(case)):
         with pytest.raises(Refused, match=match):
             verifier.verify(forged, FORMATS)
 
@@ -283,8 +322,9 @@ def test_f_of_a_damped_system_over_a_range_is_between_those_at_its_ends() -> Non
 
 def main(*cases: str) -> None:
     for case in cases or CASES:
-        report(case, lambda case=case: json.loads(json.dumps(found(case).certificate)),
-               lambda data: verifier.verify(data, FORMATS), forgeries)  # fmt: skip
+        of_damping = CASES[case][1][0] in ("alpha", "beta")
+        report(case, lambda case=case: json.loads(json.dumps(found(case).unverified)),
+               lambda data: verifier.verify(data, FORMATS), forged_dampings if of_damping else forgeries)  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -76,7 +76,6 @@ def _refusing(*_: Any) -> Any:
         ("write", lambda column: fb.certified_load(column, 2, digits=6)),
         ("write_crossings", lambda column: fb.certified_crossings(column, 2, digits=6, load_max=12)),
         ("write_of_beam", lambda column: fb.exact_load(column, digits=6)),
-        ("write_list", lambda column: fb.exact_crossings(column, digits=6, load_max=12)),
         ("write_range", lambda column: fb.exact_range(column, "beta", 1, 2)),
     ],
 )

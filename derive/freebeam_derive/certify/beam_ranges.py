@@ -201,8 +201,9 @@ class _Family:
 
 
 def _on(problem: Onset, box: list[arb]) -> Onset:
-    """The same, with a series that stands for F on a box."""
-    return _with(problem, Local(problem.beam, *problem.place(box), isinstance(problem, VanishingRates)))
+    """The same, with a series that stands for F on a box; a short one over a range of a damping, where that is dear."""
+    short = 3 if isinstance(problem.beam, OverSystem) and problem.beam.by_damping else None
+    return _with(problem, Local(problem.beam, *problem.place(box), isinstance(problem, VanishingRates), short))
 
 
 def _with(problem: Onset, beam: Any) -> Onset:

@@ -113,7 +113,8 @@ class Local:
         self._powers: list[Local] = []
         if isinstance(beam, ExactSystem) and beam.by_damping is not None:
             beam, *others = beam.by_damping
-            self._powers = [Local(of, p, s, rates, n) for of, n in zip(others, DEGREES_OF_DAMPING, strict=True)]
+            degrees = [min(n, degree or n) for n in DEGREES_OF_DAMPING]
+            self._powers = [Local(of, p, s, rates, n) for of, n in zip(others, degrees, strict=True)]
         self.beam, self.is_complex = beam, isinstance(p, acb) or isinstance(s, acb)
         kind: Any = acb if self.is_complex else arb
         self._box = kind(p), kind(s)
