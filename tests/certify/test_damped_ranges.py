@@ -73,7 +73,7 @@ def written(case: str) -> Data:
     """Proven as a whole but for the prover's cells; the verifier makes its own."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(beam_cells.Cells, "no_other_zero", lambda *_: 1)
-        data: Data = json.loads(json.dumps(found(case).certificate))
+        data: Data = json.loads(json.dumps(found(case).unverified))
     return data
 
 
