@@ -30,7 +30,6 @@ MOST_CELLS_OVER_DAMPINGS = 100  # the same over a range of a damping: 15 s, and 
 MOST_CUTS = 7
 BITS_OF_SERIES = 64  # tried first: Beck's column with damping takes half as long as with 128, and no cell more
 MOST_SERIES = 2000  # of a proof: some minutes; 400 were the most that one took
-MOST_SERIES_OVER_DAMPINGS = 120  # the same where each is cut along one axis at a time
 MOST_SERIES_OF_ANY = 60  # the same where each takes a second or two; of four columns with damping one took 30
 
 Say = Callable[[str], None]
@@ -80,10 +79,8 @@ class Cells:
         if of_any:  # where a range of a damping is too wide, a finer series does not help
             tries = ((DEGREE_OF_ANY, None), (FINER, None))[: 1 if self._over_dampings else 2]
         if not any(self._with_one_series(problem, P, x, *given) for given in tries):
-            cuts, most = (2 * MOST_CUTS if self._over_dampings else MOST_CUTS), MOST_SERIES
-            if of_any:
-                most = MOST_SERIES_OVER_DAMPINGS if self._over_dampings else MOST_SERIES_OF_ANY
-            if depth == cuts or self._series > most:
+            cuts = 2 * MOST_CUTS if self._over_dampings else MOST_CUTS
+            if depth == cuts or self._series > (MOST_SERIES_OF_ANY if of_any else MOST_SERIES):
                 name = "ω" if isinstance(problem, Damped) else "ω²"
                 raise OpenStep(
                     "cells: that there is no other crossing is not known near the load "
