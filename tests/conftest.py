@@ -50,12 +50,3 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
             cases[law] += 1
         config.hook.pytest_deselected(items=left)
         items[:] = kept
-
-
-@pytest.fixture(autouse=True)
-def verified_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Tests of certificates verify themselves what was written; `tests/front/test_certificates.py` has that it is
-    verified before anyone gets it."""
-    from freebeam import certificates
-
-    monkeypatch.setattr(certificates, "check", lambda _: None)

@@ -43,7 +43,7 @@ CASES: dict[str, tuple[Any, int, float, dict[str, Any]]] = {  # column, N, load_
 @cache
 def text(name: str) -> str:
     column, N, top, asked = CASES[name]
-    return json.dumps(fb.certified_crossings(column(), N, load_max=top, digits=12, **asked).certificate)
+    return json.dumps(fb.certified_crossings(column(), N, load_max=top, digits=12, **asked).unverified)
 
 
 def written(name: str) -> Data:
@@ -84,7 +84,7 @@ def test_between_stated_crossings_as_many_eigenvalues_grow_as_numpy_counts(name:
 def test_a_limit_of_vanishing_damping_has_the_crossings_of_little_damping() -> None:
     limit, little = (
         verify(json.loads(json.dumps(fb.certified_crossings(fb.column("beck", "modes"), 4, load_max=120, **asked)
-                                     .certificate)))
+                                     .unverified)))
         for asked in ({"kappa": "3"}, {"alpha": "1e-7", "beta": "3e-7"})
     )  # fmt: skip
     assert "to first order" in str(limit) and len(limit.passings) == len(little.passings) == 2
@@ -112,7 +112,7 @@ def test_statement_record_and_list_agree_and_say_so_in_one_line(tmp_path: Path, 
 def test_a_crossing_at_the_highest_load_is_stated_with_a_load_beyond() -> None:
     """Ziegler's pendulum with equal dampings that vanish: 41/28."""
     found = fb.certified_crossings(fb.column("ziegler"), kappa=0, load_max=F(41, 28), digits=10)
-    (passing,) = verify(json.loads(json.dumps(found.certificate))).passings
+    (passing,) = verify(json.loads(json.dumps(found.unverified))).passings
     assert len(found) == 1 and passing.load[0] < F(41, 28) < passing.load[1]
 
 
@@ -196,7 +196,7 @@ def test_a_list_goes_on_from_where_stability_is_shown_to_the_highest_load_alone(
     refused(data | {"load_max": "16.42"}, "do not ascend")
     for below in (written("none"), "none", {"format": "freebeam certificate 3"}):
         refused(data | {"below": below}, "in none of the formats")
-    first = json.loads(json.dumps(fb.certified_load(fb.column("beck", "modes"), 4, eta="0.4").certificate))
+    first = json.loads(json.dumps(fb.certified_load(fb.column("beck", "modes"), 4, eta="0.4").unverified))
     refused(data | {"below": first}, "not stated up to a load")
     refused(data | {"below": data["below"] | {"load_max": "5"}}, "stability is not shown up to the load")
     refused(data | {"below": data["below"] | {"parameters": {"eta": "0.41"}}})
@@ -269,9 +269,9 @@ def test_a_load_that_takes_the_damping_of_each_motion_away(tmp_path: Path) -> No
         "dW_nc": "(P - beta) * q.diff(t) * delta(q) + (P / 2 - beta) * p.diff(t) * delta(p)", "parameters": "()",
     }  # fmt: skip
     column = fb.column(file_of(tmp_path, "galloping", stated))
-    first = json.loads(json.dumps(fb.certified_load(column, 1, beta="1/10", digits=10).certificate))
+    first = json.loads(json.dumps(fb.certified_load(column, 1, beta="1/10", digits=10).unverified))
     found = fb.certified_crossings(column, 1, beta="1/10", load_max=1, digits=10)
-    list_of = json.loads(json.dumps(found.certificate))
+    list_of = json.loads(json.dumps(found.unverified))
     passings = verify(list_of).passings
     for one, other, load, square in zip(found, passings, (F(1, 10), F(1, 5)), (5, 10), strict=True):
         assert F(one.load[0]) < load < F(one.load[1]) and F(one.frequency[0]) ** 2 < square < F(one.frequency[1]) ** 2

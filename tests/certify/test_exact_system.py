@@ -420,7 +420,7 @@ def test_an_exact_load_is_asked_for_as_any(tmp_path: Path) -> None:
     assert dict(found.proof) == dict.fromkeys(("crossing", "kind", "first", "stable_below"), True)
     assert found.inputs["mu"] == "1.0 (default)"
     cracked = fb.exact_load(RuntimeColumn(of_literature("crack")[0]), digits=10, modes=12)
-    assert all(cracked.proof.values()) and cracked.certificate is None
+    assert all(cracked.proof.values()) and cracked.unverified is None
     assert "does not look at joints" in cracked.missing
 
 

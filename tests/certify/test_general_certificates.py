@@ -813,7 +813,7 @@ def test_frequencies_may_pass_through_one_another(changes: dict[str, str], turn:
     least = int(np.argmin(gaps))
     assert 0 < least < 399 and gaps[least] < min(gaps[0], gaps[-1]) / 10  # which they pass on either side of
     assert of_matrices(*terms.at(1.0001 * float(found.load[1]))).real.max() > 1e-3
-    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    said = verifier.verify(json.loads(json.dumps(found.unverified)))
     assert ("seen from rest" in str(said)) == bool(turn) == ("leaving each other alone" not in str(said))
     assert isinstance(said, verifier.OfForms) and said.times == 1
     listed = fb.certified_crossings(column_, 3, load_max=21, digits=10)
@@ -929,7 +929,7 @@ def test_a_frame_that_turns_couples_two_that_are_alike_and_nothing_else_does() -
 def parted(changes: dict[str, str]) -> Data:
     with tempfile.TemporaryDirectory() as folder:
         found = fb.certified_load(fb.column(file_of(Path(folder), "sample", changes)), 3, digits=12)
-    data: Data = json.loads(json.dumps(found.certificate))
+    data: Data = json.loads(json.dumps(found.unverified))
     verifier.verify(data)
     return data
 
@@ -946,11 +946,11 @@ def test_a_root_is_held_by_balls_and_in_a_certificate_of_matrices(
     path = file_of(tmp_path, "root", root | parameters_)
     asked, plain = fb.column(path), column("pipe")
     found = fb.certified_load(asked, 4, digits=12)
-    assert found.load is not None and found.certificate is not None
+    assert found.load is not None and found.unverified is not None
     low, high = (fb.certified_load(plain, 4, digits=12, b=b).load for b in ("0.547722", "0.547723"))  # √0.3
     assert low is not None and high is not None and F(low[1]) < F(found.load[0]) < F(found.load[1]) < F(high[0])
     quarter = fb.certified_load(asked, 4, digits=12, b="1/4")
-    assert quarter.certificate is not None and quarter.load == fb.certified_load(plain, 4, digits=12, b="1/2").load
+    assert quarter.unverified is not None and quarter.load == fb.certified_load(plain, 4, digits=12, b="1/2").load
     file = tmp_path / "proof.json"
     assert main(["critical", "--column", str(path), "--modes", "4", "--digits", "8", "--certificate", str(file)]) == 0
     capsys.readouterr()
@@ -1188,8 +1188,8 @@ def test_a_factor_that_is_no_polynomial_is_integrated_in_balls(name: str, tmp_pa
     path = file_of(tmp_path, "sample", changes)
     path.write_text(path.read_text().replace("exp, pi", "exp, log, pi, sin"))
     found, N = fb.certified_load(fb.column(path), 3, digits=15), 3
-    assert found.load is not None and found.certificate is not None
-    verifier.verify(json.loads(json.dumps(found.certificate)), verifier_of_matrices.FORMATS)
+    assert found.load is not None and found.unverified is not None
+    verifier.verify(json.loads(json.dumps(found.unverified)), verifier_of_matrices.FORMATS)
 
     def integral(f: Any) -> Any:
         return mpmath.quad(f, [0, 1])

@@ -75,7 +75,7 @@ def links(b: str = "0") -> fb.Certified:
 
 
 def written() -> dict[str, Any]:
-    data: dict[str, Any] = json.loads(json.dumps(links().certificate))
+    data: dict[str, Any] = json.loads(json.dumps(links().unverified))
     return data
 
 
@@ -97,7 +97,7 @@ def test_a_divergence_and_a_flutter_at_one_load_are_both_said() -> None:
     assert slow**2 < 4 < fast**2 if kind == "flutter" else slow == fast == 0
     listed = fb.certified_crossings(column("links"), 1, load_max=4, digits=12)
     assert {c.kind for c in listed[:2]} == {"flutter", "divergence"} and listed[1].unstable_above == 3
-    all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
+    all_of = verifier_lists.verify(json.loads(json.dumps(listed.unverified)))
     assert {p.kind for p in all_of.passings} == {"flutter", "divergence"} and "overlap" in str(all_of)
     assert {(p.unstable, p.change) for p in all_of.passings} == {(0, 3)}  # below both, and above both
 
@@ -108,7 +108,7 @@ def test_loads_that_differ_in_the_fortieth_digit_are_two(b: str, kind: str) -> N
     found = links(b)
     assert found.kind == kind and found.at_once == () and all(found.proof.values())
     assert found.load is not None and F(found.load[1]) - F(found.load[0]) < F(1, 10**9)
-    assert verifier.verify(json.loads(json.dumps(found.certificate))).kind == kind
+    assert verifier.verify(json.loads(json.dumps(found.unverified))).kind == kind
 
 
 def test_forged_losses_at_once_are_refused() -> None:
@@ -149,7 +149,7 @@ def test_two_planes_are_lost_at_the_load_of_one_alone(name: str, asked: dict[str
     assert max(F(found.load[0]), F(alone.load[0])) < min(F(found.load[1]), F(alone.load[1]))
     ((kind, frequency),) = found.at_once
     assert kind == "flutter" and F(frequency[0]) < F(found.frequency[1]) and F(found.frequency[0]) < F(frequency[1])
-    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    said = verifier.verify(json.loads(json.dumps(found.unverified)))
     assert isinstance(said, verifier.OfForms) and said.times + len(said.at_once) == 2
     listed = fb.certified_crossings(column(name), 2, load_max=float(found.load[1]) * 1.01, digits=10, **asked)
     assert listed[-1].unstable_above == 4
@@ -169,7 +169,7 @@ def test_a_column_and_its_mirror_image_are_lost_at_one_load_whatever_the_functio
     assert found.load is not None and float(found.load[0]) == pytest.approx(20.050953619, rel=1e-4)
     ratios = (F(low) / F(fast)) ** 2, (F(high) / F(slow)) ** 2
     assert ratios[0] < (F(mass) if mass == "1" else F(mass) ** (1 if F(low) > F(slow) else -1)) < ratios[1]
-    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    said = verifier.verify(json.loads(json.dumps(found.unverified)))
     assert isinstance(said, verifier.OfForms) and said.times == 2 and not said.at_once
 
 
@@ -206,7 +206,7 @@ def test_two_planes_of_unlike_mass_buckle_at_one_load_in_closed_form_but_for_the
     found = fb.certified_load(column("disc"), 3, digits=12)
     assert found.load is not None and np.pi**2 < float(found.load[0]) < 1.001 * np.pi**2
     assert (found.kind, found.at_once) == ("divergence", (("divergence", ("0", "0")),))
-    verifier.verify(json.loads(json.dumps(found.certificate)))
+    verifier.verify(json.loads(json.dumps(found.unverified)))
 
 
 def matrices(rows: list[list[list[int]]]) -> list[Any]:
@@ -223,19 +223,19 @@ def test_damped_links_and_undamped_ones_are_proven_each_for_themselves(
     """r and s are damped at a rate of 1/10, and p and q are not: a loss of either, and all losses."""
     found = fb.certified_load(column("links"), 1, beta="0.1", digits=12, load_max=4, b=b)
     assert found.load is not None and found.kind == kind and float(found.load[0]) == pytest.approx(load, rel=1e-11)
-    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    said = verifier.verify(json.loads(json.dumps(found.unverified)))
     assert isinstance(said, verifier.OfForms) and all(found.proof.values())
     for lasting in (found.lasting, tuple("-".join(names) for names in said.lasting)):
         assert sorted(lasting) == ["p-q", "p-q"] if len(lasting) > 1 else ["p-q"]
     assert "undamped (there stable says" in str(said) and said.record()["lasting"]
     listed = fb.certified_crossings(column("links"), 1, beta="0.1", load_max=4, digits=10, b=b)
-    all_of = verifier_lists.verify(json.loads(json.dumps(listed.certificate)))
+    all_of = verifier_lists.verify(json.loads(json.dumps(listed.unverified)))
     assert [c.unstable_above for c in listed] == above == [p.unstable + p.change for p in all_of.passings]
 
 
 def test_in_a_limit_of_damping_undamped_links_are_lost_with_the_others() -> None:
     found = fb.certified_load(column("links"), 1, kappa="inf", digits=12, load_max=4)
-    said = verifier.verify(json.loads(json.dumps(found.certificate)))
+    said = verifier.verify(json.loads(json.dumps(found.unverified)))
     assert isinstance(said, verifier.OfForms) and found.load is not None and found.lasting
     low, high = (4 - F(v) for v in found.load)
     assert low**2 > 2 > high**2 and {found.kind, found.at_once[0][0]} == {"flutter", "divergence"}
@@ -245,7 +245,7 @@ def test_in_a_limit_of_damping_undamped_links_are_lost_with_the_others() -> None
 def test_what_is_damped_is_not_taken_for_undamped() -> None:
     """In a file r and s are damped, and p and q are not: the other way round, and with damping that makes p grow."""
     found = fb.certified_load(column("links"), 1, beta="0.1", digits=12, load_max=4, b="1")
-    data = json.loads(json.dumps(found.certificate))
+    data = json.loads(json.dumps(found.unverified))
 
     def refused(changed: dict[str, Any]) -> None:
         with pytest.raises(verifier.Refused):
@@ -266,7 +266,7 @@ def test_in_balls_too_an_undamped_part_may_be_beside_a_damped_one(tmp_path: Path
     found = fb.certified_load(
         fb.column(file_of(tmp_path, "rooted", stated)), 1, beta="0.1", digits=10, load_max=3, b="1"
     )
-    data = json.loads(json.dumps(found.certificate))
+    data = json.loads(json.dumps(found.unverified))
     said = verifier.verify(data, verifier_of_matrices.FORMATS)
     assert isinstance(said, verifier_of_matrices.OfMatrices) and float(said.end) == pytest.approx(14 / 5)
     assert sorted(said.lasting) == [("p",), ("q",)] and "p and q undamped" in str(said)
@@ -372,7 +372,7 @@ def checked(seed: int) -> str:
     assert all(growing(share * top) == 0 for share in np.linspace(0.01, 0.99, 50))
     if found.load is not None:
         assert growing(top * 1.01) in (2, 4) and len(found.at_once) == 1 and found.at_once[0][0] == found.kind
-    verifier.verify(json.loads(json.dumps(found.certificate)))
+    verifier.verify(json.loads(json.dumps(found.unverified)))
     return found.kind
 
 

@@ -128,7 +128,7 @@ def proven(name: str) -> fb.Certified:
 
 
 def written(name: str) -> Data:
-    data: Data = json.loads(json.dumps(proven(name).certificate))
+    data: Data = json.loads(json.dumps(proven(name).unverified))
     return data
 
 
@@ -180,7 +180,7 @@ def test_two_planes_of_other_mass_are_lost_at_one_load_with_other_frequencies() 
     assert [(c.unstable_below, c.unstable_above) for c in found] == [(0, 2), (2, 4)]
     slow, fast = (float(c.frequency[0]) for c in found)
     assert fast == pytest.approx(2 * slow, rel=1e-9)
-    stated = verifier_lists.verify(json.loads(json.dumps(found.certificate))).record()["crossings"]
+    stated = verifier_lists.verify(json.loads(json.dumps(found.unverified))).record()["crossings"]
     assert [float(c["frequency_lower"]) for c in stated] == pytest.approx([slow, fast], rel=1e-9)
     data = written(name)
     for letter, k in (("M", 0), ("K", 0), ("K", 1)):
@@ -230,7 +230,7 @@ def test_points_that_move_with_frequencies_that_stay_close_need_fewer_stretches(
     assert any(F(slope) for of in stretches[:-1] for _, slope in of["separators"])
     monkeypatch.setattr(first_crossing, "_moving", lambda found, P, roots, at_rest: at_rest)
     still = fb.certified_load(column(name), COLUMNS[name][1], digits=12)
-    assert len(still.certificate["stretches"]) > len(stretches)
+    assert len(still.unverified["stretches"]) > len(stretches)
 
 
 # --- forgeries ----------------------------------------------------------------------------------------------------
@@ -492,7 +492,7 @@ def test_lists_of_crossings_begin_with_the_proven_first_loss() -> None:
             values = rates(name, float(middle))
             assert (values.real > 1e-4 * abs(values).max()).sum() == one.unstable_above == following.unstable_below
         assert found[0].unstable_above == (times if found[0].kind == "divergence" else 2 * times)
-        said = verifier_lists.verify(json.loads(json.dumps(found.certificate)))
+        said = verifier_lists.verify(json.loads(json.dumps(found.unverified)))
         for one in found:
             (same,) = {(p.unstable, p.unstable + p.change) for p in said.passings if p.load[0] < F(one.load[1]) and
                        F(one.load[0]) < p.load[1]}  # fmt: skip
@@ -757,7 +757,7 @@ def test_with_a_factor_in_balls_what_is_exactly_nothing_is_still_known(tmp_path:
     (a, b), (c, d) = (tuple(map(F, of.load or ("1", "0"))) for of in loads)
     assert max(a, c) < min(b, d)
     for of in loads:
-        verifier.verify(json.loads(json.dumps(of.certificate)), verifier_of_matrices.FORMATS)
+        verifier.verify(json.loads(json.dumps(of.unverified)), verifier_of_matrices.FORMATS)
 
 
 def test_refusals_name_what_is_not_supported(tmp_path: Path) -> None:

@@ -49,7 +49,7 @@ def test_a_shaft_is_proven_to_be_lost_at_rest_in_its_own_frame(own: str, rest: s
     lost, whirling = found(own, modes), found(rest, modes)
     assert all(lost.proof.values()) and (lost.kind, lost.frequency) == ("flutter", ("0", "0"))
     assert overlap(lost.load, whirling.load) and overlap(whirling.load, whirling.frequency)
-    said = verifier.verify(copied(lost.certificate))
+    said = verifier.verify(copied(lost.unverified))
     assert said.frequency == (0, 0) and overlap(said.load, lost.load)
     assert "where a pair of eigenvalues leaves zero" in str(said) and said.record()["frequency_upper"] == "0"
 
@@ -60,13 +60,13 @@ def test_each_mode_of_a_shaft_is_lost_at_its_own_critical_speed() -> None:
     for one, other in zip(own, rest, strict=True):
         assert overlap(one.load, other.load) and one.frequency == ("0", "0")
         assert one.unstable_above == other.unstable_above
-    passings = verifier_lists.verify(copied(own.certificate)).passings
+    passings = verifier_lists.verify(copied(own.unverified)).passings
     assert [p.unstable + p.change for p in passings] == [2, 4]
     assert all(p.square == (0, 0) and "leaves zero" in str(p) for p in passings)
 
 
 def test_forged_pairs_at_rest_are_refused() -> None:
-    data = copied(found("turning disc", 1).certificate)
+    data = copied(found("turning disc", 1).unverified)
 
     def refused(match: str, **changed: Any) -> None:
         with pytest.raises(verifier.Refused, match=match):
@@ -89,11 +89,11 @@ def test_forged_pairs_at_rest_are_refused() -> None:
     for one, other, force in (("p", "q", "1e-30"), ("q", "p", "-1e-30")):
         forms["K"][0]["points"].append([[one, 0, None, 0], [other, 0, None, 0], force])
     refused("not symmetric", forms=forms)  # a force across moves the loss off zero
-    beck = copied(fb.certified_load(fb.column("beck", "legendre"), 2, alpha="1/10", digits=8).certificate)
-    for other, why in ((beck, "not positive"), (copied(found("disc", 1).certificate), "not symmetric")):
+    beck = copied(fb.certified_load(fb.column("beck", "legendre"), 2, alpha="1/10", digits=8).unverified)
+    for other, why in ((beck, "not positive"), (copied(found("disc", 1).unverified), "not symmetric")):
         with pytest.raises(verifier.Refused, match=why):
             verifier.verify(other | {"frequency_squared": ["0", "0"]})
-    of_list = copied(listed("turning shaft", 3, 60).certificate)
+    of_list = copied(listed("turning shaft", 3, 60).unverified)
     for changed in ({"frequency_squared": None, "kind": "divergence"}, {"frequency_squared": ["1/100", "1"]}):
         crossings = [[crossing | changed for crossing in of] for of in of_list["crossings"]]
         with pytest.raises(verifier.Refused):

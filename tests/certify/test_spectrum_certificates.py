@@ -72,7 +72,7 @@ def found(case: str) -> Any:
 
 
 def certificate(case: str) -> Data:
-    data: Data = json.loads(json.dumps(found(case).certificate))
+    data: Data = json.loads(json.dumps(found(case).unverified))
     return data
 
 
@@ -100,8 +100,8 @@ def test_a_certificate_is_accepted_and_holds_what_a_long_series_has(case: str) -
 
 def test_squares_of_many_digits_are_as_wide_as_the_verifier_takes() -> None:
     proven = fb.exact_spectrum(fb.column("beck"), 10, modes=2, digits=1100)
-    assert proven.certificate is not None
-    square = proven.certificate["eigenvalues"][0]
+    assert proven.unverified is not None
+    square = proven.unverified["eigenvalues"][0]
     middle, radius = F(square["im"]), F(square["radius"])
     assert (
         middle - radius < F(proven.lower[0][1]) < F(proven.upper[0][1]) < middle + radius < middle * (1 + F(1, 10**999))
@@ -398,11 +398,11 @@ def main(count: int, seed: int) -> int:
             print(f"{name} {given}: {error}")
             continue
         prover, begun = process_time() - begun, process_time()
-        if proven.certificate is None:
+        if proven.unverified is None:
             told["no proof"] += 1
             print(f"{name} {given}: {proven.missing}, {prover:.1f} s")
             continue
-        data: Data = json.loads(json.dumps(proven.certificate))
+        data: Data = json.loads(json.dumps(proven.unverified))
         why = refusal(data)
         verified, begun = process_time() - begun, process_time()
         told["refused, true" if why else "accepted, true"] += 1

@@ -51,7 +51,7 @@ FLUTTER = ("undamped", "damped", "limit")
 @cache
 def written(case: str, digits: int = 20) -> str:
     name, basis, modes, given = CASES[case]
-    return json.dumps(fb.certified_load(fb.column(name, basis), modes, digits=digits, **given).certificate)
+    return json.dumps(fb.certified_load(fb.column(name, basis), modes, digits=digits, **given).unverified)
 
 
 def certificate(case: str) -> Data:
@@ -271,7 +271,7 @@ def test_a_divergence_on_the_way_does_not_pass_for_flutter() -> None:
     column = fb.column("beck", "legendre")
     first = fb.certified_load(column, 6, eta="0.4", digits=10)
     growing = max(fb.spectrum(column.system(6, load=17, eta=0.4)).eigenvalues, key=lambda v: v.real)
-    data: Data = json.loads(json.dumps(first.certificate))
+    data: Data = json.loads(json.dumps(first.unverified))
     square = F(abs(growing.imag)) ** 2
     near = [scaled(str(square), F(99, 100)), scaled(str(square), F(101, 100))]
     assert data["kind"] == "divergence" and growing.imag != 0
@@ -311,7 +311,7 @@ def test_separated_roots_of_h_alone_are_no_stability() -> None:
 @pytest.mark.parametrize("modes", [2, 3])
 def test_a_root_of_g_beyond_all_of_h_is_no_stability(modes: int) -> None:
     """Damping that feeds the highest mode and brakes the others, all but without load: only g's last root is astray."""
-    data = json.loads(json.dumps(fb.certified_load(fb.column("free-free"), modes, "0.001", load_max=1).certificate))
+    data = json.loads(json.dumps(fb.certified_load(fb.column("free-free"), modes, "0.001", load_max=1).unverified))
     squares = sorted({round(v.imag**2, 9) for v in fb.spectrum(fb.column("free-free").system(modes)).eigenvalues})
     # factors d = of_M + of_E ω²: positive but for the last, which is −1/100 of the first
     slope = -F(101, 100) / (F(squares[-1]) - F(squares[0]))
@@ -361,7 +361,7 @@ def drawn(seed: int) -> tuple[Data, list[Any], fb.Column, int, dict[str, Any]]:
     found = fb.certified_load(column, modes, digits=12, load_max=300, **given)
     top = 3 * F(found.load[1]) if found.load else F(300)
     crossings = list(fb.certified_crossings(column, modes, digits=12, load_max=top, **given)) if found.load else []
-    return json.loads(json.dumps(found.certificate)), crossings, column, modes, given
+    return json.loads(json.dumps(found.unverified)), crossings, column, modes, given
 
 
 def about(value: float) -> list[str]:
@@ -583,7 +583,7 @@ def test_flutter_does_not_pass_for_divergence(given: Data, high: str) -> None:
     """det K is negative at the far end of a wide interval, but it is by flutter that stability is lost."""
     column = fb.column("beck", "modes")
     found = fb.certified_load(column, 3, **given)
-    data: Data = json.loads(json.dumps(found.certificate))
+    data: Data = json.loads(json.dumps(found.unverified))
     assert data["kind"] == "flutter"
     crossings = fb.certified_crossings(column, 3, load_max=high, **given)
     assert sum(c.kind == "divergence" for c in crossings) % 2 == 1

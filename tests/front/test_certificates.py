@@ -22,11 +22,6 @@ from tests.front.test_proofs import run
 LOSES = ("critical", "--column", "euler-pinned", "-N", "2", "--digits", "6")
 
 
-@pytest.fixture(autouse=True)
-def verified(monkeypatch: pytest.MonkeyPatch, verified_once: None) -> None:
-    monkeypatch.setattr(certificates, "check", check)
-
-
 def moved(data: dict[str, Any]) -> dict[str, Any]:
     """The same of another load."""
     other = deepcopy(data)

@@ -80,8 +80,8 @@ def test_a_default_is_proven_as_the_decimal_that_it_says(
 
     def of_series(**own: Any) -> list[Any]:
         series = fb.certified_load(column, 3, 1e-3, digits=30, **own)
-        assert series.certificate is not None
-        return [series.load, series.certificate["forms"]]
+        assert series.unverified is not None
+        return [series.load, series.unverified["forms"]]
 
     def proofs(**own: Any) -> list[Any]:
         beam = enclosed_load(column, 1e-3, digits=30, modes=8, **own)

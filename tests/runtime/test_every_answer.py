@@ -115,7 +115,7 @@ def test_the_limit_of_vanishing_damping_is_proven(damped: fb.Column, kappa: int)
         assert near is not None
         apart.append(abs(float(near[0]) - high))
     assert apart[1] < apart[0] * 0.02 or apart[0] < 1e-9
-    data = dict(limit.certificate or {})
+    data = dict(limit.unverified or {})
     said = str(verify(data))
     assert "in the limit of vanishing damping" in said and limit.load[0][:8] in said
     for forged in ({"kappa": str(kappa + 5)}, {"kappa": None, "alpha": "1/100"}, {"alpha": "1/100"}, {"kappa": "-1"}):
