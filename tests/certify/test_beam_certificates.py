@@ -8,7 +8,7 @@ from copy import deepcopy
 from fractions import Fraction
 from functools import cache
 from itertools import combinations_with_replacement
-from math import comb, factorial
+from math import comb, factorial, perm
 from types import SimpleNamespace
 from typing import Any
 
@@ -35,7 +35,7 @@ from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDa
 from freebeam_derive.certify.strips import modes_of
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
-from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form
+from freebeam_derive.certify.verifier_claims import ORDERS, Form, Refused, form, greatest
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_lines import Lines, Norms, check_rigid
 from freebeam_derive.certify.verifier_of_beam import Bounds
@@ -325,6 +325,20 @@ def test_what_a_power_series_leaves_out_is_bounded_however_small_it_is(bits: int
             for d in range(4):
                 terms = (s**k * factorial(r) / factorial(4 * k + r - d) for k in range(first, first + 20))
                 assert 0 < sum(terms, arb(0)) < rests[r][d]
+
+
+@pytest.mark.parametrize("base", [2, 5])
+def test_what_a_power_series_leaves_out_is_at_most_a_geometric_series(base: int) -> None:
+    """Of coefficients that fall by the base the rest is top / (base − 1) at x = 1; of derivatives a little more."""
+    with flint.ctx.workprec(192):
+        sizes, rests = majorants([(0, 0, arb(300))], 128, base)
+        for of_one, rest in zip(sizes, rests, strict=True):
+            last = len(of_one) - 1
+            top = greatest(of_one[last - i] / arb(base) ** i for i in range(4))
+            for d, bound in enumerate(rest):
+                falling = (perm(last + j, d) / arb(base) ** j for j in range(1, 300))
+                ratio = bound / (top * sum(falling, arb(0)))
+                assert abs(ratio - 1) < 1e-20 if d == 0 else 1 < ratio < 1.1
 
 
 FORMS: dict[str, tuple[dict[Any, int], dict[Any, int]]] = {

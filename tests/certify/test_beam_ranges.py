@@ -22,6 +22,7 @@ from freebeam_derive.certify import frequency_gaps
 from freebeam_derive.certify.balls import Range, Unproven, precision
 from freebeam_derive.certify.beam import Beam, Jets, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
+from freebeam_derive.certify.beam_itself import Damped
 from freebeam_derive.certify.beam_ranges import Over, _Family, crossing, piece
 from freebeam_derive.certify.beam_ranges import over as beam_over
 from freebeam_derive.certify.beam_stability import damping_factors
@@ -260,6 +261,21 @@ def test_the_equations_of_each_value_are_in_those_of_the_range(which: str) -> No
         far = {**middle, which: middle[which] + 3 * spread}
         thin = _Family(Beam(kernel, {own: far[own]}), (far["alpha"], far["beta"], None), "flutter").moved(Y, x)
         assert not all(a.contains(b) for a, b in zip(whole.entries(), thin.entries(), strict=True))
+
+
+def test_equations_change_with_damping_as_their_differences_do() -> None:
+    """Slopes in c_E and in c_M over a range of both that is almost none, at a point that is no crossing."""
+    x, h, middle, beam = [arb(15), arb(7)], F(1, 10**12), (F(1, 100), F(1, 2)), Beam(beck, {"eta": F(1)})
+    with precision(256):
+        found = _Family(beam, (*(Range(v - h, v + h) for v in middle), None), "flutter")._by_damping(x)  # type: ignore[arg-type]
+        assert len(found) == 2
+        for k, (slopes, _) in enumerate(found):
+            above, below = (
+                Damped(beam, *(v + side * (n == k) for n, v in enumerate(middle))).value(x) for side in (h, -h)
+            )
+            for slope, one, other in zip(slopes, above, below, strict=True):
+                assert slope.mid() != 0
+                assert abs(((one - other) / (2 * arb(10) ** -12) / slope.mid() - 1).mid()) < 1e-9
 
 
 def test_frequencies_of_each_value_are_on_their_side_of_the_lines() -> None:

@@ -255,6 +255,20 @@ def test_coordinates_without_mass_decay_where_all_roots_are_on_the_left(count: i
     assert min(seen.values()) > 3
 
 
+@pytest.mark.parametrize("least, decays", [("0.1", True), ("-0.1", False)])
+def test_coordinates_without_mass_decay_at_each_load(least: str, decays: bool) -> None:
+    """μ + (P − 1/2)² + c: a ball of all loads holds roots that none of them has, and halves of it do not."""
+    with precision(128):
+        c = arb(least) + arb(1) / 4
+        found: Any = SimpleNamespace(fast=(arb_poly([c, -1, 1]), arb_poly([1])))
+        assert found.fast[0](arb("0.5", "0.5")).contains(0)
+        if decays:
+            check_fast(found, Fraction(1))
+        else:
+            with pytest.raises(Unproven, match="without mass"):
+                check_fast(found, Fraction(1))
+
+
 @pytest.mark.parametrize("name", column_names())
 def test_polynomials_span_what_the_verifiers_span(name: str) -> None:
     """det(E + P H − s M) / det M in the kernel's basis and in the verifier's null space of conditions."""

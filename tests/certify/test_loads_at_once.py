@@ -27,7 +27,7 @@ from freebeam_derive.certify import (
     verifier_of_matrices,
 )
 from freebeam_derive.certify.balls import precision
-from freebeam_derive.certify.one_load import equal, obstacle, vanishing
+from freebeam_derive.certify.one_load import equal, obstacle, undecided, vanishing
 from freebeam_derive.certify.parts import Part
 from tests.stated import file_of
 
@@ -296,6 +296,15 @@ def test_the_polynomial_of_a_flutter_known_in_closed_form_holds_it() -> None:
     M, K = matrices([[[1, 0], [0, 1]]]), matrices([[[3, 0], [8, 5]], [[0, -1], [-1, 0]]])
     found = vanishing(Part(("r", "s"), M, [0 * M[0]], K), True, False)  # 4 = 4 P (8 - P)
     assert found is not None and found % fmpq_poly([1, -8, 1]) == 0 and found.degree() == 2
+
+
+def test_parts_that_leave_each_other_alone_are_told_to_be_so_and_one_part_is_not() -> None:
+    M, K = matrices([[[1]]]), matrices([[[3]], [[-1]]])
+    one, other = (Part((name,), M, [], K) for name in "rs")
+    for second, apart in ((other, True), (one, False)):
+        text = undecided([(one, False), (second, False)], F(3) - F(1, 10**9), F(3) + F(1, 10**9))
+        assert f"divergence of r and divergence of {second.names[0]}, at loads near 3.000000001 that" in text
+        assert ("they leave each other alone" in text) == apart
 
 
 def test_divergences_of_many_functions_are_told_to_be_at_one_load_and_flutter_is_not() -> None:

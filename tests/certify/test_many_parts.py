@@ -6,6 +6,7 @@ By the prover, by the verifier and by finite elements.
 from __future__ import annotations
 
 import math
+from bisect import bisect_left
 from copy import copy
 from fractions import Fraction
 from functools import cache
@@ -13,7 +14,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import arb, fmpq_poly
+from flint import acb, arb, fmpq_poly
 from scipy.linalg import eigh
 
 import freebeam as fb
@@ -102,13 +103,44 @@ def test_parts_have_one_phase_where_they_are_alike(name: str) -> None:
 
 
 def test_parts_too_many_to_tell_apart_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(stepped_section, "MOST_WAVES", 100)
-    monkeypatch.setattr(verifier_waves, "MOST_WAVES", 100)
-    monkeypatch.setattr(stepped_section, "PARTS", 3)
     with precision(BITS):
+        steps, same = proven("four steps"), checked("four steps")
+        monkeypatch.setattr(stepped_section, "MOST_WAVES", 100)
+        monkeypatch.setattr(verifier_waves, "MOST_WAVES", 100)
+        monkeypatch.setattr(stepped_section, "PARTS", 3)
         with pytest.raises(Unproven, match="too many, or too unlike"):
-            proven("four steps").gap_beyond(lambda *_: arb(NEEDED))
+            steps.gap_beyond(lambda *_: arb(NEEDED))
         with pytest.raises(Refused, match="too many, or too unlike"):
-            checked("four steps").gap(arb(NEEDED))
+            same.gap(arb(NEEDED))
         with pytest.raises(NoStrips, match="more than 3 parts"):
             proven.__wrapped__("four steps")
+
+
+def test_as_many_waves_as_the_limit_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those of whole cells: the least limit that serves is a multiple of the waves of one, and one less is refused."""
+    with precision(BITS):
+        of = checked("three masses")
+
+        def is_served(most: int) -> bool:
+            monkeypatch.setattr(verifier_waves, "MOST_WAVES", most)
+            try:
+                return of._cells_apart(arb(0).union(arb(1) / 1000), arb(1000), arb.pi() / (16 * of.whole))
+            except Refused:
+                return False
+
+        least = bisect_left(range(2000), True, key=is_served)
+        assert is_served(least) and not is_served(least - 1)
+        assert least % len(of.waves(arb(0))) == 0
+
+
+def test_what_is_left_out_grows_as_a_joint_does() -> None:
+    """Of three times the last joint three times as much, and of half of it half: f itself is linear in it."""
+    with precision(BITS):
+        of = checked("three masses")
+        for factor in (arb(3), arb(1) / 2):
+            other = copy(of)
+            other.joints = [*of.joints[:-1], [[p * acb(factor) for p in row] for row in of.joints[-1]]]
+            other.stages = [*of.stages[:-1], {wave: [v * acb(factor) for v in z] for wave, z in of.stages[-1].items()}]
+            there, here = other.rest(arb(100), arb(0)), of.rest(arb(100), arb(0))
+            assert there is not None and here is not None
+            assert here > 0 and abs((there / here / factor - 1).mid()) < 1e-9

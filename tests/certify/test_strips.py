@@ -18,7 +18,7 @@ import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.comparison_form import ORDERS, Modes, _settled, bounds, characteristic, roots
-from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines, rigid_motions
+from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines, _reach, rigid_motions
 
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]
 BITS = 128
@@ -227,6 +227,18 @@ def test_an_elastic_energy_besides_bending_narrows_the_reach() -> None:
         plain, other = Strips(euler, {}), Strips(sprung, {})
         assert 0 < other.reach(2) < plain.reach(2)
         assert other.T.norm(other.line(2)) > 100 / abs(other.modes.gamma[2] ** 4 - other.line(2))
+
+
+@pytest.mark.parametrize("still", ["0", "0.3", "0.99", "1", "1.01", "7"])
+def test_lines_are_free_up_to_the_reach_and_no_further(still: str) -> None:
+    """‖T‖ + |p| ‖B‖ ≤ 1 is what makes a line free; where ‖T‖ is 1 none is, whatever the load."""
+    with precision(BITS):
+        norm, rate = arb(still), arb(1) / 50
+        reach = _reach(norm, rate)
+        if norm < 1:
+            assert (norm + reach * rate).lower() <= 1 < norm + reach * rate * arb("1.0001")
+        else:
+            assert reach == _reach(norm, arb(0)) == 0
 
 
 def test_a_form_on_two_lines_is_its_integral() -> None:

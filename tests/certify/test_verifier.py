@@ -14,6 +14,7 @@ import math
 import random
 import sys
 from collections.abc import Callable, Iterator
+from contextlib import nullcontext
 from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
@@ -765,6 +766,16 @@ def test_each_root_of_g_is_to_be_between_two_of_h(N: int) -> None:
             series.g = product_of([*between[:k], elsewhere, *between[k + 1 :]])
             with pytest.raises(verifier.Refused, match="the roots of g are not separated"):
                 series.check_stable(stretch)
+
+
+@pytest.mark.parametrize("scale", [1, 100])
+def test_places_that_do_not_separate_the_roots_of_h_without_load_are_refused(scale: int) -> None:
+    """ω² of 1/10 and of 3/10, in any unit: between 0 and 1/20 there is none."""
+    one, K = arb_mat([[1, 0], [0, 1]]), arb_mat([[arb(scale) / 10, 0], [0, arb(3 * scale) / 10]])
+    for middle, told in ((F(1, 5), False), (F(1, 20), True)):
+        system = verifier.System([one], [], [K, -one], False)
+        with pytest.raises(verifier.Refused, match="not separated without load") if told else nullcontext():
+            verifier.Series(system, F(scale, 20), [F(0), scale * middle, scale * F(2, 5)])
 
 
 def test_a_mass_that_vanishes_beside_damping_that_does_not_is_refused() -> None:
