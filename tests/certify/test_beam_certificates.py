@@ -429,15 +429,16 @@ def test_a_cell_that_holds_a_zero_is_never_excluded_and_small_ones_without_are()
         equations: Any = SimpleNamespace(
             R=0, real=False, reduced=None,
             system=lambda _, P, x, at=at: ([P - 1, x - arb(at)], [[arb(1), arb(0)], [arb(0), arb(1)]]),
+            centre=lambda _, P, x, at=at: [P - 1, x - arb(at)],
         )  # fmt: skip
         cells, box = Cells(equations, Fraction(2), []), SimpleNamespace(value=None)
         x = arb(at)
         for r in ("0.2", "0.001"):
             near = [ball_about(side, r) for side in (arb(1), x)]
-            assert cells.excluded(box, *near) in (0, 1)
+            assert cells.excluded(box, *near, []) in (0, 1)
             for P, w in ((near[0] + 1, near[1]), (near[0], near[1] + 1)):
-                assert cells.excluded(box, P, w) is None
-        assert cells.excluded(box, ball_about(arb(1), "0.2"), arb(0).union(x)) is None  # as it would be of ω F_ω
+                assert cells.excluded(box, P, w, []) is None
+        assert cells.excluded(box, ball_about(arb(1), "0.2"), arb(0).union(x), []) is None  # as it would be of ω F_ω
 
 
 def ball_about(middle: arb, radius: str) -> arb:
