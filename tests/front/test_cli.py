@@ -504,6 +504,7 @@ def test_own_column_without_a_cache(clamped, tmp_path, monkeypatch):
         (["critical", "--column", "beck", "--set", "eta"], "NAME=VALUE"),
         (["critical", "--column", "beck", "--set", "eta=x"], "'x' is not a number"),
         (["critical", "--column", "beck", "--set", "eta=1", "--set", "eta=2"], "twice"),
+        (["critical", "--column", "beck", "--exact", "--set", "alpha=0.02..0.03"], "give --alpha 0.02..0.03"),
         (["critical", "--length", "2"], "--bending-stiffness and --mass-per-length"),
         (["critical", *beam_options({**BEAM, "length": -1})], "--length = -1"),
         (["critical", "--no-such-option"], "--no-such-option"),
