@@ -219,9 +219,6 @@ class ColumnOptions(BasisOptions):
                 raise typer.BadParameter(f"{pair!r} must be NAME=VALUE, such as eta=0.7", param_hint="'--set'")
             if name in found:
                 raise typer.BadParameter(f"{name} is set twice", param_hint="'--set'")
-            if name in ("alpha", "beta", "kappa") and hasattr(self, name):
-                cure = f"is no parameter of the column's own; give --{name} {text.strip()}"
-                raise typer.BadParameter(f"{name} {cure}", param_hint="'--set'")
             try:
                 found[name] = self.READ(text)
             except typer.BadParameter as error:

@@ -27,6 +27,8 @@ def prove(asked: Any) -> None:
     given = ranges(asked)
     name, interval = next(iter(given.items()))
     said = f"{name} = {interval}"
+    known = name in asked.assigned and name in ("alpha", "beta", "kappa")
+    refuse(known, f"--set {said}: is no parameter of the column's own; give --{name} {interval}")
     refuse(len(given) > 1, f"{said}: is a range, and so is {[*given][-1]}; give one of them a value")
     refuse(not asked.exact, f"{said}: over a range the beam itself is proven, not a series; give --exact too")
     for option, there in (("--all", asked.every), ("--truncation", asked.truncation)):
