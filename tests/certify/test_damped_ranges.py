@@ -40,8 +40,7 @@ from freebeam_derive.certify.verifier_over_sections import FORMATS, OverPieces, 
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_sections import Sections, sections
-from tests.certify.test_range_certificates import assert_within
-from tests.certify.test_section_range_certificates import report
+from tests.certify.test_range_certificates import assert_within, report
 
 F = Fraction
 Data = dict[str, Any]

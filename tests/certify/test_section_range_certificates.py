@@ -15,7 +15,6 @@ from copy import deepcopy
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from time import process_time
 from typing import Any
 
 import flint
@@ -31,7 +30,7 @@ from freebeam_derive.certify.verifier_over_sections import FORMATS, OverPieces, 
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, load_size
 from freebeam_derive.certify.verifier_waves import Apart
-from tests.certify.test_range_certificates import assert_within
+from tests.certify.test_range_certificates import assert_within, report
 from tests.certify.test_section_certificates import KEPT, Data, column, computed_once, shifted
 
 __all__ = ["computed_once"]  # a fixture that each test uses
@@ -221,28 +220,6 @@ def test_a_polynomial_of_fewer_powers_is_the_same_with_more() -> None:
 def main(*cases: str) -> None:
     for case in cases or CASES:
         report(case, lambda case=case: certificate(case), verify, forgeries)
-
-
-def report(case: str, made: Any, verify: Any, forgeries: Any) -> None:
-    """What it takes to prove and to verify, and whether a forgery is accepted. made: to be called for the data."""
-    began = process_time()
-    data = made()
-    proven, tried = process_time(), 0
-    try:
-        stated = verify(data)
-    except Refused as refusal:
-        print(f"{case}: proven in {proven - began:.1f} s, REFUSED: {refusal}", flush=True)
-        return
-    verified = process_time()
-    print(f"{case}: {len(stated.pieces)} pieces, {len(stated.open)} open, proven in {proven - began:.1f} s, "
-          f"verified in {verified - proven:.1f} s", flush=True)  # fmt: skip
-    for forged, _ in forgeries(data):
-        tried += 1
-        try:
-            print("ACCEPTED:", verify(forged), flush=True)
-        except Refused:
-            pass
-    print(f"    {tried} forgeries tried in {process_time() - verified:.1f} s", flush=True)
 
 
 if __name__ == "__main__":

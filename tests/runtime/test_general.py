@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 
+import mpmath
 import numpy as np
 import pytest
 
@@ -339,11 +340,17 @@ def test_a_scan_sees_what_grows_between_two_of_its_steps() -> None:
 
 
 def test_rounding_of_a_load_is_not_that_of_rates_alone_where_something_is_damped() -> None:
-    """With no damping rounding splits frequencies that meet by its root; with little the load has most digits."""
-    J = np.array([[0.0, -1], [1, 0]])
-    problem = General([np.eye(2)], [40 * J + 0.01 * np.eye(2)], [np.diag([2.0, 3.0]), J])
+    """With no damping rounding splits frequencies that meet by its root; with little the load has most digits. With
+    C = 40 J + c and w = ω²: P = c (2w − 5) / 80 and (2 − w)(3 − w) − c²w + P² = 1600 w."""
+    J, c = np.array([[0.0, -1], [1, 0]]), 0.01
+    problem = General([np.eye(2)], [40 * J + c * np.eye(2)], [np.diag([2.0, 3.0]), J])
     found = first_loss(problem, 100.0).crossing
-    assert found is not None and found.kind == "flutter" and problem.rounding(found) < 1e-11
+    assert found is not None and found.kind == "flutter"
+    with mpmath.workdps(40):
+        s = mpmath.mpf(c) ** 2
+        w = max(mpmath.polyroots([1 + s / 1600, -1605 - s - s / 320, 6 + s / 256], extraprec=200))
+        exact = mpmath.mpf(c) * (2 * w - 5) / 80
+        assert abs(found.load / exact - 1) <= problem.rounding(found) < 1e-11
 
 
 @pytest.mark.parametrize("unit", [1e-6, 1.0, 1e6])

@@ -86,9 +86,11 @@ class Cells:
                     "cells: that there is no other crossing is not known near the load "
                     f"{float(_over(P)):.6g} and {name} = {float(_over(x)):.6g}"
                 )
-            in_turn = self._over_dampings and (depth % 2 or 2)  # 2: x alone, which is enough in most bands
-            for part in [P] if in_turn == 2 else _halves(P):
-                for other in [x] if in_turn == 1 else _halves(x):
+            parts, others = [*_halves(P)], [*_halves(x)]
+            if self._over_dampings:  # in turn: x alone is enough in most bands
+                parts, others = (parts, [x]) if depth % 2 else ([P], others)
+            for part in parts:
+                for other in others:
                     self._tile(problem, part, other, depth + 1)
 
     def _with_one_series(self, problem: Onset, P: Side, x: Side, degree: int | None, bits: int | None = None) -> bool:
@@ -104,8 +106,8 @@ class Cells:
         except Unproven:
             return False
         waiting, count, covered = [(P, x)], 0, Fraction(0)
-        most = MOST_CELLS_OF_ANY if isinstance(self.beam, ExactSystem) else MOST_CELLS
-        most = MOST_CELLS_OVER_DAMPINGS if self._over_dampings else most
+        of_any = MOST_CELLS_OVER_DAMPINGS if self._over_dampings else MOST_CELLS_OF_ANY
+        most = of_any if isinstance(self.beam, ExactSystem) else MOST_CELLS
         while waiting:
             P, x = waiting.pop()
             count += 1
