@@ -60,8 +60,9 @@ if [ -z "$$python" ]; then \
 fi
 endef
 
+# In the order of tests/conftest.py: xdist's own leaves files of few and long tests for the end, where one process has them.
 test: venv
-	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile $(CASES)
+	$(BIN)/python -m pytest -n $(JOBS) --dist loadfile --no-loadscope-reorder $(CASES)
 
 COLUMNS := free-free beck euler-pinned
 MADE := docs/made

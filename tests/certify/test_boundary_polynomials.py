@@ -158,12 +158,12 @@ def test_a_sign_is_said_only_where_it_holds_throughout() -> None:
     with precision(100):
         parabola, falling, zero = arb_poly([2, -3, 1]), arb_poly([1, -1]), arb_poly([0])
         quarter = Fraction(1, 4)
-        assert signs_on([parabola, falling, zero], quarter - 1, quarter) == [1, 1, 0]
-        assert signs_on([parabola, falling, -parabola], 1 + quarter, 2 - quarter) == [-1, -1, 1]
-        assert signs_on([parabola, falling], 2 + quarter, 9 + quarter) == [1, -1]
-        assert signs_on([parabola], quarter, 2 - quarter) == [0]
-        assert signs_on([parabola], Fraction(1), Fraction(2)) == [0]
-        assert signs_on([Bivariate([arb_poly([3])]).at(arb(1))], Fraction(0), Fraction(1)) == [1]
+        assert [*signs_on([parabola, falling, zero], quarter - 1, quarter)] == [1, 1, 0]
+        assert [*signs_on([parabola, falling, -parabola], 1 + quarter, 2 - quarter)] == [-1, -1, 1]
+        assert [*signs_on([parabola, falling], 2 + quarter, 9 + quarter)] == [1, -1]
+        assert [*signs_on([parabola], quarter, 2 - quarter)] == [0]
+        assert [*signs_on([parabola], Fraction(1), Fraction(2))] == [0]
+        assert [*signs_on([Bivariate([arb_poly([3])]).at(arb(1))], Fraction(0), Fraction(1))] == [1]
 
 
 def test_a_sign_is_kept_on_a_strip_where_no_root_is_near() -> None:

@@ -172,19 +172,18 @@ def test_the_limit_and_all_crossings_in_si(capsys: pytest.CaptureFixture[str]) -
 
 
 def test_more_digits_than_python_prints_of_an_integer(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """5,000 and 10,000 digits of the series and of the beam begin with the same; the limit of the interpreter stays."""
+    """5,000 digits of the series and of the beam begin as 50 do; the limit of the interpreter stays."""
     limit, file = sys.get_int_max_str_digits(), str(tmp_path / "long.json")
     asked = ["critical", "--column", "euler-pinned", "--basis", "legendre", "--modes", "2", "--beta", "0.1", "--json"]
     few = {of: run(capsys, *asked, "--digits", "50", *of)[1] for of in ((), ("--exact",))}
-    for digits in ("5000", "10000"):
-        for of, more in (((), ("--certificate", file, "--force")), (("--exact",), ())):
-            status, found, _ = run(capsys, *asked, "--digits", digits, *of, *more)
-            assert status == 0 and all(len(found[name]) > int(digits) for name in ("load_lower", "load_upper"))
-            assert few[of]["load_lower"][:48] == found["load_lower"][:48]
-            low, high = (Fraction(Decimal(found[name])) for name in ("load_lower", "load_upper"))
-            assert 0 < high - low < low / 10 ** int(digits)
-        status, proven, _ = run(capsys, "verify", file, "--json")
-        assert status == 0 and len(proven["load_lower"]) > int(digits) and proven["kind"] == "divergence"
+    for of, more in (((), ("--certificate", file)), (("--exact",), ())):
+        status, found, _ = run(capsys, *asked, "--digits", "5000", *of, *more)
+        assert status == 0 and all(len(found[name]) > 5000 for name in ("load_lower", "load_upper"))
+        assert few[of]["load_lower"][:48] == found["load_lower"][:48]
+        low, high = (Fraction(Decimal(found[name])) for name in ("load_lower", "load_upper"))
+        assert 0 < high - low < low / 10**5000
+    status, proven, _ = run(capsys, "verify", file, "--json")
+    assert status == 0 and len(proven["load_lower"]) > 5000 and proven["kind"] == "divergence"
     assert sys.get_int_max_str_digits() == limit
 
 

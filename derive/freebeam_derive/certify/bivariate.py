@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property
 from itertools import zip_longest
@@ -103,11 +103,15 @@ def bernstein(a: Fraction, b: Fraction, n: int) -> arb_mat:
     return arb_mat([[row[j] / comb(n, j) for j in range(n + 1)] for row in rows])
 
 
-def signs_on(polynomials: Sequence[arb_poly], a: Fraction, b: Fraction) -> list[int]:
-    """Of each polynomial: +1 or −1 where its Bernstein coefficients prove that sign for all a ≤ t ≤ b, else 0."""
-    n = max(0, *(p.degree() for p in polynomials))
-    found = bernstein(a, b, n) * arb_mat([[p[k] for p in polynomials] for k in range(n + 1)])
-    return [one_sign([found[i, j] for i in range(n + 1)]) for j in range(len(polynomials))]
+def signs_on(polynomials: Iterable[arb_poly], a: Fraction, b: Fraction) -> Iterator[int]:
+    """Of each polynomial, when it is asked for: +1 or −1 where its Bernstein coefficients prove that sign for all
+    a ≤ t ≤ b, else 0."""
+    matrices: dict[int, arb_mat] = {}  # by the degree, which most of them share
+    for p in polynomials:
+        n = max(0, p.degree())
+        if n not in matrices:
+            matrices[n] = bernstein(a, b, n)
+        yield one_sign((matrices[n] * arb_mat([[p[k]] for k in range(n + 1)])).entries())
 
 
 def keeps_sign(rows: Sequence[arb_poly], low: Fraction, high: Fraction | None, n: int) -> bool:

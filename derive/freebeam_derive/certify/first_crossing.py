@@ -136,24 +136,28 @@ def holds(found: Boundary, stretch: Stretch) -> bool:
     if not all(_ascend(lines, t, leave_zero and t == 0) for t in (start, end)):
         return False
 
-    def signs(which: Bivariate, lines: Sequence[Separator]) -> list[int]:
-        along = [which.along(exact(stretch.origin), exact(point), exact(slope)) for point, slope in lines]
+    def have(which: Bivariate, lines: Sequence[Separator], expected: Sequence[int]) -> bool:
+        along = (which.along(exact(stretch.origin), exact(point), exact(slope)) for point, slope in lines)
         if leave_zero:
-            along = [p if point else _without_powers(p) for p, (point, _) in zip(along, lines, strict=True)]
-        return signs_on(along, start, end)
+            along = (p if point else _without_powers(p) for p, (point, _) in zip(along, lines, strict=True))
+        pairs = zip(signs_on(along, start, end), expected, strict=True)
+        return all(sign == told for sign, told in pairs)  # the first that differs ends it
 
     if not found.damped:
-        return signs(found.h, lines) == [(-1) ** k for k in range(found.N + 1)]
+        return have(found.h, lines, [(-1) ** k for k in range(found.N + 1)])
     # after 0: u_1, w_1, u_2, …: a root of h before each u, a root of g before each w
     alternating = [(-1) ** ((k + 1) // 2) for k in range(roots + 1)]
     if tangent:
         # the first is below all roots of h; two neighbours about one of these have one sign of g − c h, and N − 1
         # changes between them leave it no root there. The last root of g, if any, is beyond: there it is g that counts
-        inner, beyond = separators[: 2 * found.N], separators[2 * found.N :]
-        told = signs(found.g_without_tangents, inner) + (signs(found.g, beyond) if beyond else [])
-        return signs(found.h, separators) == alternating and told == [(-1) ** (k // 2) for k in range(roots + 1)]
+        told, inner = [(-1) ** (k // 2) for k in range(roots + 1)], 2 * found.N
+        return (
+            have(found.h, separators, alternating)
+            and have(found.g_without_tangents, separators[:inner], told[:inner])
+            and have(found.g, separators[inner:], told[inner:])
+        )
     of_g = separators[: max(1, 2 * found.between)]
-    return signs(found.h, lines) == alternating and signs(found.g, of_g) == alternating[: len(of_g)]
+    return have(found.h, lines, alternating) and have(found.g, of_g, alternating[: len(of_g)])
 
 
 def _ascend(lines: Sequence[Separator], t: Fraction, may_meet: bool) -> bool:

@@ -292,7 +292,7 @@ class _Family:
 
 def _positive(which: Bivariate, P: arb, start: Fraction, end: Fraction, depth: int) -> bool:
     """Whether h or g is positive at a load for start ≤ x ≤ end."""
-    if signs_on([which.about(P, exact(start)).at(arb(0))], Fraction(0), end - start) == [1]:
+    if next(signs_on([which.about(P, exact(start)).at(arb(0))], Fraction(0), end - start)) == 1:
         return True
     middle = (start + end) / 2
     halves = ((start, middle), (middle, end))
