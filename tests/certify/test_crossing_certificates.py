@@ -128,7 +128,7 @@ def drawn(kind: str, seed: int) -> int:
     bits = 2 * first_crossing.bits_for(len(names), 12)
     with precision(bits):
         for rest in (True, None):
-            of = split(*terms, names, False, rest)
+            of = split(*terms, names, None, False, rest)
             parts = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in of]
             if all(all_crossings.turns_fast(part, F(12)) for part in parts):
                 break

@@ -427,7 +427,7 @@ def first(terms: Terms, names: list[str], near: tuple[float, float] | None, top:
     for rest, times in ((True, 1), (True, 2), (False, 1)):
         try:
             with precision(bits * times):
-                parts = split(*terms, names, False, rest)
+                parts = split(*terms, names, None, False, rest)
                 found = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in parts]
                 return first_crossing.certify_parts(found, Question(1), near, 12, bits * times, F(top))
         except Unproven as error:
@@ -454,7 +454,7 @@ def listed(terms: Terms, names: list[str], top: int) -> list[all_crossings.Cross
     bits = 2 * first_crossing.bits_for(len(names), 12)
     with precision(bits):
         for rest in (True, None):
-            of = split(*terms, names, False, rest)
+            of = split(*terms, names, None, False, rest)
             parts = [replace(_of_any(p.M, p.C, p.K, False, p.known), part=p) for p in of]
             if all(all_crossings.turns_fast(part, F(top)) for part in parts):
                 break
@@ -555,7 +555,7 @@ def test_the_parts_of_prover_and_verifier_have_the_determinant_of_all_in_one_ord
     terms, names = drawn(seed, kind)
     given = [[fmpq_mat(X.tolist()) for X in of] for of in terms]
     with precision(300):
-        ours = split(*terms, ["q"] * len(names), False, False)
+        ours = split(*terms, ["q"] * len(names), None, False, False)
         theirs = verifier_motions.motions(given, False)
         assert len(ours) == len(theirs) == len(TIES[kind])
         classes = [[[one.kind for one in of].index(each.kind) for each in of] for of in (ours, theirs)]  # type: ignore[attr-defined]
@@ -704,11 +704,11 @@ def test_a_motion_that_drives_another_is_not_taken_apart_from_it() -> None:
     of_M, of_C, of_K = (
         [np.array([[fmpq(v) for v in row] for row in X]) for X in of] for of in ([M], [[[0, 0], [0, 0]]], K)
     )
-    assert len(split(of_M, of_C, of_K, ["p", "q"], False, True)) == 1
+    assert len(split(of_M, of_C, of_K, ["p", "q"], None, False, True)) == 1
     with pytest.raises(Unproven, match=r"stability could not be shown|not known to be stable"):
         first((of_M, of_C, of_K), ["p", "q"], None, 5)
     assert first((of_M, of_C, of_K), ["p", "q"], None, 3).kind == "none"
-    assert len(split(of_M, of_C, [np.diag(np.diag(X)) for X in of_K], ["p", "q"], False, True)) == 2
+    assert len(split(of_M, of_C, [np.diag(np.diag(X)) for X in of_K], ["p", "q"], None, False, True)) == 2
 
 
 def test_parts_are_the_same_but_for_factors() -> None:

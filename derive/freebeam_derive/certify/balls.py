@@ -21,7 +21,7 @@ from flint import arb, arb_mat, arb_series, fmpq, fmpq_mat
 from flint.utils.flint_exceptions import DomainError
 
 from freebeam_derive.certify.decimals import read
-from freebeam_derive.certify.formal import Formal, Resting, resting
+from freebeam_derive.certify.formal import Formal, Letters, letters, resting
 from freebeam_derive.certify.moments import enclosing
 from freebeam_derive.certify.numbers import Number, plain, reason
 
@@ -330,57 +330,81 @@ def matrices_of_any(
 
 def named_matrices(
     kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
-) -> tuple[list[Any], list[Any], list[Any], list[str]]:
-    """The same, and for each row the field or coordinate that it is of, but for rigid motions."""
+) -> tuple[list[Any], list[Any], list[Any], list[str], Letters | None]:
+    """The same, and for each row the field or coordinate that it is of, but for rigid motions; of balls, where there
+    are no rigid motions, their letters too, None where these are not known."""
     name = kernel.COLUMN["name"]
     for damping, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
     M, parts, R = _stated(kernel, modes, own)
-    alpha, beta = map(_size, dampings)
-    C, K = (
-        [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else of[0]
-        for of in (parts[:3], parts[3:])
-    )
+    C, K = _damped(parts, *map(_size, dampings))
     whole = M, C, K
     (M, C, K, own_damping), dropped = _elastic_terms((*whole, parts[0]), R)
     if alone and not all(v == 0 for X in own_damping for v in X.flat):
         raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
     if alone and len(parts) > 4:
         raise Unproven(f"{name}: a damping that vanishes acts on displacements too")
-    rest = None
-    if any(isinstance(v, arb) for terms in (M, C, K) for X in terms for v in X.flat) and not _regular(K[0]):
-        rest = _at_rest(kernel, modes, own, dampings, whole[2][0])
+    inexact = any(isinstance(v, arb) for terms in (M, C, K) for X in terms for v in X.flat)
+    sums = _sums(kernel, modes, tuple(sorted(own.items())), dampings) if inexact else None
+    rest = resting(sums[2][0]) if sums and not _regular(K[0]) else None
     if rest is not None and (not R.shape[1] or rest.holds(R)):
         turned = [[rest.left.T @ X @ rest.right for X in terms] for terms in whole]
         (M, C, K), dropped = _elastic_terms(turned, rest.seen(R))
         kept = [n for n in range(len(R)) if n not in dropped]
         K[0][[kept.index(n) for n in rest.rows if n in kept], :] = fmpq(0)
         K[0][:, [kept.index(n) for n in rest.columns if n in kept]] = fmpq(0)
+    else:
+        rest = None
+    exactly = None
+    if sums and not R.shape[1]:
+        exactly = letters([[X if rest is None else rest.left.T @ X @ rest.right for X in of] for of in sums])
     numbers = kernel.basis(modes).numbers
     names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
-    return M, C, K, [of for n, of in enumerate(names) if n not in dropped]
+    return M, C, K, [of for n, of in enumerate(names) if n not in dropped], exactly
 
 
 def _regular(K: Any) -> bool:
     return not arb_mat([[arb(v) for v in row] for row in K.tolist()]).det().contains(0)
 
 
-def _at_rest(
-    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], K: Any
-) -> Resting | None:
-    """What rests without load; None where that is not known. K: without load, with rigid motions."""
-    if not any(isinstance(v, arb) for v in K.flat):
-        return resting(array_of(Formal, K))
+def _damped(parts: list[Any], alpha: Any, beta: Any) -> Any:
+    """C and K at alpha and beta, of those without and with each alone."""
+    return (
+        [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else of[0]
+        for of in (parts[:3], parts[3:])
+    )
+
+
+@lru_cache(maxsize=4)
+def _sums(
+    kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...], dampings: tuple[Exact, Exact]
+) -> list[list[Any]] | None:
+    """M, C and K, with rigid motions, of numbers that tell how they come about; None where that is not known."""
     basis = kernel.complete(array([Formal(k) for k in range(modes + 2)]))
-    given = {name: Formal(fmpq(*value.as_integer_ratio())) for name, value in own.items()}
+    given = {name: Formal(fmpq(*value.as_integer_ratio())) for name, value in own}
+    sizes = []
+    for d in dampings:
+        if isinstance(d, Range):
+            return None
+        sizes.append(Formal.named(f"sqrt({d.square})") if isinstance(d, Root) else Formal(fmpq(*d.as_integer_ratio())))
     try:
-        sizes = [Formal(size) for size in map(_size, dampings) if isinstance(size, fmpq)]
-        sizes = sizes if kernel.COLUMN.get("circulatory") else []
-        still, *_ = enclosing(kernel, formal=True).stiffness_terms(basis, *sizes, **given)
+        of = enclosing(kernel, formal=True)
+        C, K = _damped(_rates_and_stiffness(kernel, of, basis, given, Formal), *sizes)
+        return [
+            [array_of(lambda v: v + Formal(0), X) for X in terms] for terms in (of.mass_terms(basis, **given), C, K)
+        ]
     except (AttributeError, TypeError, ValueError):
         return None
-    return resting(array_of(lambda value: value + Formal(0), still))
+
+
+def _rates_and_stiffness(kernel: ModuleType, of: Any, basis: Any, given: dict[str, Any], number: Any) -> list[Any]:
+    """C without alpha and beta and with each alone, then K, of the same kinds where it hangs on these."""
+    each = [tuple(map(number, d)) for d in ((0, 0), (1, 0), (0, 1))]
+    parts = [of.rate_terms(basis, *d, **given) for d in each]
+    return parts + [
+        of.stiffness_terms(basis, *d, **given) for d in (each if kernel.COLUMN.get("circulatory") else [()])
+    ]
 
 
 def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tuple[Any, list[Any], Any]:
@@ -390,9 +414,7 @@ def _stated(kernel: ModuleType, modes: int, own: Mapping[str, Fraction]) -> tupl
     given: dict[str, Any] = {name: fmpq(*value.as_integer_ratio()) for name, value in own.items()}
 
     def asked(of: Any) -> tuple[Any, list[Any], Any]:
-        each = [tuple(map(fmpq, d)) for d in ((0, 0), (1, 0), (0, 1))]
-        parts = [of.rate_terms(basis, *d, **given) for d in each]
-        parts += [of.stiffness_terms(basis, *d, **given) for d in (each if kernel.COLUMN.get("circulatory") else [()])]
+        parts = _rates_and_stiffness(kernel, of, basis, given, fmpq)
         return of.mass_terms(basis, **given), parts, kernel.rigid_motions(basis, **given)
 
     try:

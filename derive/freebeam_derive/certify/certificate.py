@@ -27,13 +27,15 @@ from freebeam_derive.certify.beam_stability import BITS, Evidence
 from freebeam_derive.certify.boundary_polynomials import Question, functions_of
 from freebeam_derive.certify.decimals import written
 from freebeam_derive.certify.first_crossing import Enclosure, Stretch
-from freebeam_derive.certify.parts import Part
+from freebeam_derive.certify.parts import Part, split
 
 FORMAT, GENERAL, ITSELF, LIST, RANGE, SECTIONS, SPECTRUM, OF_SECTIONS, MATRICES, CROSSINGS = (
     f"freebeam certificate {n}" for n in range(1, 11)
 )
 LARGEST_FILE = 2_000_000  # bytes that the verifier reads
 Open = tuple[Fraction, Fraction, str]
+Entry = str | list[str]
+Table = list[list[Entry]]
 MOST_COUNTED, MOST_PLACES = 10_000, 1000  # of what the verifier takes: the bound of |λ|, and digits of an eigenvalue
 
 
@@ -71,10 +73,18 @@ def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction],
     width = width if found.load is None else _agreeing(found.load)
     bits = 200 + 20 * functions_of(kernel, question.modes) + width  # of the verifier's
     with precision(bits + 100):
-        M, C, K, names = named_matrices(kernel, question.modes, own, question.dampings, limit)
-        tables = {letter: [_entries(X, bits) for X in powers] for letter, powers in (("M", M), ("C", C), ("K", K))}
+        M, C, K, names, letters = named_matrices(kernel, question.modes, own, question.dampings, limit)
+        every = {(part.names, part.motion): part for part in split(M, C, K, names, letters, limit, None)}
+        whole = Part(tuple(dict.fromkeys(names)), M, C, K)
+        parts = [every[of.names, of.motion] for of in found.parts] or [whole]
+        each = [[[_entries(X, bits) for X in powers] for powers in (part.M, part.C, part.K)] for part in parts]
+    for k, beside in enumerate(found.beside, 1):
+        scale = found.parts[0].scale(found.parts[k]) if beside is None else None
+        if scale is not None:
+            of_M, of_C, of_K = each[0]
+            each[k] = [of_M, of_C, [_times(table, Fraction(int(scale.p), int(scale.q))) for table in of_K]]
+    rows = [_rows(part, names, len(of[0][0])) for part, of in zip(parts, each, strict=True)]
     claim = claimed(found)
-    apart = [{"names": [*dict.fromkeys(names)]}] if not found.parts else claim["parts"]
     data = {
         "format": MATRICES,
         "column": kernel.COLUMN["name"],
@@ -83,10 +93,10 @@ def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction],
         "alpha": _rational(question.alpha),
         "beta": _rational(question.beta),
         "kappa": _ratio(question.kappa),
-        "names": names,
-        **tables,
+        "names": [name for of in rows for name in of],
+        **{letter: [_beside(X) for X in zip(*(of[k] for of in each), strict=True)] for k, letter in enumerate("MCK")},
         **claim,
-        "parts": [part["names"] for part in apart],
+        "parts": [[*dict.fromkeys(of)] for of in rows],
         "beside": claim.get("beside", []),
     }
     if len(json.dumps(data, indent=1)) > LARGEST_FILE:
@@ -95,6 +105,28 @@ def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction],
             f"{LARGEST_FILE // 10**6} MB that the verifier reads; give a lower N"
         )
     return data
+
+
+def _rows(part: Part, names: Sequence[str], count: int) -> list[str]:
+    """What the rows of a part are called: the field or coordinate of each, or which motion of these it is."""
+    own = [name for name in names if name in part.names]
+    return own if len(own) == count else [f"{'-'.join(part.names)} {part.motion + 1}"] * count
+
+
+def _beside(tables: Sequence[Table]) -> Table:
+    """Tables along a diagonal."""
+    size, found = sum(map(len, tables)), list[list[Entry]]()
+    for table in tables:
+        before = ["0"] * len(found)
+        found += [[*before, *row, *["0"] * (size - len(before) - len(row))] for row in table]
+    return found
+
+
+def _times(table: Table, factor: Fraction) -> Table:
+    def times(text: str) -> str:
+        return written(factor * Fraction(text))
+
+    return [[times(v) if isinstance(v, str) else [*map(times, v)] for v in row] for row in table]
 
 
 def _agreeing(interval: tuple[Fraction, Fraction]) -> int:
@@ -129,11 +161,11 @@ def write_crossings(kernel: ModuleType, question: Question, found: Crossings) ->
     }
 
 
-def _entries(X: Any, bits: int) -> list[list[str | list[str]]]:
+def _entries(X: Any, bits: int) -> Table:
     """Entries as text; balls as decimals about their middles of some bits, with a radius that holds all of them."""
     unit = 10 ** (int(0.302 * bits) + 1)
 
-    def entry(value: Any) -> str | list[str]:
+    def entry(value: Any) -> Entry:
         if not isinstance(value, arb) or value == 0:
             return _text(fmpq(0) if isinstance(value, arb) else value)
         low, high = ends(value)

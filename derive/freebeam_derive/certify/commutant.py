@@ -23,6 +23,7 @@ from freebeam_derive.certify.structure import null_space
 Word = tuple[int, int]
 """A product b of matrices times one of some vectors v: which matrix times which earlier one, or −1 and which v."""
 MOST_PRIMES = 8  # of 62 bits; one sufficed for all columns and systems of the tests
+MOST_MATRICES, SUMS = 8, 4  # beyond so many, sums of all that stand for them until what joins them is found
 TRIALS = 24  # sums of what commutes that are tried for real roots; of a random pair of planes half have them
 
 
@@ -73,8 +74,9 @@ def splits(G: fmpq_mat, matrices: Sequence[fmpq_mat], symmetric: bool) -> list[S
     numbers, result, low = iter(kinds), [], 0
     for basis, (_, roots) in zip(bases, factors, strict=True):
         high = low + basis.ncols()
-        V = np.array(basis.tolist())
-        U = V.T if symmetric and len(roots) < 2 else every[low:high]  # so that it stays symmetric
+        V, U = np.array(basis.tolist()), every[low:high]
+        if len(roots) < 2:  # any rows of that span: so that it stays symmetric, or fractions are small
+            U = V.T if symmetric else np.array(fmpq_mat(U.tolist()).rref()[0].tolist())
         result.append(Split(U, V, roots, [next(numbers) for _ in range(len(roots) or 1)]))
         low = high
     return result
@@ -105,13 +107,16 @@ def _joining(
     (G, matrices), (H, others) = one, other or one
     n, q, known, words = G.nrows(), 1, [0], list[Word]()
     pairs = [(X, Y) for X, Y in zip(matrices, others, strict=True) if any(X.entries()) or any(Y.entries())]
+    tried = pairs
+    if len(pairs) > MOST_MATRICES:  # letters of balls: sums of all are more regular than each
+        tried = [(_sum(X, t), _sum(Y, t)) for t in range(SUMS) for X, Y in [zip(*pairs, strict=True)]]
     inverse = None
     for prime in islice((p for p in count(1 << 62) if fmpz(p).is_prime()), MOST_PRIMES):
         try:
-            small, *reduced = (_reduced(X, prime) for X in (G, *(X for X, _ in pairs)))
+            small, *reduced = (_reduced(X, prime) for X in (G, *(X for X, _ in tried)))
             B = A = [small.solve(X) for X in reduced]
             if other:
-                small, *reduced = (_reduced(Y, prime) for Y in (H, *(Y for _, Y in pairs)))
+                small, *reduced = (_reduced(Y, prime) for Y in (H, *(Y for _, Y in tried)))
                 A = [small.solve(Y) for Y in reduced]
             words = words or _words(B, prime)
             rows = _modulo(B, A, words, prime, traces=other is not None)
@@ -126,7 +131,7 @@ def _joining(
         entries = [_fraction(x, q) for x in known]
         inverse = inverse or G.inv()
         found = [fmpq_mat(n, n, entries[k : k + n * n]) for k in range(0, len(entries), n * n)]
-        if all(Y * T == H * T * inverse * X for T in found for X, Y in pairs):
+        if all(Y * T == left * X for T in found for left in [H * T * inverse] for X, Y in pairs):
             return found
     return []
 

@@ -14,7 +14,7 @@ from flint import fmpq, fmpq_mat, fmpz
 
 from freebeam_derive.certify.structure import null_space
 
-__all__ = ["Formal", "Resting", "resting"]
+__all__ = ["Formal", "Letters", "Resting", "letters", "resting"]
 
 
 def _with_formal(operation: Any) -> Any:
@@ -163,12 +163,30 @@ class Resting:
 def resting(X: Any) -> Resting | None:
     """What a matrix of such numbers, (n, n), takes to nothing; None where no motion of fractions is known to be one, or
     not as many from either side."""
-    names = sorted({name for value in X.flat for name in value.terms})
-    parts = [
-        np.array([value.terms.get(name, fmpq(0)) for value in X.flat], dtype=object).reshape(X.shape) for name in names
-    ]
+    parts = _by_name(X, _names(X))
     (left, rows), (right, columns) = (_with_units(np.concatenate(of)) for of in ([Y.T for Y in parts], parts))
     return Resting(left, right, rows, columns) if len(rows) == len(columns) > 0 else None
+
+
+Letters = tuple[list[Any], list[Any], list[Any]]
+"""M, C and K as sums over products of names, the same for all powers of the load: the fractions (n, n) of each."""
+
+
+def letters(terms: list[list[Any]]) -> Letters:
+    """Of M, C and K by powers of the load, arrays (n, n) of such numbers."""
+    names = sorted({name for powers in terms for X in powers for name in _names(X)})
+    M, C, K = ([Y for X in powers for Y in _by_name(X, names)] for powers in terms)
+    return M, C, K
+
+
+def _names(X: Any) -> list[tuple[str, ...]]:
+    return sorted({name for value in X.flat for name in value.terms})
+
+
+def _by_name(X: Any, names: list[tuple[str, ...]]) -> list[Any]:
+    """The fractions that stand with each name."""
+    zero = fmpq(0)
+    return [np.array([v.terms.get(name, zero) for v in X.flat], dtype=object).reshape(X.shape) for name in names]
 
 
 def _with_units(A: Any) -> tuple[Any, list[int]]:

@@ -24,6 +24,7 @@ import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
 from freebeam_derive.certify.commutant import alike, splits
+from freebeam_derive.certify.formal import Letters
 from freebeam_derive.certify.structure import Structure, held, is_even, structure
 
 Powers = list[Any]
@@ -40,7 +41,7 @@ class Part:
     are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls. together: where it
     is one of those of the roots of a polynomial, M, C and K of all of these, of fractions; others: K of each of the
     other roots. whole: K of all motions of these names. before: seen from the frame
-    before it was taken apart from others."""
+    before it was taken apart from others. letters: of matrices in balls, what they are sums of."""
 
     names: tuple[str, ...]
     M: Powers
@@ -56,6 +57,15 @@ class Part:
     others: tuple[Powers, ...] = ()
     whole: Sequence[Any] = ()
     before: bool = False
+    letters: Letters | None = None
+
+    @property
+    def fractions(self) -> Letters | None:
+        """M, C and K by powers of the load, in balls by letters too; None where they are known in balls alone."""
+        every = [X for powers in (self.M, self.C, self.K) for X in powers]
+        if any(isinstance(v, arb) for X in every for v in X.flat):
+            return self.letters
+        return self.M, self.C, self.K
 
     def damped(self, limit: bool) -> bool:
         """Whether something damps it; limit: of damping that vanishes, and may be of any form."""
@@ -69,33 +79,35 @@ class Part:
             return fmpq(1)
         if self.turn != other.turn:
             return None
-        factors = [_factor(a, b) for a, b in ((self.M, other.M), (self.C, other.C), (self.K, other.K))]
+        one, two = self.fractions, other.fractions
+        if one is None or two is None:
+            return None
+        factors = [_factor(a, b) for a, b in zip(one, two, strict=True)]
         of_M, of_C, of_K = factors
         if of_M is None or of_K is None or of_C is None:
-            return self._in_other_coordinates(other)
+            return _in_other_coordinates(one, two, still=not self.turn)
         if any(held(X).any() for X in self.C):
             return fmpq(1) if of_M == of_C == of_K else None
         return of_K / of_M if of_K == of_M or (of_K / of_M > 0 and self.turn == 0) else None
 
-    def _in_other_coordinates(self, other: Part) -> fmpq | None:
-        every = [[*part.M, *part.C, *part.K] for part in (self, other)]
-        sizes = [(len(part.M[0]), len(part.M), len(part.C), len(part.K)) for part in (self, other)]
-        if sizes[0] != sizes[1]:
-            return None
-        if any(isinstance(v, arb) for of in every for X in of for v in X.flat):
-            return None
-        one, two = ([fmpq_mat(X.tolist()) for X in of] for of in every)
-        if alike(one, two):
-            return fmpq(1)
-        # without C ω² may all be a number of times as large
-        if any(held(X).any() for X in (*self.C, *other.C)) or self.turn or not (one[0].det() != 0 != two[0].det()):
-            return None
-        traces = [_trace(M.solve(sum(of[-len(self.K) + 1 :], of[-len(self.K)]))) for M, *of in (one, two)]
-        if traces[0] == 0 or not traces[1] / traces[0] > 0:
-            return None
-        scale = traces[1] / traces[0]
-        first = len(one) - len(self.K)
-        return scale if alike([*one[:first], *(X * scale for X in one[first:])], two) else None
+
+def _in_other_coordinates(first: Letters, second: Letters, still: bool) -> fmpq | None:
+    """`Part.scale` of matrices in other coordinates. still: not as seen from a frame that turns."""
+    sizes = [(len(of[0][0]), *map(len, of)) for of in (first, second)]
+    if sizes[0] != sizes[1]:
+        return None
+    one, two = ([fmpq_mat(X.tolist()) for powers in of for X in powers] for of in (first, second))
+    if alike(one, two):
+        return fmpq(1)
+    # without C ω² may all be a number of times as large
+    if any(held(X).any() for X in (*first[1], *second[1])) or not still or not (one[0].det() != 0 != two[0].det()):
+        return None
+    count = len(first[2])
+    traces = [_trace(M.solve(sum(of[-count + 1 :], of[-count]))) for M, *of in (one, two)]
+    if traces[0] == 0 or not traces[1] / traces[0] > 0:
+        return None
+    scale = traces[1] / traces[0]
+    return scale if alike([*one[:-count], *(X * scale for X in one[-count:])], two) else None
 
 
 def _trace(X: fmpq_mat) -> fmpq:
@@ -114,17 +126,24 @@ def _factor(one: Powers, other: Powers) -> Any:
     return factor if factor != 0 and (a * factor == b).all() else None
 
 
-def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, rest: bool | None) -> list[Part]:
-    """The parts, in the order of their names, some damped and others not; one where a part had no mass. Where not all
-    is exact parts are those of names alone.
+def split(
+    M: Powers,
+    C: Powers,
+    K: Powers,
+    names: Sequence[str],
+    letters: Letters | None,
+    limit: bool,
+    rest: bool | None,
+) -> list[Part]:
+    """The parts, in the order of their names, some damped and others not; one where a part had no mass. Where nothing
+    is known in fractions parts are those of names alone.
 
-    names: of the field or coordinate of each row. limit: of vanishing damping, so that C is but a direction. rest: two
-    planes that a turning frame couples are seen from rest; else from a frame that turns fast, as any that whirl; None:
-    as they are.
+    names: of the field or coordinate of each row. letters: of matrices in balls. limit: of vanishing damping, so that C
+    is but a direction. rest: two planes that a turning frame couples are seen from rest; else from a frame that turns
+    fast, as any that whirl; None: as they are. None is seen from a frame by letters.
     """
     every = [*M, *C, *K]
-    whole = Part(tuple(dict.fromkeys(names)), M, C, K)
-    exact = not any(isinstance(v, arb) for X in every for v in X.flat)
+    whole = Part(tuple(dict.fromkeys(names)), M, C, K, letters=letters)
     linked = np.any([held(X) | held(X).T for X in every], axis=0)
     groups: list[set[str]] = []
     for name in whole.names:
@@ -134,14 +153,16 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
     parts = []
     for group in sorted(groups, key=lambda g: min(map(whole.names.index, g))):
         rows = np.flatnonzero([name in group for name in names])
-        of_M, of_C, of_K = ([X[np.ix_(rows, rows)] for X in terms] for terms in (M, C, K))
+        own_rows = np.ix_(rows, rows)
+        of_M, of_C, of_K, *own_letters = ([X[own_rows] for X in terms] for terms in (M, C, K, *(letters or ())))
         part = Part(tuple(name for name in whole.names if name in group), of_M, of_C, of_K, whole=of_K)
-        if not exact:
+        part = replace(part, letters=(own_letters[0], own_letters[1], own_letters[2]) if own_letters else None)
+        if not part.fractions:
             parts.append(part)
             continue
         of, damped = [names[int(i)] for i in rows], part.damped(limit)
         motions = _motions(part, of, damped)
-        if damped or limit or rest is None:
+        if damped or limit or rest is None or part.fractions is part.letters:
             parts += [motion for motion, _ in motions]
         elif any(motion.known and held(X).any() for motion, _ in motions for X in motion.C):
             parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
@@ -157,25 +178,34 @@ def split(M: Powers, C: Powers, K: Powers, names: Sequence[str], limit: bool, re
 def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, list[str]]]:
     """The parts within a part, each with the names of its rows; the part alone where there are none. limit: of damping
     that vanishes, or of any, so that determinants are not even."""
-    alone, terms, every = [(part, list(names))], (part.M, part.C, part.K), [*part.M, *part.C, *part.K]
-    G = fmpq_mat(sum(X * fmpq(1, k + 1) for k, X in enumerate([*part.M, *part.K])).tolist())
-    rates = not limit and any((X != 0).any() for X in part.C)
-    symmetric = all((X == X.T).all() for X in (*part.M, *part.K)) and all(
-        (X == side * X.T).all() for side in [-1 if rates else 1] for X in part.C
+    alone, terms = [(part, list(names))], part.fractions
+    if terms is None:
+        return alone
+    fractions = [*terms[0], *terms[2]]
+    G = fmpq_mat(sum(X * fmpq(1, k + 1) for k, X in enumerate(fractions)).tolist())
+    rates = not limit and any((X != 0).any() for X in terms[1])
+    symmetric = all((X == X.T).all() for X in fractions) and all(
+        (X == side * X.T).all() for side in [-1 if rates else 1] for X in terms[1]
     )
     if G.det() == 0:
         return alone
     found = []
-    for of in splits(G, [fmpq_mat(X.tolist()) for X in every], symmetric):
-        M, C, K = ([of.U @ X @ of.V for X in powers] for powers in terms)
+    for of in splits(G, [fmpq_mat(X.tolist()) for powers in terms for X in powers], symmetric):
+        U, V = fmpq_mat(of.U.tolist()), fmpq_mat(of.V.tolist())
+        M, C, K = ([np.array((U * fmpq_mat(X.tolist()) * V).tolist()) for X in powers] for powers in terms)
         last = [int(np.flatnonzero(column != 0)[-1]) for column in of.V.T]  # of each the unit that it stands for
         if len(of.roots) < 2:
-            if not (limit or is_even(M, C, K)):
+            own = replace(part, M=M, C=C, K=K, kind=of.kinds[0])
+            if terms is part.letters:
+                own = replace(_in_balls(part, (M, C, K), of.U, of.V), kind=of.kinds[0])
+            if not (limit or is_even(own.M, own.C, own.K)):
                 return alone
-            found.append((replace(part, M=M, C=C, K=K, kind=of.kinds[0]), [names[i] for i in last]))
+            found.append((own, [names[i] for i in last]))
             continue
         known = replace(structure(M, C, K), even=not limit or not any(held(X).any() for X in C))
-        if (rates and not symmetric) or (limit and structure(M, [], K).degree != known.degree):
+        if terms is part.letters or (rates and not symmetric):
+            return alone
+        if limit and structure(M, [], K).degree != known.degree:
             return alone
         shared = known.shared(len(of.roots))
         every_K = [[of.at(k, X) for X in K] for k in range(len(of.roots))]
@@ -186,6 +216,17 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
             found.append((own, []))
     ordered = sorted(((_place(each), each, of) for each, of in found), key=cmp_to_key(_compared))
     return [(replace(each, motion=k), of) for k, (_, each, of) in enumerate(ordered)] or alone
+
+
+def _in_balls(part: Part, letters: Letters, U: Any, V: Any) -> Part:
+    """U X V of the matrices X in balls, exactly nothing where its letters are."""
+    found = []
+    for powers, of in zip((part.M, part.C, part.K), letters, strict=True):
+        count = len(of) // max(len(powers), 1)
+        found.append([U @ X @ V for X in powers])
+        for k, X in enumerate(found[-1]):
+            X[~np.any([held(Y) for Y in of[k * count : k * count + count]], axis=0)] = fmpq(0)
+    return replace(part, M=found[0], C=found[1], K=found[2], letters=letters)
 
 
 def _place(part: Part) -> list[arb]:

@@ -2,8 +2,9 @@
 
 A factor such as exp(-x) leaves no fractions: what the file holds are M, C and K by powers of the load, each entry a
 fraction, or a middle and a radius. That the matrices are those of a column is not checked. Each entry may be any
-number of its ball, by itself: nothing is taken for symmetric, and exactly nothing is what is written as 0 alone. All
-that is checked holds of every such choice, for it is computed with the balls.
+number of its ball, by itself: nothing is taken for symmetric, and exactly nothing is what is written as 0 alone. Of a
+part without stretches M, C and K are the first's, K times a number where there is no C: no others are meant. All that
+is checked holds of every such choice, for it is computed with the balls.
 """
 
 from __future__ import annotations
@@ -49,6 +50,12 @@ class OfMatrices(Statement):
     above_zero: bool
     parts: tuple[tuple[str, ...], ...]
     lasting: tuple[tuple[str, ...], ...]
+    scales: tuple[Fraction, ...]
+
+    @property
+    def times(self) -> int:
+        """How many of the parts are the first."""
+        return len(self.scales)
 
     @property
     def of_one(self) -> str:
@@ -65,6 +72,9 @@ class OfMatrices(Statement):
             of += f", {' and '.join('-'.join(names) for names in self.parts)} leaving each other alone"
         if self.lasting:
             of += f", {' and '.join('-'.join(names) for names in self.lasting)} undamped ({LASTING})"
+        if self.times > 1:
+            but = " but for the unit of time" if set(self.scales) != {1} else ""
+            of += f", {self.times} of them with the same numbers{but}, of which each is lost at a load where one is"
         return what + of
 
     def __str__(self) -> str:
@@ -75,7 +85,7 @@ class OfMatrices(Statement):
             "of": "every M, C and K within those in this file", "parameters": None, "functions": self.size,
             "radius": f"{float(self.widest):.1e}", "damped": self.damped,
             "stable_at_zero_load": None if self.above_zero else True, "parts": [*map(list, self.parts)],
-            "lasting": [*map(list, self.lasting)],
+            "lasting": [*map(list, self.lasting)], "times": self.times,
         }  # fmt: skip
 
 
@@ -100,15 +110,17 @@ def read(data: dict[str, Any]) -> verifier.Read:
     require(kappa is None or any(damped), "there is no damping that could vanish")
     lasting = (names for names, of in zip(given, damped, strict=True) if any(damped) and not of)
     widest = max(radius for of in tables.values() for table in of for row in table for _, radius in row)
+    others = list(zip(parts[1:], beside, strict=True))
+    scales = [part.scale(parts[0]) for part, of in others if of is None]
     stated = OfMatrices(
         **claims, kappa=kappa, size=size, widest=widest, damped=any(damped),
         above_zero=any(part.above_zero for part in parts), parts=tuple(map(tuple, given)),
-        lasting=tuple(map(tuple, lasting)),
+        lasting=tuple(map(tuple, lasting)), scales=(Fraction(1), *scales),
     )  # fmt: skip
-    others: list[verifier.Checked] = [
-        (part.system, part.stretches(of, stated.top), None) for part, of in zip(parts[1:], beside, strict=True)
+    besides: list[verifier.Checked] = [
+        (part.system, part.stretches(of, stated.top), None) for part, of in others if of is not None
     ]
-    return stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), others
+    return stated, size, parts[0].system, parts[0].stretches(data["stretches"], stated.end), besides
 
 
 def verify(data: dict[str, Any]) -> Statement:
@@ -145,6 +157,17 @@ class _Part:
             require(still.highest == known.highest, "damping that vanishes acts on what has no mass")
         require(known.highest > 1, "no motion has a frequency")
         return _Part(M, C, K, limit, known)
+
+    def scale(self, first: _Part) -> Fraction:
+        """ω² in it over that in the first: 1 where all numbers are the same; where there is no C, K may be a number of
+        times as large. Raises Refused."""
+        require(self.M == first.M and self.C == first.C, "a part without stretches is not the first again")
+        own, others = ([e for table in of.K for row in table for e in row] for of in (self, first))
+        factor = next((a[0] / b[0] for a, b in zip(own, others, strict=False) if b[0] != 0), Fraction(1))
+        same = own == [(factor * middle, factor * radius) for middle, radius in others]
+        same = same and (factor == 1 or (factor > 0 and not self.C))
+        require(same and len(self.K) == len(first.K), "a part without stretches is not the first again")
+        return factor
 
     @property
     def damped(self) -> bool:
