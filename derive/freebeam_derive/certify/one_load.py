@@ -20,7 +20,7 @@ from flint import arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_poly
 from freebeam_derive.certify.balls import exact, precision
 from freebeam_derive.certify.parts import Part, Powers
 
-MOST_ROWS = 20  # of a part that flutters: the resultant of 20 is of degree 380 in P, and takes half a minute
+MOST_ROWS = 24  # of a part that flutters: the resultant of 24 is of degree 552 in P, and takes half a minute
 MOST_BITS = 20_000
 
 
@@ -76,20 +76,20 @@ def vanishing(part: Part, flutter: bool, limit: bool) -> fmpq_poly | None:
     M, C, K = ([fmpq_mat(X.tolist()) for X in powers] for powers in terms)
     if not flutter:
         loads = [fmpq(k) for k in range(1, 2 + K[0].nrows() * (len(K) - 1))]
-        return _through(loads, [sum((X * P**a for a, X in enumerate(K)), 0 * K[0]).det() for P in loads])
+        return _through(fmpq(1), [sum((X * P**a for a, X in enumerate(K)), 0 * K[0]).det() for P in loads])
     h, g = _boundary(M, C, K, limit)
     if len(h) < 2 or not g:
         return None
     count = sum((len(one) - 1) * max(p.degree() for p in other) for one, other in ((h, g), (g, h))) + 1
-    loads, values, place = list[fmpq](), list[fmpq](), 0
-    while len(loads) < count:
-        place += 1
-        P = fmpq(place)
-        if h[-1](P) != 0 and g[-1](P) != 0:  # else the resultant is not that of these degrees
+    values, P = list[fmpq](), fmpq(0)
+    while len(values) < count:
+        P += 1
+        if h[-1](P) == 0 or g[-1](P) == 0:  # the resultant is not that of these degrees
+            values = []
+        else:
             one, other = (fmpq_poly([p(P) for p in which]) for which in (h, g))
-            loads.append(P)
             values.append(one.resultant(other))
-    return _through(loads, values)
+    return _through(P - count + 1, values)
 
 
 def zeros_twice(part: Part) -> list[arb]:
@@ -130,14 +130,14 @@ def _boundary(
     for P in loads:
         m, c, k = (sum((X * P**a for a, X in enumerate(of)), 0 * M[0]) for of in (M, C, K))
         if limit:  # of damping ε C the first order in ε
-            whole = [_through(rates, [(k + x * m + e * c).det() for e in rates]) for x in rates]
-            h, g = (_through(rates, [p[order] for p in whole]) for order in (0, 1))
+            whole = [_through(fmpq(0), [(k + x * m + e * c).det() for e in rates]) for x in rates]
+            h, g = (_through(fmpq(0), [p[order] for p in whole]) for order in (0, 1))
         else:
-            p = _through(rates, [(rate * rate * m + rate * c + k).det() for rate in rates])
+            p = _through(fmpq(0), [(rate * rate * m + rate * c + k).det() for rate in rates])
             h, g = (fmpq_poly([p[2 * b + odd] for b in range(n + 1)]) for odd in (0, 1))
         of_h.append(h)
         of_g.append(g)
-    by_x = [_without_zeros([_through(loads, [p[b] for p in of]) for b in range(n + 1)]) for of in (of_h, of_g)]
+    by_x = [_without_zeros([_through(fmpq(1), [p[b] for p in of]) for b in range(n + 1)]) for of in (of_h, of_g)]
     return by_x[0], by_x[1] or [b * p for b, p in enumerate(by_x[0])][1:]
 
 
@@ -147,15 +147,19 @@ def _without_zeros(of: list[fmpq_poly]) -> list[fmpq_poly]:
     return of
 
 
-def _through(places: Sequence[fmpq], values: Sequence[fmpq]) -> fmpq_poly:
-    """The polynomial that has these values, by divided differences."""
-    left: Any = np.array(values, dtype=object)
-    at: Any = np.array(places, dtype=object)
-    factors = [left[0]]
-    for k in range(1, len(at)):
-        left = (left[1:] - left[:-1]) / (at[k:] - at[:-k])
+def _through(first: fmpq, values: Sequence[fmpq]) -> fmpq_poly:
+    """The polynomial that has these values at a number, that and 1, and so on, by their differences."""
+    scale = fmpq(1)
+    for value in values:
+        scale *= (value * scale).q
+    left: Any = np.array([(value * scale).p for value in values], dtype=object)  # whole: no fractions to be reduced
+    factors = []
+    for k in range(len(values)):
         factors.append(left[0])
+        left = left[1:] - left[:-1]
+        scale *= max(k, 1)
+        factors[-1] = fmpq(factors[-1]) / scale
     found = fmpq_poly([0])
-    for factor, place in zip(reversed(factors), reversed(places), strict=True):
-        found = found * fmpq_poly([-place, 1]) + fmpq_poly([factor])
+    for k, factor in reversed([*enumerate(factors)]):
+        found = found * fmpq_poly([-first - k, 1]) + fmpq_poly([factor])
     return found

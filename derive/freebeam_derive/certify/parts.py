@@ -74,7 +74,7 @@ class Part:
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
         matrices but for one factor; the quotient of two factors where M and K have one each, without C; of fractions in
-        other coordinates too."""
+        other coordinates too, or of the adjoint problem, Reut's for Beck's."""
         if self.names == other.names and self.kind == other.kind >= 0:
             return fmpq(1)
         if self.turn != other.turn:
@@ -97,7 +97,7 @@ def _in_other_coordinates(first: Letters, second: Letters, still: bool) -> fmpq 
     if sizes[0] != sizes[1]:
         return None
     one, two = ([fmpq_mat(X.tolist()) for powers in of for X in powers] for of in (first, second))
-    if alike(one, two):
+    if alike(one, two) or alike(one, [X.transpose() for X in two]):
         return fmpq(1)
     # without C ω² may all be a number of times as large
     if any(held(X).any() for X in (*first[1], *second[1])) or not still or not (one[0].det() != 0 != two[0].det()):
@@ -107,7 +107,8 @@ def _in_other_coordinates(first: Letters, second: Letters, still: bool) -> fmpq 
     if traces[0] == 0 or not traces[1] / traces[0] > 0:
         return None
     scale = traces[1] / traces[0]
-    return scale if alike([*one[:-count], *(X * scale for X in one[-count:])], two) else None
+    one = [*one[:-count], *(X * scale for X in one[-count:])]
+    return scale if alike(one, two) or alike(one, [X.transpose() for X in two]) else None
 
 
 def _trace(X: fmpq_mat) -> fmpq:

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from itertools import pairwise
 from typing import Any
 
 import flint
-from flint import arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_mpoly_ctx, fmpq_poly
+from flint import arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_poly
 
 from freebeam_derive.certify.verifier_claims import ball, require
 
 Terms = list[list[fmpq_mat]]  # M, C and K, each by powers of the load
-MOST_ROWS, MOST_BITS = 20, 20_000
+MOST_ROWS, MOST_BITS = 24, 20_000
 
 
 def check_one_load(parts: list[tuple[Terms, bool]], limit: bool, loads: arb) -> None:
@@ -69,15 +70,29 @@ def _lost(terms: Terms, flutter: bool, limit: bool) -> fmpq_poly:
         K = (sum((X * fmpq(P) ** k for k, X in enumerate(terms[2])), 0 * terms[2][0]) for P in loads)
         return fmpq_poly([v[0] for v in _solved(loads, fmpq_mat([[X.det()] for X in K])).tolist()])
     require(rows <= MOST_ROWS, f"of more than {MOST_ROWS} functions two loads of flutter are not known to be one")
-    h, g = _both(terms, limit)
-    ring = fmpq_mpoly_ctx.get(("P", "x"), "lex")
-    one, other = (
-        ring.from_dict({(a, b): X[a, b] for a in range(X.nrows()) for b in range(X.ncols()) if X[a, b] != 0})
-        for X in (h, g)
-    )
-    other = other if any(g.entries()) else one.derivative(1)
-    known = one.resultant(other, 1).to_dict()
-    return fmpq_poly([known.get((a, 0), fmpq(0)) for a in range(1 + max((a for a, _ in known), default=0))])
+    h, g = ([fmpq_poly([X[a, b] for a in range(X.nrows())]) for b in range(X.ncols())] for X in _both(terms, limit))
+    g = g if any(p.coeffs() for p in g) else [b * p for b, p in enumerate(h)][1:]
+    for of in (h, g):
+        while of and not of[-1].coeffs():
+            of.pop()
+    require(bool(h and g), "two loads are not known to be one: the determinant is nothing")
+    degree = sum((len(a) - 1) * max(p.degree() for p in b) for a, b in ((h, g), (g, h)))
+    first = 1  # where degrees in x are less, a resultant is not that polynomial's value
+    while any(of[-1](fmpq(first + k)) == 0 for of in (h, g) for k in range(degree + 1)):
+        first += 1
+    both = (tuple(fmpq_poly([p(fmpq(first + k)) for p in of]) for of in (h, g)) for k in range(degree + 1))
+    return _through_values(first, [one.resultant(other) for one, other in both])
+
+
+def _through_values(first: int, values: list[fmpq]) -> fmpq_poly:
+    """The polynomial with these values at a, a + 1, …: Σ Δ^k f(a) (P − a) … (P − a − k + 1) / k!, by Newton."""
+    found, product, factorial = fmpq_poly([0]), fmpq_poly([1]), 1
+    for k in range(len(values)):
+        found += product * (values[0] / factorial)
+        product *= fmpq_poly([-first - k, 1])
+        factorial *= k + 1
+        values = [b - a for a, b in pairwise(values)]
+    return found
 
 
 def _both(terms: Terms, limit: bool) -> tuple[fmpq_mat, fmpq_mat]:

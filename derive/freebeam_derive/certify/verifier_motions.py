@@ -118,12 +118,13 @@ def motions(terms: Terms, limit: bool) -> list[Motion]:
 
 
 def in_other_coordinates(one: Terms, other: Terms) -> fmpq | None:
-    """λ² of another over those of one, at every load, where M, C and K are those of one in other coordinates, K times
-    that number without C; None where that is not known."""
+    """λ² of another over those of one, at every load, where M, C and K, or all transposed, are those of one in other
+    coordinates, K times that number without C; None where that is not known."""
     if [*map(len, one)] != [*map(len, other)] or one[2][0].nrows() != other[2][0].nrows():
         return None
     flat = [[X for powers in of for X in powers] for of in (one, other)]
-    if alike(flat[0], flat[1]):
+    adjoint = [X.transpose() for X in flat[1]]  # of the same determinant
+    if alike(flat[0], flat[1]) or alike(flat[0], adjoint):
         return fmpq(1)
     if any(any(X.entries()) for of in (one, other) for X in of[1]) or one[0][0].det() == 0 or other[0][0].det() == 0:
         return None
@@ -132,7 +133,8 @@ def in_other_coordinates(one: Terms, other: Terms) -> fmpq | None:
     if traces[0] == 0 or traces[1] / traces[0] <= 0:
         return None
     factor = traces[1] / traces[0]
-    return factor if alike([*one[0], *one[1], *(X * factor for X in one[2])], flat[1]) else None
+    scaled = [*one[0], *one[1], *(X * factor for X in one[2])]
+    return factor if alike(scaled, flat[1]) or alike(scaled, adjoint) else None
 
 
 def _trace(X: fmpq_mat) -> fmpq:
