@@ -591,12 +591,13 @@ def enclosed_load(
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
     """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
     there is no proof."""
-    from freebeam_derive.certify import beam_crossings
+    from freebeam_derive.certify import beam_crossings, pair_at_rest
     from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
     from freebeam_derive.certify.certificate import write_list, write_of_beam
     from freebeam_derive.certify.decimals import outward
+    from freebeam_derive.certify.exact_system import ExactSystem
 
     name = asked.column.name
     try:
@@ -608,6 +609,8 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
             crossing = beams.flutter_limit(beam, kappa, near, digits + 2)
         elif beam.undamped(alpha, beta):
             crossing = beams.flutter_undamped(beam, near, digits + 2)
+        elif near[1] == 0 and isinstance(beam, ExactSystem):
+            crossing = pair_at_rest.flutter(beam, near[0], digits + 2)
         else:
             crossing = beams.flutter_damped(beam, alpha, beta, near, digits + 2)
         evidence: Evidence | None = None

@@ -9,17 +9,20 @@ import copy
 import json
 from fractions import Fraction
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from flint import fmpq, fmpq_mat
+from flint import arb, fmpq, fmpq_mat
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_lists, verifier_loads
+from freebeam_derive.certify import pair_at_rest, verifier, verifier_lists, verifier_loads
+from freebeam_derive.certify.balls import Unproven, precision
+from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.one_load import zeros_twice
 from freebeam_derive.certify.parts import Part
-from tests.runtime.test_rotors import column
+from tests.runtime.test_rotors import HEAD, STATED, column
 
 F = Fraction
 
@@ -63,6 +66,34 @@ def test_each_mode_of_a_shaft_is_lost_at_its_own_critical_speed() -> None:
     passings = verifier_lists.verify(copied(own.unverified)).passings
     assert [p.unstable + p.change for p in passings] == [2, 4]
     assert all(p.square == (0, 0) and "leaves zero" in str(p) for p in passings)
+
+
+@pytest.mark.parametrize(("own", "critical"), [("turning disc", 2.0), ("turning shaft", np.pi**2)])
+def test_of_the_beam_itself_too_a_pair_leaves_zero_at_the_critical_speed(own: str, critical: float) -> None:
+    found = fb.exact_load(column(own), alpha="1/100", digits=12)
+    assert (found.kind, found.frequency) == ("flutter", ("0", "0")) and found.proof["crossing"] and found.proof["kind"]
+    assert found.load is not None and float(found.load[0]) == pytest.approx(critical, rel=1e-11)
+    assert not found.proof["first"] and found.missing
+
+
+def test_a_pair_leaves_zero_at_the_speed_of_the_closed_form() -> None:
+    """Of Jeffcott's rotor λ² + (α + 2iP) λ + k − P² = 0, so that dλ/dP = 2P / (α + 2iP) at λ = 0."""
+    system = ExactSystem(column("turning disc").kernel, {"k": F(4)}, F(1, 10), F(0))
+    with precision(100):
+        t = system.taylor(arb(2), arb(0), pair_at_rest.SECOND)
+        speed = (t[1, 1] / (2 * t[0, 2]), (4 * t[2, 0] * t[0, 2] - t[1, 1] ** 2).sqrt() / (2 * t[0, 2]))
+    slope = 4 / complex(0.1, 4)
+    assert [float(v) for v in speed] == pytest.approx([slope.real, abs(slope.imag)], rel=1e-12)
+
+
+@pytest.mark.parametrize(("beta", "change"), [("1/10", ""), ("0", "y.diff(x, 2) ** 2")])
+def test_planes_that_are_not_alike_at_rest_are_refused_with_the_reason(tmp_path: Path, beta: str, change: str) -> None:
+    """External damping acts on displacements there and couples them; a stiffer plane is another one."""
+    text = (HEAD + STATED["turning shaft"]).replace("V = integral(", f"V = integral({change or 0} + ")
+    (tmp_path / "unlike.py").write_text(text)
+    system = ExactSystem(fb.column(str(tmp_path / "unlike.py")).kernel, {}, F(1, 100), F(beta))
+    with pytest.raises(Unproven, match="not two planes alike at rest"):
+        pair_at_rest.flutter(system, np.pi**2, 8)
 
 
 def test_forged_pairs_at_rest_are_refused() -> None:

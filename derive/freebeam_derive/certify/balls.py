@@ -376,19 +376,24 @@ def _damped(parts: list[Any], alpha: Any, beta: Any) -> Any:
     )
 
 
+def formal(value: Exact | int) -> Formal:
+    """An exact number as one that tells how it comes about. TypeError for a range."""
+    if isinstance(value, Range):
+        raise TypeError("a range is no number")
+    if isinstance(value, Root):
+        return Formal.named(f"sqrt({value.square})")
+    return Formal(fmpq(*value.as_integer_ratio()))
+
+
 @lru_cache(maxsize=4)
 def _sums(
     kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...], dampings: tuple[Exact, Exact]
 ) -> list[list[Any]] | None:
     """M, C and K, with rigid motions, of numbers that tell how they come about; None where that is not known."""
     basis = kernel.complete(array([Formal(k) for k in range(modes + 2)]))
-    given = {name: Formal(fmpq(*value.as_integer_ratio())) for name, value in own}
-    sizes = []
-    for d in dampings:
-        if isinstance(d, Range):
-            return None
-        sizes.append(Formal.named(f"sqrt({d.square})") if isinstance(d, Root) else Formal(fmpq(*d.as_integer_ratio())))
+    given = {name: formal(value) for name, value in own}
     try:
+        sizes = [*map(formal, dampings)]
         of = enclosing(kernel, formal=True)
         C, K = _damped(_rates_and_stiffness(kernel, of, basis, given, Formal), *sizes)
         return [

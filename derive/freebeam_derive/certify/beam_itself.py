@@ -108,6 +108,12 @@ class Problem(ABC):
 class Onset(Problem):
     """A crossing, of which more is to be proven."""
 
+    kind: Kind = "flutter"
+
+    def frequency(self, x: list[arb]) -> arb:
+        """ω of the crossing; the second unknown is ω² where not said otherwise."""
+        return x[1].sqrt()
+
     @abstractmethod
     def onset(self, x: list[arb], t: Taylor) -> None:
         """With growing load it leads from stable to unstable. Raises NoOnset, or Unproven."""
@@ -141,6 +147,9 @@ class Damped(Onset):
     def __init__(self, beam: Itself, alpha: Exact, beta: Exact) -> None:
         super().__init__(beam)
         self.alpha, self.beta = alpha, beta
+
+    def frequency(self, x: list[arb]) -> arb:
+        return x[1]
 
     def place(self, x: list[arb]) -> tuple[acb, acb]:
         p, s, *_ = self.beam.pencil(x[0], acb(0, x[1]), self.alpha, self.beta)
@@ -228,6 +237,10 @@ class Static(Onset):
     """p with F(p, 0) = 0, after the factor s^R of the rigid motions is struck out."""
 
     sought = "divergence at the load"
+    kind = "divergence"
+
+    def frequency(self, x: list[arb]) -> arb:
+        return arb(0)
 
     def __init__(self, beam: Itself) -> None:
         super().__init__(beam)
@@ -414,29 +427,29 @@ def flutter_undamped(beam: Itself, near: tuple[float, float], digits: int) -> Ex
 
     Raises Unproven where the load could not be enclosed, NoOnset where it is a restabilisation.
     """
-    return _onset(Coalescence(beam), (near[0], near[1] ** 2), digits)
+    return onset(Coalescence(beam), (near[0], near[1] ** 2), digits)
 
 
 def flutter_damped(beam: Itself, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
-    return _onset(Damped(beam, alpha, beta), near, digits)
+    return onset(Damped(beam, alpha, beta), near, digits)
 
 
 def flutter_limit(beam: Itself, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """The limit of the onset of flutter as α → 0⁺ at β = κα; of any column, that its system was made with. near: load
     and frequency. Raises Unproven, NoOnset."""
     problem = VanishingDamping(beam, kappa) if isinstance(beam, Beam) else VanishingRates(beam)
-    return _onset(problem, (near[0], near[1] ** 2), digits)
+    return onset(problem, (near[0], near[1] ** 2), digits)
 
 
 def divergence(beam: Itself, near: float, digits: int) -> ExactCrossing:
     """Onset of divergence: a frequency falls to zero; any damping. near: the load. Raises Unproven, NoOnset."""
     with precision(96):
         problem = Static(beam)
-    return _onset(problem, (near,), digits)
+    return onset(problem, (near,), digits)
 
 
-def _onset(problem: Onset, near: tuple[float, ...], digits: int) -> ExactCrossing:
+def onset(problem: Onset, near: tuple[float, ...], digits: int) -> ExactCrossing:
     """The crossing, proven to be an onset on the box that it was found in, or else on the narrow one."""
     found, facts, bits = enclose(problem, near, digits)
     with precision(bits):
@@ -448,10 +461,7 @@ def _onset(problem: Onset, near: tuple[float, ...], digits: int) -> ExactCrossin
             raise NoOnset(f"{problem.sought} {float(found[0]):.10g} is a crossing, but {refusal}") from None
         except Unproven:
             problem.onset(found, problem.slopes(found)[2])
-        if isinstance(problem, Static):
-            return ExactCrossing(found[0], arb(0), "divergence", digits, bits)
-        frequency = found[1] if isinstance(problem, Damped) else found[1].sqrt()
-        return ExactCrossing(found[0], frequency, "flutter", digits, bits)
+        return ExactCrossing(found[0], problem.frequency(found), problem.kind, digits, bits)
 
 
 def frequencies(

@@ -11,6 +11,7 @@ damping vanishes, of s = −λ² and of w, the damping times λ, of which the fi
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -64,6 +65,7 @@ class ExactSystem:
         before = (len(self.breaks) - 1) * self.width  # what is unknown at the left ends of the segments
         self.columns = {name: before + n for n, name in enumerate(kernel.COORDINATES)}
         self._known: dict[int, _Tables] = {}
+        self._rows: frozenset[int] | None = None  # of the conditions, where not all names are its own
         self._damped = self._rated(self.dampings)
         if vanishing:
             if self._rated((0, 0)):
@@ -113,7 +115,7 @@ class ExactSystem:
                     [
                         Term(numbers[row], numbers[of], p, self._power(r), k, self._factor(factor), self._shares(r))
                         for (row, of, p, r, k), factor in table.items()
-                        if _some(factor)
+                        if row in numbers and of in numbers and _some(factor)
                     ]
                     for table in equations
                 ),
@@ -121,9 +123,10 @@ class ExactSystem:
                     {
                         (name, p, self._power(r), self._shares(r), k, place): self._ball(factor)
                         for (name, p, r, k, place), factor in row.items()
-                        if _some(factor)
+                        if (name in numbers or name in self.columns) and _some(factor)
                     }
-                    for row in conditions
+                    for n, row in enumerate(conditions)
+                    if self._rows is None or n in self._rows
                 ),
             )
         return self._known[bits]
@@ -149,6 +152,17 @@ class ExactSystem:
     def undamped(self, alpha: Exact, beta: Exact) -> bool:
         """Whether F is a function of −λ² alone. The dampings are those that the system was made with."""
         return not self._damped and not self.vanishing
+
+    def of(self, names: Sequence[str], rows: frozenset[int]) -> ExactSystem:
+        """The same of some fields and coordinates alone, with so many of the conditions."""
+        one = copy(self)
+        one.sizes = {name: size for name, size in self.sizes.items() if name in names}
+        one.width = sum(one.sizes.values())
+        one.begin = {name: sum([*one.sizes.values()][:n]) for n, name in enumerate(one.sizes)}
+        before = (len(self.breaks) - 1) * one.width
+        one.columns = {name: before + n for n, name in enumerate(name for name in self.columns if name in names)}
+        one._known, one._rows = {}, rows
+        return one
 
     def still(self) -> ExactSystem:
         """The same column without alpha and beta."""
