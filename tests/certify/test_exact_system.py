@@ -551,6 +551,25 @@ def test_numbers_that_no_float_holds_are_exact() -> None:
         assert spring.overlaps(2 * (arb(2).sqrt() + (-arb(1) / 3).exp())) and spring.rad() < 1e-50
 
 
+def test_a_shaft_of_two_stiffnesses_buckles_in_its_own_frame_between_its_critical_speeds(tmp_path: Path) -> None:
+    """λ⁴ + (4 + 9 + 2 P²) λ² + (4 − P²) (9 − P²) = 0 of Jeffcott's rotor: unstable from P = 2 to 3. By internal damping
+    F is no longer even in λ."""
+    planes = {
+        "T": "((q.diff(t) - P * p) ** 2 + (p.diff(t) + P * q) ** 2) / 2",
+        "V": "(4 * q ** 2 + 9 * p ** 2) / 2", "W_c": "0", "ends": "()",
+        "dW_nc": "-alpha * (q.diff(t) * delta(q) + p.diff(t) * delta(p))",
+    }  # fmt: skip
+    system = ExactSystem(fb.column(file_of(tmp_path, "rotor", planes)).kernel)
+    assert system.gyroscopic and not ExactSystem(system.kernel, {}, Fraction(1, 10)).gyroscopic
+    lost = beam_itself.divergence(system, 2.0, 12)
+    assert lost.kind == "divergence" and lost.load.contains(2) and lost.frequency == 0
+    with pytest.raises(beam_itself.NoOnset, match="a restabilisation"):
+        beam_itself.divergence(system, 3.0, 12)
+    with precision(100):
+        t = system.taylor(arb(1), arb(0), ((0, 0), (0, 1), (0, 2)))
+        assert t[0, 0].overlaps(arb(24)) and t[0, 1].contains(0) and t[0, 2].overlaps(arb(15))
+
+
 def test_a_stiffness_that_vanishes_inside_is_refused() -> None:
     kernel = emitted(
         beck(

@@ -245,8 +245,9 @@ class Static(Onset):
     def __init__(self, beam: Itself) -> None:
         super().__init__(beam)
         R = self.order = beam.trivial()
+        self.next = R + (2 if isinstance(beam, ExactSystem) and beam.gyroscopic else 1)
         self.of_value = tuple((0, j) for j in range(R + 1))
-        self.of_slopes = (*((0, j) for j in range(R + 2)), *((1, j) for j in range(R + 1)))
+        self.of_slopes = (*((0, j) for j in range(self.next + 1)), *((1, j) for j in range(R + 1)))
 
     def place(self, x: list[arb]) -> tuple[arb, arb]:
         return x[0], arb(0)
@@ -258,8 +259,11 @@ class Static(Onset):
         return [[t[1, self.order]]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
-        """s passes from positive to negative: −F_p / F_s < 0."""
-        _sign(t[1, self.order] * t[0, self.order + 1], "s rises through zero with the load there, a restabilisation")
+        """s passes from positive to negative: −F_p / F_s < 0. Of a gyroscopic column, F even in s, s² does, as −s² is
+        from negative to positive: −2 F_p / F_ss > 0."""
+        side = -1 if self.next > self.order + 1 else 1
+        slopes = side * t[1, self.order] * t[0, self.next]
+        _sign(slopes, "the eigenvalue comes from the right half plane with growing load there, a restabilisation")
 
 
 class Eigenvalue(Problem):
