@@ -118,6 +118,29 @@ def determinant(X: Any) -> arb:
     return balls.ball_matrices([X], [], [X])[0][0].det()
 
 
+PIPE = {  # b is the share of the fluid in the mass, P its speed
+    "W_c": "P ** 2 * integral(y.diff(x) ** 2) / 2", "dW_nc": "-2 * sqrt(b) * P * integral(y.diff(x, t) * delta(y))",
+    "ends": "('pinned', 'pinned')", "parameters": "(own(b, 0.1),)",
+}  # fmt: skip
+
+
+def test_a_pipe_held_at_both_ends_diverges_whatever_its_mass_ratio(tmp_path: Path) -> None:
+    """At the speed π, but for the series: sqrt(1/10) stands before the rates, which do not work."""
+    found = fb.certified_load(fb.column(file_of(tmp_path, "pipe", PIPE)), 4, digits=8)
+    assert found.kind == "divergence" and found.load is not None and all(found.proof.values())
+    assert np.pi < float(found.load[0]) < np.pi * 1.0005
+    data: Data = json.loads(json.dumps(found.unverified))
+    said = check(data)
+    assert said.gyroscopic and not said.damped and "M and K symmetric and C skew" in str(said)
+    for letter, k, i, j in (("M", 0, 1, 0), ("K", 0, 0, 2), ("K", 2, 0, 2), ("C", 1, 0, 1), ("C", 1, 3, 2)):
+        unlike = copy.deepcopy(data)  # by what no digit of the load shows
+        entry = unlike[letter][k][i][j]
+        changed = F(entry if isinstance(entry, str) else entry[0]) + F(1, 10**90)
+        unlike[letter][k][i][j] = str(changed) if isinstance(entry, str) else [str(changed), entry[1]]
+        with pytest.raises(verifier.Refused):
+            check(unlike)
+
+
 def test_forged_parts_that_are_the_first_again_are_refused() -> None:
     data: Data = json.loads(json.dumps(proven("heavy").unverified))
     assert data["beside"] == [None]

@@ -75,9 +75,12 @@ def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction],
     with precision(bits + 100):
         M, C, K, names, letters = named_matrices(kernel, question.modes, own, question.dampings, limit)
         every = {(part.names, part.motion): part for part in split(M, C, K, names, letters, limit, None)}
-        whole = Part(tuple(dict.fromkeys(names)), M, C, K)
+        whole = Part(tuple(dict.fromkeys(names)), M, C, K, letters=letters)
         parts = [every[of.names, of.motion] for of in found.parts] or [whole]
         each = [[[_entries(X, bits) for X in powers] for powers in (part.M, part.C, part.K)] for part in parts]
+        for part, tables in zip(parts, each, strict=True):
+            if part.gyroscopic and not limit:  # the same text on both sides: the verifier takes them for one number
+                tables[:] = [[_mirrored(X, side) for X in of] for of, side in zip(tables, (1, -1, 1), strict=True)]
     for k, beside in enumerate(found.beside, 1):
         scale = found.parts[0].scale(found.parts[k]) if beside is None else None
         if scale is not None:
@@ -120,6 +123,17 @@ def _beside(tables: Sequence[Table]) -> Table:
         before = ["0"] * len(found)
         found += [[*before, *row, *["0"] * (size - len(before) - len(row))] for row in table]
     return found
+
+
+def _mirrored(table: Table, side: int) -> Table:
+    """What is above the diagonal below it too, or with the other sign."""
+
+    def below(entry: Entry) -> Entry:
+        if isinstance(entry, str):
+            return written(side * Fraction(entry))
+        return [written(side * Fraction(entry[0])), entry[1]]
+
+    return [[below(table[j][i]) if j < i else table[i][j] for j in range(len(table))] for i in range(len(table))]
 
 
 def _times(table: Table, factor: Fraction) -> Table:

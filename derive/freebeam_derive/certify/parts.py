@@ -25,7 +25,7 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 
 from freebeam_derive.certify.commutant import alike, splits
 from freebeam_derive.certify.formal import Letters
-from freebeam_derive.certify.structure import Structure, held, is_even, structure
+from freebeam_derive.certify.structure import Structure, held, is_even, of_balls, structure
 
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
@@ -69,7 +69,18 @@ class Part:
 
     def damped(self, limit: bool) -> bool:
         """Whether something damps it; limit: of damping that vanishes, and may be of any form."""
-        return any(held(X).any() for X in self.C) if limit else not is_even(self.M, self.C, self.K)
+        if limit:
+            return any(held(X).any() for X in self.C)
+        return not (is_even(self.M, self.C, self.K) or (self.letters is not None and is_even(*self.letters)))
+
+    @property
+    def gyroscopic(self) -> bool:
+        """Whether M and K are symmetric and C skew, exactly, in balls by their letters."""
+        terms = self.fractions
+        if terms is None or not any(held(X).any() for X in self.C):
+            return False
+        M, C, K = terms
+        return all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C)
 
     def scale(self, other: Part) -> fmpq | None:
         """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
@@ -162,6 +173,8 @@ def split(
             parts.append(part)
             continue
         of, damped = [names[int(i)] for i in rows], part.damped(limit)
+        if part.fractions is part.letters and not damped:
+            part = replace(part, known=of_balls(of_M, of_C, of_K, True))
         motions = _motions(part, of, damped)
         if damped or limit or rest is None or part.fractions is part.letters:
             parts += [motion for motion, _ in motions]
@@ -198,8 +211,8 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
         if len(of.roots) < 2:
             own = replace(part, M=M, C=C, K=K, kind=of.kinds[0])
             if terms is part.letters:
-                own = replace(_in_balls(part, (M, C, K), of.U, of.V), kind=of.kinds[0])
-            if not (limit or is_even(own.M, own.C, own.K)):
+                own = replace(_in_balls(part, (M, C, K), of.U, of.V, limit), kind=of.kinds[0])
+            if not limit and own.damped(False):
                 return alone
             found.append((own, [names[i] for i in last]))
             continue
@@ -219,15 +232,16 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
     return [(replace(each, motion=k), of) for k, (_, each, of) in enumerate(ordered)] or alone
 
 
-def _in_balls(part: Part, letters: Letters, U: Any, V: Any) -> Part:
-    """U X V of the matrices X in balls, exactly nothing where its letters are."""
+def _in_balls(part: Part, letters: Letters, U: Any, V: Any, damped: bool) -> Part:
+    """U X V of the matrices X in balls, exactly nothing where its letters are; damped: or may be."""
     found = []
     for powers, of in zip((part.M, part.C, part.K), letters, strict=True):
         count = len(of) // max(len(powers), 1)
         found.append([U @ X @ V for X in powers])
         for k, X in enumerate(found[-1]):
             X[~np.any([held(Y) for Y in of[k * count : k * count + count]], axis=0)] = fmpq(0)
-    return replace(part, M=found[0], C=found[1], K=found[2], letters=letters)
+    known = None if damped else of_balls(found[0], found[1], found[2], is_even(*letters))
+    return replace(part, M=found[0], C=found[1], K=found[2], letters=letters, known=known)
 
 
 def _place(part: Part) -> list[arb]:

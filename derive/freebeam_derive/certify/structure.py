@@ -60,11 +60,12 @@ def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational
     return Structure(most - most % 2 if even else most, even, right.shape[1], any(sides), tangent)
 
 
-def of_balls(M: Sequence[Any], C: Sequence[Any], K: Sequence[Any]) -> Structure:
+def of_balls(M: Sequence[Any], C: Sequence[Any], K: Sequence[Any], even: bool = False) -> Structure:
     """The same of matrices some of whose entries are balls, by the entries that are exactly nothing.
 
-    A row takes no higher power of λ than its matrices give it, and so does a column. A row of K that is nothing at
-    P = 0 is one of a motion that rests.
+    even: there is known to be no odd power of λ; else that is decided by these entries too. A row takes no higher power
+    of λ than its matrices give it, and so does a column. A row of K that is nothing at P = 0 is one of a motion that
+    rests.
     """
     C = [] if all(map(_is_nothing, C)) else list(C)
     of_M, of_C = (np.any([held(X) for X in (*terms, 0 * K[0])], axis=0) for terms in (M, C))
@@ -72,7 +73,7 @@ def of_balls(M: Sequence[Any], C: Sequence[Any], K: Sequence[Any]) -> Structure:
     still = [~held(K[0]).any(axis=k) for k in (1, 0)]  # rows, and columns
     rests = int(min(side.sum() for side in still))
     sides = [not held(C[0])[still[0]].any(), not held(C[0])[:, still[1]].any()] if C else [True]
-    even = is_even(M, C, K)
+    even = even or is_even(M, C, K)
     return Structure(most - most % 2 if even else most, even, rests, any(sides))
 
 

@@ -3,13 +3,15 @@
 A factor such as exp(-x) leaves no fractions: what the file holds are M, C and K by powers of the load, each entry a
 fraction, or a middle and a radius. That the matrices are those of a column is not checked. Each entry may be any
 number of its ball, by itself: nothing is taken for symmetric, and exactly nothing is what is written as 0 alone. Of a
-part without stretches M, C and K are the first's, K times a number where there is no C: no others are meant. All that
-is checked holds of every such choice, for it is computed with the balls.
+part without stretches M, C and K are the first's, K times a number where there is no C; and where M and K of a part
+are written symmetric and C skew, they are so: no others are meant, and the statement says it. All that is checked holds
+of every such choice, for it is computed with the balls.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -51,6 +53,7 @@ class OfMatrices(Statement):
     parts: tuple[tuple[str, ...], ...]
     lasting: tuple[tuple[str, ...], ...]
     scales: tuple[Fraction, ...]
+    gyroscopic: bool
 
     @property
     def times(self) -> int:
@@ -66,6 +69,7 @@ class OfMatrices(Statement):
         what = f"every M, C and K within those in this file (which names them {self.named}; that they are its is not "
         what += f"checked), N = {self.modes} ({self.size} functions), entries within {float(self.widest):.1e}"
         of = f", said to be at alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
+        of += " but for gyroscopic terms, M and K symmetric and C skew" if self.gyroscopic else ""
         if self.kappa is not None:
             of = f", in the limit of vanishing damping along C, said to be {vanishing(self.kappa)}"
         if len(self.parts) > 1:
@@ -86,6 +90,7 @@ class OfMatrices(Statement):
             "radius": f"{float(self.widest):.1e}", "damped": self.damped,
             "stable_at_zero_load": None if self.above_zero else True, "parts": [*map(list, self.parts)],
             "lasting": [*map(list, self.lasting)], "times": self.times,
+            "gyroscopic": self.gyroscopic,
         }  # fmt: skip
 
 
@@ -116,6 +121,7 @@ def read(data: dict[str, Any]) -> verifier.Read:
         **claims, kappa=kappa, size=size, widest=widest, damped=any(damped),
         above_zero=any(part.above_zero for part in parts), parts=tuple(map(tuple, given)),
         lasting=tuple(map(tuple, lasting)), scales=(Fraction(1), *scales),
+        gyroscopic=any(part.skew for part in parts),
     )  # fmt: skip
     besides: list[verifier.Checked] = [
         (part.system, part.stretches(of, stated.top), None) for part, of in others if of is not None
@@ -140,6 +146,7 @@ class _Part:
     K: list[Table]
     limit: bool
     known: Degrees
+    skew: bool
 
     @staticmethod
     def of(tables: dict[str, list[Table]], own: list[int], limit: bool) -> _Part:
@@ -152,11 +159,14 @@ class _Part:
         limit = limit and bool(C)
         held = [[[[entry != NOTHING for entry in row] for row in table] for table in powers] for powers in (M, C, K)]
         known = of_entries(held[0], held[1], held[2])
+        skew = bool(C) and not limit and _mirrored((*M, *K), 1) and _mirrored(C, -1)
+        if skew:
+            known = replace(known, even=True, highest=known.highest - known.highest % 2)
         if limit:
             still = of_entries(held[0], [], held[2])
             require(still.highest == known.highest, "damping that vanishes acts on what has no mass")
         require(known.highest > 1, "no motion has a frequency")
-        return _Part(M, C, K, limit, known)
+        return _Part(M, C, K, limit, known, skew)
 
     def scale(self, first: _Part) -> Fraction:
         """ω² in it over that in the first: 1 where all numbers are the same; where there is no C, K may be a number of
@@ -185,6 +195,16 @@ class _Part:
     def stretches(self, data: Any, end: Fraction) -> list[verifier.Stretch]:
         count = self.known.highest if self.damped else self.known.highest // 2 + 1
         return verifier._stretches(data, end, count, self.known.resting > 0)
+
+
+def _mirrored(tables: Sequence[Table], side: int) -> bool:
+    """Whether entries on both sides of the diagonal are written as the same, or with another sign."""
+    return all(
+        table[i][j] == (side * table[j][i][0], table[j][i][1])
+        for table in tables
+        for i in range(len(table))
+        for j in range(len(table))
+    )
 
 
 def _balls(table: Table) -> arb_mat:
