@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import TYPE_CHECKING, Any
@@ -549,8 +550,8 @@ def exact_load(
     The candidate is that of series of polynomials which agree, else the Ritz value at `modes` functions; otherwise as
     `certified_load`. Proven are the crossing, alone in its interval, and its kind; and, over all of the infinitely many
     modes, that it is the first and that the column is stable below: for a uniform beam, and for one of variable section
-    or in uniform parts, with masses and springs. Where these two are not proven, `proof` says so and `missing` names
-    the step that failed. docs/theorem.md is the theorem.
+    or in uniform parts, with masses and springs; of coordinates alone a series is the system itself. Where these two
+    are not proven, `proof` says so and `missing` names the step that failed. docs/theorem.md is the theorem.
 
     >>> import freebeam as fb
     >>> all(fb.exact_load(fb.column("free-free"), digits=30).proof.values())
@@ -559,6 +560,11 @@ def exact_load(
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
+    if column.kernel.COLUMN.get("general") and not column.kernel.FIELDS:  # coordinates alone have no other modes
+        with suppress(InputError):
+            found = certified_load(column, modes, alpha, beta, digits=digits, **given)
+            if found.load is not None:
+                return found
     return enclosed_load(column, alpha, beta, digits=digits, modes=modes, whole=True, **given)
 
 

@@ -263,6 +263,11 @@ class Static(Onset):
         from negative to positive: −2 F_p / F_ss > 0."""
         side = -1 if self.next > self.order + 1 else 1
         slopes = side * t[1, self.order] * t[0, self.next]
+        if side > 0 and t[0, self.next].contains(0):
+            raise Unproven(
+                "the direction of the crossing is not known, for λ and −λ may be eigenvalues alike, as of a gyroscopic "
+                "column without damping; that is served where rates couple two planes alone, else prove it of a series"
+            )
         _sign(slopes, "the eigenvalue comes from the right half plane with growing load there, a restabilisation")
 
 
