@@ -22,6 +22,7 @@ import freebeam as fb
 from freebeam_derive.certify import balls, parts, verifier, verifier_lists
 from freebeam_derive.certify.boundary_polynomials import Question, boundaries
 from freebeam_derive.certify.verifier_of_matrices import FORMATS, OfMatrices
+from tests.certify.test_motions_apart import planes
 from tests.stated import file_of
 
 F = Fraction
@@ -116,6 +117,22 @@ def test_parts_in_balls_have_the_determinant_of_all_and_nothing_between_them() -
 
 def determinant(X: Any) -> arb:
     return balls.ball_matrices([X], [], [X])[0][0].det()
+
+
+def test_equal_planes_in_a_ring_are_taken_apart_by_roots(tmp_path: Path) -> None:
+    """Springs of -exp(-1) between the tips of three: by the frequencies of the ring, the one that is double first."""
+    ring = planes("y u v", "yu uv vy", "- half")
+    of = fb.column(file_of(tmp_path, "ring", ring | {"V": ring["V"].replace("half", "exp(-1)")}))
+    found = fb.certified_load(of, 2, digits=8)
+    said = check(dict(found.unverified or {}))
+    assert (len(said.parts), said.times) == (3, 2) and found.load is not None and said.load is not None
+    assert said.load[0] < F(found.load[1]) and F(found.load[0]) < said.load[1]
+    listed = fb.certified_crossings(of, 2, load_max=3, digits=8)
+    loads = [0.0, *(float(c.load[0]) for c in listed), 3.0]
+    for (low, high), count in zip(itertools.pairwise(loads), (0, 2, 3), strict=True):
+        M, _, K = of.coefficients(2).at((low + high) / 2)
+        assert (eigvals(K, M).real < 0).sum() == count
+    assert [(c.unstable_below, c.unstable_above) for c in listed] == [(0, 2), (2, 3)]
 
 
 PIPE = {  # b is the share of the fluid in the mass, P its speed

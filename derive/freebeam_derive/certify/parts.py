@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from freebeam_derive.certify.commutant import alike, splits
+from freebeam_derive.certify.commutant import Split, alike, splits
 from freebeam_derive.certify.formal import Letters
 from freebeam_derive.certify.structure import Structure, held, is_even, of_balls, structure
 
@@ -216,9 +216,12 @@ def _motions(part: Part, names: Sequence[str], limit: bool) -> list[tuple[Part, 
                 return alone
             found.append((own, [names[i] for i in last]))
             continue
-        known = replace(structure(M, C, K), even=not limit or not any(held(X).any() for X in C))
-        if terms is part.letters or (rates and not symmetric):
+        if (rates and not symmetric) or (limit and terms is part.letters):
             return alone
+        if terms is part.letters:
+            found += [(_root_in_balls(part, (M, C, K), of, k), list[str]()) for k in range(len(of.roots))]
+            continue
+        known = replace(structure(M, C, K), even=not limit or not any(held(X).any() for X in C))
         if limit and structure(M, [], K).degree != known.degree:
             return alone
         shared = known.shared(len(of.roots))
@@ -242,6 +245,19 @@ def _in_balls(part: Part, letters: Letters, U: Any, V: Any, damped: bool) -> Par
             X[~np.any([held(Y) for Y in of[k * count : k * count + count]], axis=0)] = fmpq(0)
     known = None if damped else of_balls(found[0], found[1], found[2], is_even(*letters))
     return replace(part, M=found[0], C=found[1], K=found[2], letters=letters, known=known)
+
+
+def _root_in_balls(part: Part, letters: Letters, of: Split, k: int) -> Part:
+    """The same of the motions of one root, that nothing damps."""
+    found = []
+    for powers, own in zip((part.M, part.C, part.K), letters, strict=True):
+        found.append([of.at(k, of.U @ X @ of.V) for X in powers])
+        count = len(own) // max(len(powers), 1)
+        for n, X in enumerate(found[-1]):
+            rows = np.any([held(Y) for Y in own[n * count : n * count + count]], axis=0)
+            X[~np.any([rows[i : i + len(X), : len(X)] for i in range(0, len(rows), len(X))], axis=0)] = fmpq(0)
+    known = of_balls(found[0], found[1], found[2], True)
+    return replace(part, M=found[0], C=found[1], K=found[2], kind=of.kinds[k], known=known, letters=None, whole=())
 
 
 def _place(part: Part) -> list[arb]:
