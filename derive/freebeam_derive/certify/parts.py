@@ -23,8 +23,9 @@ from typing import Any
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_mat
 
-from freebeam_derive.certify.commutant import Split, alike, splits
+from freebeam_derive.certify.commutant import Split, splits
 from freebeam_derive.certify.formal import Letters
+from freebeam_derive.certify.same_motions import scale_of
 from freebeam_derive.certify.structure import Structure, held, is_even, of_balls, structure
 
 Powers = list[Any]
@@ -83,9 +84,8 @@ class Part:
         return all((X == X.T).all() for X in (*M, *K)) and all((X == -X.T).all() for X in C)
 
     def scale(self, other: Part) -> fmpq | None:
-        """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, or the same
-        matrices but for one factor; the quotient of two factors where M and K have one each, without C; of fractions in
-        other coordinates too, or of the adjoint problem, Reut's for Beck's."""
+        """ω² of another over that of this one, where both have these at all loads: 1 for the same motions, else by
+        `same_motions`."""
         if self.names == other.names and self.kind == other.kind >= 0:
             return fmpq(1)
         if self.turn != other.turn:
@@ -93,49 +93,7 @@ class Part:
         one, two = self.fractions, other.fractions
         if one is None or two is None:
             return None
-        factors = [_factor(a, b) for a, b in zip(one, two, strict=True)]
-        of_M, of_C, of_K = factors
-        if of_M is None or of_K is None or of_C is None:
-            return _in_other_coordinates(one, two, still=not self.turn)
-        if any(held(X).any() for X in self.C):
-            return fmpq(1) if of_M == of_C == of_K else None
-        return of_K / of_M if of_K == of_M or (of_K / of_M > 0 and self.turn == 0) else None
-
-
-def _in_other_coordinates(first: Letters, second: Letters, still: bool) -> fmpq | None:
-    """`Part.scale` of matrices in other coordinates. still: not as seen from a frame that turns."""
-    sizes = [(len(of[0][0]), *map(len, of)) for of in (first, second)]
-    if sizes[0] != sizes[1]:
-        return None
-    one, two = ([fmpq_mat(X.tolist()) for powers in of for X in powers] for of in (first, second))
-    if alike(one, two) or alike(one, [X.transpose() for X in two]):
-        return fmpq(1)
-    # without C ω² may all be a number of times as large
-    if any(held(X).any() for X in (*first[1], *second[1])) or not still or not (one[0].det() != 0 != two[0].det()):
-        return None
-    count = len(first[2])
-    traces = [_trace(M.solve(sum(of[-count + 1 :], of[-count]))) for M, *of in (one, two)]
-    if traces[0] == 0 or not traces[1] / traces[0] > 0:
-        return None
-    scale = traces[1] / traces[0]
-    one = [*one[:-count], *(X * scale for X in one[-count:])]
-    return scale if alike(one, two) or alike(one, [X.transpose() for X in two]) else None
-
-
-def _trace(X: fmpq_mat) -> fmpq:
-    return sum((X[i, i] for i in range(X.nrows())), fmpq(0))
-
-
-def _factor(one: Powers, other: Powers) -> Any:
-    """What some matrices are times others, 0 where all are nothing; None where there is no one factor."""
-    if [X.shape for X in one] != [X.shape for X in other]:
-        return None
-    a, b = (np.concatenate([np.array([fmpq(0)]), *(X.ravel() for X in each)]) for each in (one, other))
-    first = np.flatnonzero(held(a))
-    if not len(first):
-        return None if held(b).any() else fmpq(0)
-    factor = b[first[0]] / a[first[0]]
-    return factor if factor != 0 and (a * factor == b).all() else None
+        return scale_of(one, two, still=not self.turn)
 
 
 def split(
