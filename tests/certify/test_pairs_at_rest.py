@@ -97,6 +97,20 @@ def test_planes_that_are_not_alike_at_rest_are_refused_with_the_reason(tmp_path:
         pair_at_rest.flutter(system, np.pi**2, 8)
 
 
+def test_a_shaft_without_damping_is_not_lost_at_its_critical_speeds() -> None:
+    """As it sees itself its frequencies are ω_k + P and ω_k − P: at P = ω_k one is zero, and no motion ever grows. The
+    rates that couple its planes grow with the load, so that no frame that turns at one rate rids it of them."""
+    for most in (8, 12):  # below the first critical speed, 10.95 of two functions, and above
+        assert not fb.certified_crossings(column("turning shaft"), 2, load_max=most, digits=8)
+        found = fb.certified_load(column("turning shaft"), 2, load_max=most, digits=8)
+        assert found.kind == "none" and verifier.verify(copied(found.unverified)).end == most
+    for load in (10.0, 10.9, 11.0, 11.9):
+        M, C, K = column("turning shaft").coefficients(2).at(load)
+        one, none = np.eye(len(K)), 0 * K
+        values = np.linalg.eigvals(np.block([[none, one], [-np.linalg.solve(M, K), -np.linalg.solve(M, C)]]))
+        assert abs(values.real).max() < 1e-6 * abs(values).max()
+
+
 def test_forged_pairs_at_rest_are_refused() -> None:
     data = copied(found("turning disc", 1).unverified)
 

@@ -275,13 +275,15 @@ def _pairs(names: list[str]) -> Iterator[Planes]:
 
 
 def _turned(part: Part, M: Powers, B: Powers, K: Powers, rest: bool) -> Part:
-    mass, rates = M[0], [X for X in B if (X != 0).any()]
+    mass = M[0]
     i, j = next(zip(*np.nonzero(mass != 0), strict=True))
     rate = B[0][i, j] / mass[i, j] / 2
     if rate < 0:  # of the other one
         one, two = part.planes or ((), ())
         return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K, rest)
-    whirls = not rest or len(rates) > 1 or any((X != 0).any() for X in M[1:]) or bool((B[0] != 2 * rate * mass).any())
+    # from rest no rates are left, at any load: not so where they grow with it, of a frame that turns faster then
+    left = [2 * rate * mass - B[0], *B[1:], *M[1:]]
+    whirls = not rest or rate == 0 or any((X != 0).any() for X in left)
     if whirls:
         rate = fmpq(_fast(mass, B[0], K[0]))
     turned = [
