@@ -22,7 +22,8 @@ import freebeam as fb
 from freebeam_derive.certify import balls, parts, verifier, verifier_lists
 from freebeam_derive.certify.boundary_polynomials import Question, boundaries
 from freebeam_derive.certify.verifier_of_matrices import FORMATS, OfMatrices
-from tests.certify.test_motions_apart import planes
+from tests.certify.test_motions_apart import PLANES as PLANES_ALIKE
+from tests.certify.test_motions_apart import SPINS, planes
 from tests.stated import file_of
 
 F = Fraction
@@ -133,6 +134,22 @@ def test_equal_planes_in_a_ring_are_taken_apart_by_roots(tmp_path: Path) -> None
         M, _, K = of.coefficients(2).at((low + high) / 2)
         assert (eigvals(K, M).real < 0).sum() == count
     assert [(c.unstable_below, c.unstable_above) for c in listed] == [(0, 2), (2, 3)]
+
+
+def test_planes_of_a_taper_that_a_disc_couples_by_rates_are_seen_from_a_frame(tmp_path: Path) -> None:
+    """Forward and backward whirl pass each other; as many eigenvalues grow as is said. No file holds such a frame."""
+    of = fb.column(file_of(tmp_path, "disc", PLANES_ALIKE | SPINS | {"V": BOTH["V"].split(" + sqrt(2)")[0]}))
+    found = fb.certified_crossings(of, 2, load_max=6, digits=8)
+    loads = [0.0, *(float(c.load[0]) for c in found), 6.0]
+    counts = [*(c.unstable_below for c in found), found[-1].unstable_above]
+    assert len(found) == 2 and "frame" in (found.missing or "")
+    for (low, high), count in zip(itertools.pairwise(loads), counts, strict=True):
+        M, C, K = of.coefficients(2).at((low + high) / 2)
+        one, none = np.eye(len(K)), 0 * K
+        values = eigvals(np.block([[none, one], [-K, -C]]), np.block([[one, none], [none, M]]))
+        assert (values.real > 1e-5 * abs(values).max()).sum() == count
+    first = fb.certified_load(of, 2, digits=8)
+    assert first.load is not None and F(first.load[0]) < F(found[0].load[1]) and F(found[0].load[0]) < F(first.load[1])
 
 
 PIPE = {  # b is the share of the fluid in the mass, P its speed

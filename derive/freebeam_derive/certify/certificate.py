@@ -70,6 +70,8 @@ def write(kernel: ModuleType, found: Enclosure, width: int = 1) -> dict[str, Any
 def _of_matrices(kernel: ModuleType, found: Enclosure, own: dict[str, Fraction], width: int) -> dict[str, Any]:
     """The same of M, C and K by powers of the load, entries that are no fractions as a middle and a radius."""
     question, limit = found.question, found.question.kappa is not None
+    if any(part.turn for part in found.parts):
+        raise Unproven("two planes are seen from a frame that turns, which no certificate of matrices in balls holds")
     width = width if found.load is None else _agreeing(found.load)
     bits = 200 + 20 * functions_of(kernel, question.modes) + width  # of the verifier's
     with precision(bits + 100):

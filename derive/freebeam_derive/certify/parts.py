@@ -110,7 +110,7 @@ def split(
 
     names: of the field or coordinate of each row. letters: of matrices in balls. limit: of vanishing damping, so that C
     is but a direction. rest: two planes that a turning frame couples are seen from rest; else from a frame that turns
-    fast, as any that whirl; None: as they are. None is seen from a frame by letters.
+    fast, as any that whirl; None: as they are.
     """
     every = [*M, *C, *K]
     whole = Part(tuple(dict.fromkeys(names)), M, C, K, letters=letters)
@@ -134,9 +134,9 @@ def split(
         if part.fractions is part.letters and not damped:
             part = replace(part, known=of_balls(of_M, of_C, of_K, True))
         motions = _motions(part, of, damped)
-        if damped or limit or rest is None or part.fractions is part.letters:
+        if damped or limit or rest is None:
             parts += [motion for motion, _ in motions]
-        elif any(motion.known and held(X).any() for motion, _ in motions for X in motion.C):
+        elif any(motion.together and held(X).any() for motion, _ in motions for X in motion.C):
             parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
         else:
             parts += [_seen_from_frame(motion, each, rest) for motion, each in motions]
@@ -240,18 +240,20 @@ def _compared(one: tuple[list[arb], Any, Any], other: tuple[list[arb], Any, Any]
 def _seen_from_frame(part: Part, names: Sequence[str], rest: bool) -> Part:
     """Of two planes that are alike and that rates alone couple, one as seen from a frame that turns; else the part.
     names: of the rows."""
-    if not (part.M[0] != 0).any() or not any((X != 0).any() for X in part.C):
+    exactly = part.fractions
+    if exactly is None or not held(part.M[0]).any() or not any(held(X).any() for X in part.C):
         return part
     for planes in _pairs(list(dict.fromkeys(names))):
         one, two = ([i for of in plane for i, name in enumerate(names) if name == of] for plane in planes)
         if len(one) != len(two):
             continue
-        M, B, K = (
+        M, B, K, *letters = (
             [[X[np.ix_(r, c)] for r in (one, two) for c in (one, two)] for X in terms]
-            for terms in (part.M, part.C, part.K)
+            for terms in (part.M, part.C, part.K, *exactly)
         )  # fmt: skip
-        alike = all((a == d).all() and not (b != 0).any() and not (c != 0).any() for a, b, c, d in M + K)
-        if alike and all((b == -c).all() and not (a != 0).any() and not (d != 0).any() for a, b, c, d in B):
+        of_M, of_B, of_K = letters
+        alike = all((a == d).all() and not (b != 0).any() and not (c != 0).any() for a, b, c, d in of_M + of_K)
+        if alike and all((b == -c).all() and not (a != 0).any() and not (d != 0).any() for a, b, c, d in of_B):
             masses, stiff, rates = ([X[k] for X in terms] for terms, k in ((M, 0), (K, 0), (B, 1)))
             return _turned(replace(part, planes=planes), masses, rates, stiff, rest)
     return part
@@ -276,20 +278,20 @@ def _pairs(names: list[str]) -> Iterator[Planes]:
 
 def _turned(part: Part, M: Powers, B: Powers, K: Powers, rest: bool) -> Part:
     mass = M[0]
-    i, j = next(zip(*np.nonzero(mass != 0), strict=True))
+    i, j = next(zip(*np.nonzero(held(mass)), strict=True))
     rate = B[0][i, j] / mass[i, j] / 2
     if rate < 0:  # of the other one
         one, two = part.planes or ((), ())
         return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K, rest)
     # from rest no rates are left, at any load: not so where they grow with it, of a frame that turns faster then
     left = [2 * rate * mass - B[0], *B[1:], *M[1:]]
-    whirls = not rest or rate == 0 or any((X != 0).any() for X in left)
+    whirls = not rest or rate == 0 or any(held(X).any() for X in left)
     if whirls:
         rate = fmpq(_fast(mass, B[0], K[0]))
     turned = [
         [rate * b - rate * rate * m + k, 2 * rate * m - b] for m, b, k in zip_longest(M, B, K, fillvalue=fmpq(0) * mass)
     ]
-    part = replace(part, C=[], turn=Fraction(int(rate.p), int(rate.q)), whirls=whirls)
+    part = replace(part, C=[], turn=Fraction(int(rate.p), int(rate.q)), whirls=whirls, known=None, letters=None)
     if not whirls:
         return replace(part, M=[mass], K=[A for A, _ in turned])
     # (w, s w) has K − s M, with K = [[0, 1], [A_0, A_1]] and M = [[1, 0], [0, M]]
