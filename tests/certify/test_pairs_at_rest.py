@@ -111,6 +111,13 @@ def test_a_shaft_without_damping_is_not_lost_at_its_critical_speeds() -> None:
         assert abs(values.real).max() < 1e-6 * abs(values).max()
 
 
+def test_a_whirl_as_fast_as_its_frame_is_refused_with_a_cure() -> None:
+    """ω = 2 + P and 2 − P, seen from a frame of rate 4 or 8: below P = 12, and not below 5."""
+    with pytest.raises(fb.InputError, match="as fast as the frame: give a lower load_max"):
+        fb.certified_crossings(column("turning disc"), 2, load_max=12, digits=8)
+    assert not fb.certified_crossings(column("turning disc"), 2, load_max=5, digits=8)
+
+
 def test_forged_pairs_at_rest_are_refused() -> None:
     data = copied(found("turning disc", 1).unverified)
 

@@ -153,16 +153,23 @@ def _survey(
     kernel: ModuleType, question: Question, load_max: Fraction, digits: int, say: Callable[[str], None]
 ) -> Crossings:
     functions = functions_of(kernel, question.modes)
-    bits = bits_for(functions, 0)
+    bits, fast = bits_for(functions, 0), True
     while True:
         with precision(bits):
             try:
-                parts, rest = _parts(kernel, question, bits, load_max)
+                parts, rest, fast = _parts(kernel, question, bits, load_max)
                 found = _merged(parts, load_max, say, question.kappa is not None)
                 break
-            except Unproven:
-                if 2 * bits > MOST_BITS:
+            except Unproven as error:
+                if 2 * bits <= MOST_BITS:
+                    pass
+                elif fast or isinstance(error, Inseparable):
                     raise
+                else:
+                    raise Unproven(
+                        f"{error}; two planes were not seen from a frame that turns either, because up to the highest "
+                        "load a whirl may be as fast as the frame: give a lower load_max"
+                    ) from error
         bits *= 2
     more = max(bits, bits_for(functions, digits))
     with precision(more):
@@ -170,15 +177,20 @@ def _survey(
     return Crossings(every, load_max, parts, bits)
 
 
-def _parts(kernel: ModuleType, question: Question, bits: int, load_max: Fraction) -> tuple[list[Boundary], bool | None]:
-    """All parts, and how planes that whirl are seen: not from a frame where that leaves something open."""
+def _parts(
+    kernel: ModuleType, question: Question, bits: int, load_max: Fraction
+) -> tuple[list[Boundary], bool | None, bool]:
+    """All parts, and how planes that whirl are seen: not from a frame where that leaves something open; and whether all
+    frames are known to turn fast."""
+    fast = True
     try:
         parts = boundaries(kernel, question, bits, True)
-        if all(turns_fast(of, load_max) for of in parts):
-            return parts, True
+        fast = all(turns_fast(of, load_max) for of in parts)
+        if fast:
+            return parts, True, True
     except Unproven:
         pass
-    return boundaries(kernel, question, bits), None
+    return boundaries(kernel, question, bits), None, fast
 
 
 def turns_fast(of: Boundary, load_max: Fraction) -> bool:
