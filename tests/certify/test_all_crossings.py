@@ -262,3 +262,13 @@ def test_a_crossing_that_leaves_its_box_in_refining_is_lost(monkeypatch: pytest.
             continue
         with pytest.raises(Unproven, match="was lost in refining it"):
             all_crossings._refined([of], [crossing], [of], 10, 64)
+
+
+@pytest.mark.parametrize(("dip", "common"), [(8, True), (1, False)])
+def test_a_common_zero_between_the_ends_of_a_stretch_is_not_passed_over(dip: int, common: bool) -> None:
+    """h = g = 1 − c P (1 − P) + x is positive at both ends, for 0 ≤ x ≤ 1; with c = 8 it is not so between them."""
+    table = arb_mat([[1, 1], [-dip, 0], [dip, 0]])
+    both: Any = SimpleNamespace(table=table)
+    them: Any = object.__new__(all_crossings._Survey)
+    them.found, them._strips = SimpleNamespace(h=both, g=both), lambda *_: [(F(0), F(1), 0), (F(1), None, 1)]
+    assert (them._doubtful(F(0), F(1)) is not None) == common

@@ -674,3 +674,27 @@ def test_the_direction_of_a_crossing_is_that_of_the_branch_whatever_the_function
         else:
             with pytest.raises(beam_itself.NoOnset):
                 problem.onset([arb(1), arb(1)], taylor)
+
+
+def test_conditions_are_solved_for_derivatives_that_no_load_and_no_frequency_takes_away() -> None:
+    """Of two conditions at x = 0 those two derivatives whose determinant is one number, other than zero."""
+    one, load, mass, zero = (Coefficient(*map(arb, of)) for of in ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0, 0, 0)))
+    beam: Any = object.__new__(Beam)
+    for rows, pivots in (
+        (({3: one}, {2: one}), (3, 2)),
+        (({3: one, 2: load}, {2: one}), (3, 2)),
+        (({3: one, 2: load}, {3: load, 2: one}), None),
+        (({3: one, 2: load}, {3: mass, 2: one}), None),
+        (({3: one, 2: load, 1: one}, {3: load, 2: one, 0: one}), (3, 0)),
+        (({3: one, 2: mass}, {3: mass, 2: one, 1: one}), (3, 1)),
+        (({3: one, 2: one}, {3: one, 2: one}), None),
+        (({3: load, 1: one}, {2: mass, 0: one}), (1, 0)),
+        (({3: one, 2: zero}, {1: one}), (3, 1)),
+    ):
+        beam._parts = lambda rows=rows: SimpleNamespace(left=rows)
+        beam.name = "one"
+        if pivots is None:
+            with pytest.raises(NoSeries):
+                beam.pivots()
+        else:
+            assert beam.pivots() == pivots

@@ -15,7 +15,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb, arb_poly
+from flint import acb, arb, arb_poly, fmpq_poly
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
@@ -339,6 +339,24 @@ def test_what_a_power_series_leaves_out_is_at_most_a_geometric_series(base: int)
                 falling = (perm(last + j, d) / arb(base) ** j for j in range(1, 300))
                 ratio = bound / (top * sum(falling, arb(0)))
                 assert abs(ratio - 1) < 1e-20 if d == 0 else 1 < ratio < 1.1
+
+
+@pytest.mark.parametrize(("d", "k"), [(0, 0), (1, 0), (2, 3), (3, 1), (0, 2)])
+def test_of_one_positive_factor_majorants_are_the_coefficients(d: int, k: int) -> None:
+    """Of y⁗ = 7 x^k y^(d): integrated four times, from x^r on."""
+    with flint.ctx.workprec(192):
+        sizes, _ = majorants([(d, k, arb(7))], 64)
+        for r, of_one in enumerate(sizes):
+            term = whole = fmpq_poly([0] * r + [1])
+            while term.degree() < len(of_one) and term != 0:
+                for _ in range(d):
+                    term = term.derivative()
+                term = 7 * term * fmpq_poly([0] * k + [1])
+                for _ in range(4):
+                    term = term.integral()
+                whole += term
+            for n, size in enumerate(of_one):
+                assert abs(size - arb(whole[n])) <= 1e-40 * size and (n > 3 or size == int(n == r))
 
 
 FORMS: dict[str, tuple[dict[Any, int], dict[Any, int]]] = {

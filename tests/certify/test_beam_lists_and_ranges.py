@@ -38,6 +38,7 @@ from freebeam_derive.certify import (
     verifier_touches,
 )
 from freebeam_derive.certify.balls import precision
+from freebeam_derive.certify.verifier_beam_claims import listed
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Form, Refused, ball
@@ -303,6 +304,13 @@ def test_hostile_files_are_refused_before_anything_is_computed(monkeypatch: pyte
 # ------------------------------------------------------------ its own steps
 
 
+def test_a_list_may_be_as_long_as_the_most_and_no_longer() -> None:
+    assert listed([1, 2], 2, "cells") == [1, 2]
+    for given in ([1, 2, 3], (1, 2), None):
+        with pytest.raises(Refused, match="no list of cells, or there are too many"):
+            listed(given, 2, "cells")
+
+
 def test_a_cell_that_is_left_out_is_missed(monkeypatch: pytest.MonkeyPatch) -> None:
     data, halves = certificate("list", "none"), verifier_cells._halves
     for kept in (0, 1):
@@ -466,6 +474,30 @@ def test_the_equations_of_a_range_hold_those_of_each_damping(kind: str) -> None:
             values = one.system(Box(F, *near).value, *x)[0]
             assert all(h.contains(v.mid()) and h.rad() > 0 for h, v in zip(held, values, strict=True) if h.rad() > 0)
         assert any(h.rad() > 0 for h in held)
+
+
+@pytest.mark.parametrize("limit", [False, True])
+def test_equations_of_a_range_change_with_damping_as_their_differences_do(limit: bool) -> None:
+    """Slopes in c_E and c_M at a point that is no crossing, and in their ratio in the limit."""
+    F, middle, h = Shooting(*of_kernel(beck)), (Fraction(1, 10), Fraction(2, 10)), Fraction(1, 10**8)
+    with precision(128):
+        x = arb(13), arb(90 if limit else 7)
+
+        def values(of_E: Fraction, of_M: Fraction) -> list[arb]:
+            one = Equations(F, 0, (of_E, of_E), (of_M, of_M), limit)
+            p, s = one.place(*x)
+            return one.system(Box(F, p, s).value, *x)[0]
+
+        wide = Equations(F, 0, *((v - h, v + h) for v in middle), limit)
+        found = wide._by_damping(Box(F, *wide.place(*x)), *x)
+        for k, (slopes, far) in enumerate(found):
+            moved = [[v + side * h * (n == (1 if limit else k)) for n, v in enumerate(middle)] for side in (1, -1)]
+            by = 2 * ball(h) / (ball(middle[0]) if limit else 1)
+            for slope, one, other in zip(slopes, *(values(*at) for at in moved), strict=True):
+                assert abs((one - other) / by - slope.mid()) < 1e-5 * max(abs(v.mid()) for v in slopes)
+            if not limit:
+                assert far.contains(ball(h)) and far.rad() < 1.01e-8
+        assert len(found) == 2 - limit and all(any(v.mid() != 0 for v in slopes) for slopes, _ in found)
 
 
 def test_touches_are_known_in_closed_form_alone() -> None:

@@ -33,7 +33,7 @@ from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.parameter_series import DEGREE, OverEquation, Series
 from freebeam_derive.certify.strips import NoStrips, Strips
 from freebeam_derive.certify.system_ranges import OverSystem
-from freebeam_derive.certify.uniform import uniform
+from freebeam_derive.certify.uniform import NotUniform, _form, uniform
 from freebeam_sym.checks import InputError
 
 F = Fraction
@@ -418,3 +418,13 @@ def test_a_range_that_is_none_is_refused_in_one_line(arguments: list[str], capsy
     assert main(["critical", "--column", "beck", *arguments]) == 2
     out, err = capsys.readouterr()
     assert not out and err.count("\n") == 1
+
+
+def test_forms_at_places_keep_which_end_moves_and_which_is_felt() -> None:
+    point = ((None, 0, F(0), None), (None, 1, F(1), None), F(5))
+    assert _form([(None, None, 1, None, 0, (3, 0, 2))], [point, point]) == (
+        {(0, 1, 0): 3, (1, 1, 0): 0, (2, 1, 0): 2},
+        {(0, 0, 1, 1): 10},
+    )
+    with pytest.raises(NotUniform):
+        _form([], [((None, 0, F(1, 2), None), *point[1:])])

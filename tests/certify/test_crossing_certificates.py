@@ -24,6 +24,7 @@ from freebeam_derive.certify import all_crossings, certificate, first_crossing, 
 from freebeam_derive.certify.all_crossings import Crossings
 from freebeam_derive.certify.balls import exact, precision
 from freebeam_derive.certify.boundary_polynomials import Question, _of_any
+from freebeam_derive.certify.decimals import read
 from freebeam_derive.certify.parts import split
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_lists import OfCrossings, verify
@@ -107,6 +108,7 @@ def test_statement_record_and_list_agree_and_say_so_in_one_line(tmp_path: Path, 
         (c.kind, c.unstable_below, c.unstable_above) for c in listed
     ]
     assert said.record()["crossings"] == told["crossings"] and told["kind"] == "all"
+    assert read(told["stable_to"]) == (said.passings[0].load[0] if said.passings else said.load_max)
 
 
 def test_a_crossing_at_the_highest_load_is_stated_with_a_load_beyond() -> None:

@@ -339,6 +339,15 @@ def test_all_frequencies_of_uniform_parts_are_those_of_a_series(name: str) -> No
     assert min(abs(share * 2**k - 1) for k in range(stepped_section.TRIES)) < 1e-9
 
 
+def test_gaps_are_wider_than_what_grows_with_the_frequency_needs() -> None:
+    with precision(BITS):
+        them = parts(*PARTS["rotary inertia"])
+        G, gap = them.gap_beyond(lambda *_: arb(0))
+        rate = 3 * gap / G.sqrt()
+        far, wide = them.gap_beyond(lambda _, high: rate * high.sqrt().sqrt())
+        assert far > 2 * G and wide > rate * far.sqrt()
+
+
 @pytest.mark.parametrize("name", PARTS)
 def test_waves_and_a_rest_are_the_characteristic_function(name: str) -> None:
     """At some γ, where the rest is not small; and its slope by differences."""

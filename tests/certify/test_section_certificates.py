@@ -20,7 +20,7 @@ from flint import acb, acb_poly, arb, arb_poly, arb_series, fmpq_poly
 from scipy.linalg import expm
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_of_sections, verifier_waves
+from freebeam_derive.certify import verifier, verifier_of_sections, verifier_sections, verifier_waves
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _sections
 from freebeam_derive.certify.verifier_boxes import Box
@@ -424,6 +424,16 @@ def test_slopes_of_waves_are_those_of_differences() -> None:
                 unit = wave_of(k, gamma) / value.mid()
                 found = (wave_of(k, gamma + h) - wave_of(k, gamma - h)) / (2 * h)
                 assert abs(found - slope.mid() * unit) < 1e-20 * abs(found)
+
+
+def test_a_polynomial_on_a_ball_is_known_as_well_as_its_bend_lets_it() -> None:
+    """Of 3 − 2x + 5x² the enclosure reaches the value at the upper end, where all that is added has one sign."""
+    with flint.ctx.workprec(BITS):
+        for middle, radius in ((arb(1), "0.25"), (arb(2), "0.5"), (arb(1), "0.001")):
+            start, end = (middle + side * arb(radius) for side in (-1, 1))
+            found = verifier_sections.at(fmpq_poly([3, -2, 5]), start.union(end))
+            assert abs(found.upper() - (3 - 2 * end + 5 * end * end)) < 1e-7
+            assert found.contains(3 - 2 * start + 5 * start * start)
 
 
 def test_pieces_are_all_of_a_segment_and_no_more() -> None:

@@ -65,6 +65,18 @@ def of_parts(a: int, b: int, c: int) -> Iterator[Quantity]:
         yield motion([section], first.mid(), (ONE, order)), -1, 0, 0
 
 
+def where_no_mass_is(a: int, b: int, c: int) -> Iterator[Quantity]:
+    """A load on a tip without a mass, which grows with the frequencies between which it acts."""
+    size = load_size(ColumnForms(stepped(a, b, c, masses=[at(HALF, 0, F(a, 3))], forces=[]), {}))
+    omega = (arb(b) / a).sqrt()
+    assert size.places
+    for low, high in ((0, 50), (40, 50), (4000, 5000)):
+        yield size.at(low * omega, high * omega), -0.5, -0.5, 1
+    for value, seen, _ in size.places:
+        for one in (value, *seen):
+            yield one.most(size.forms, arb(b).sqrt(), arb(a).sqrt() / 90) / one.weight, 0, 0, 0
+
+
 def held_by_springs(a: int, b: int, c: int) -> Iterator[Quantity]:
     springs = [at(F(0), 0, 3 * b), at(HALF, 0, 2 * b), at(ONE, 1, 5 * b)]
     forms = ColumnForms(stepped(a, b, c, ends=("free", "free"), springs=springs), {})
@@ -132,7 +144,7 @@ def sections(a: int, b: int, c: int) -> Iterator[Quantity]:
         yield energy, 0, 1, 0
 
 
-@pytest.mark.parametrize("of", [of_parts, held_by_springs, tapered, left_over, sections])
+@pytest.mark.parametrize("of", [of_parts, where_no_mass_is, held_by_springs, tapered, left_over, sections])
 def test_bounds_are_quantities(of: Callable[[int, int, int], Iterator[Quantity]]) -> None:
     a, b, c = 2**4, 3**4, 5
     with flint.ctx.workprec(BITS):

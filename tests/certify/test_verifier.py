@@ -19,6 +19,7 @@ from fractions import Fraction
 from functools import cache
 from itertools import pairwise, product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import flint
@@ -798,3 +799,16 @@ def main(count: int) -> None:
 
 if __name__ == "__main__":
     main(*map(int, sys.argv[1:]))
+
+
+@pytest.mark.parametrize(("M", "C", "K", "vanishing", "sign"), [
+    (-3, 0, 2, False, -1), (-3, 2, 2, False, 1), (-3, 2, 2, True, -1), (3, -4, 2, False, 1), (3, -6, 2, False, -1)
+])  # fmt: skip
+def test_the_sign_of_the_determinant_is_that_at_one_without_load(
+    M: int, C: int, K: int, vanishing: bool, sign: int
+) -> None:
+    """M + C + K as they are, for λ = 1; without C in the limit, and what grows with the load left out."""
+    of = [[arb_mat([[v]]), arb_mat([[99]])] for v in (M, C, K)]
+    them: Any = object.__new__(verifier.Series)
+    them.system = SimpleNamespace(known=True, vanishing=vanishing, M=of[0], C=of[1], K=of[2])
+    assert them.sign == sign
