@@ -307,6 +307,12 @@ def test_a_box_holds_all_that_the_rest_could_be() -> None:
                 assert box.value(x, y, i, j).contains(exact.value(x, y, i, j) + change)
 
 
+@pytest.mark.parametrize(("P", "s"), [(1e6, 1.0), (1.0, 1e11), (1.0, -1e11)])
+def test_of_a_load_or_an_s_beyond_all_sense_no_series_is_begun(P: float, s: float) -> None:
+    with flint.ctx.workprec(64), pytest.raises(ArithmeticError, match="the power series is too long"):
+        Shooting(*of_kernel(beck)).whole(arb(P), arb(s), arb(1), 3)
+
+
 def test_coefficients_that_are_left_out_go_to_the_rest() -> None:
     tiny = arb(2) ** -200
     with flint.ctx.workprec(64):
@@ -401,8 +407,8 @@ def test_both_end_the_frequencies_at_one_place() -> None:
         for soft in (0.0, 0.4, 0.8):
             theirs.softening, high._softening = norm(soft), [norm(soft), norm(soft / 2)]
             for _ in range(40):
-                a, b, P = 10 ** draw.uniform(-5, 1), draw.uniform(-5, 5), int(draw.integers(1, 60))
-                below: Any = SimpleNamespace(strips=theirs, R=high.top, load=arb(P))
+                a, b, P = 10 ** draw.uniform(-5, 1), draw.uniform(-5, 5), int(draw.integers(1, 60)) / draw.choice([1, 64])
+                below: Any = SimpleNamespace(strips=theirs, R=high.top, load=arb(float(P)))
                 equations: Any = SimpleNamespace(real=False, alpha=arb(a), beta=arb(b))
                 rest = 1 - a * b - a * a * 20000
                 by_line = (20000 / rest) ** 0.5 if rest > 0 else np.inf

@@ -218,6 +218,9 @@ def test_a_touch_is_told_from_a_crossing() -> None:
     for limit in (False, True):  # two eigenvalues meet in zero there
         with precision(128), pytest.raises(Refused, match="how an eigenvalue leaves zero is not known"):
             verifier_of_beam._touches(Equations(F, 0, internal, none, limit), F, stated.passings, Fraction(12))
+    with precision(128):  # and with as little external damping alone as one likes
+        little = Equations(F, 0, none, (Fraction(1, 99),) * 2, False)
+        verifier_of_beam._touches(little, F, stated.passings, Fraction(12))
     there = touch()["crossings"][0]
     refused(touch() | {"crossings": [there | {"load": ["9.8697", "9.8698"]}]}, "a touch is not in its interval")
 

@@ -293,3 +293,10 @@ def test_a_load_that_takes_the_damping_of_each_motion_away(tmp_path: Path) -> No
 if __name__ == "__main__":  # python -m tests.certify.test_crossing_certificates 20: lists of so many random systems
     for kind in [*apart.TIES, "whirls", "tied whirls"]:
         print(kind, sum(drawn(kind, seed) for seed in range(int(sys.argv[1]))), "crossings", flush=True)
+
+
+def test_between_two_loads_a_polynomial_has_the_sign_that_it_keeps_and_else_none() -> None:
+    for factor in (3, -3):
+        p = arb_poly([-2 * factor, factor])
+        for low, high, sign in ((F(1), F(3, 2), -1), (F(1), F(3), 0), (F(2), F(3), 0), (F(5, 2), F(3), 1)):
+            assert verifier_lists._sign(p, low, high) * (1 if factor > 0 else -1) == sign

@@ -34,8 +34,8 @@ from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
-from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, _written
-from freebeam_derive.certify.verifier_damping_forms import damped
+from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, DampedOver, _written
+from freebeam_derive.certify.verifier_damping_forms import _never_negative, damped, halfway
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
@@ -568,6 +568,51 @@ def test_a_damping_is_what_it_is_taken_apart_into() -> None:
         for key, mass in of.masses.items():
             whole = c_E * of.springs.get(key, Fraction(0)) + c_M * mass + found.points[key]
             assert whole == dampers.get(key, 0)
+
+
+def made(along: dict[int, fmpq_poly], points: dict[Any, Fraction], c_E: int = 1, c_M: int = 2, **of: Any) -> Damped:
+    column = Sections(
+        ("clamped", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([3])], [fmpq_poly([2])], [{}], [{}],
+        {(1, 0): Fraction(4)} | of.get("masses", {}), of.get("springs", {}), {},
+    )  # fmt: skip
+    return Damped(column, Fraction(c_E), Fraction(c_M), False, [along], points, ([], {}))
+
+
+def test_halfway_between_two_dampings_is_their_mean_and_a_share_of_it() -> None:
+    """R of the first is a share of that in the middle; where it is no number times it, nothing is said."""
+    f, place, other = fmpq_poly([3, 1]), (1, 0), (1, 1)
+    for first, second in ((1, 3), (3, 1), (2, 2), (0, 4)):
+        # a part that is nothing may be left out
+        one = made({0: f * first} if first else {}, {place: Fraction(5 * first)} if first else {}, 1, 2)
+        middle, share = halfway(one, made({0: f * second}, {place: Fraction(5 * second)}, 4, 3))
+        assert (middle.c_E, middle.c_M, share) == (Fraction(5, 2), Fraction(5, 2), Fraction(2 * first, first + second))
+        assert middle.along == [{0: f * 2}] and middle.points == {place: Fraction(10)}
+        middle, share = halfway(made({0: f * second}, {}), made({0: f * first} if first else {}, {}))
+        assert middle.along == [{0: f * 2}] and share == Fraction(2 * second, first + second)
+    for mixed in (made({0: f}, {place: Fraction(9)}), made({0: f}, {other: Fraction(5)}), made({1: f}, {place: Fraction(5)})):
+        with pytest.raises(Refused, match="the range changes what is left of damping"):
+            halfway(made({0: f}, {place: Fraction(5)}), mixed)
+    assert halfway(made({}, {}), made({}, {}))[1] == 1
+
+
+def test_over_a_range_each_place_has_the_lightest_mass_and_the_stiffest_spring() -> None:
+    """And of R there what takes most, of either sign; where one end has none, it has nothing there."""
+    a, b = (1, 0), (1, 1)
+    one = made({}, {a: Fraction(1)}, springs={a: Fraction(7), b: Fraction(1)})
+    two = made({}, {a: Fraction(-3), b: Fraction(1, 2)}, masses={a: Fraction(3)}, springs={a: Fraction(9)})
+    for pair in ((one, two), (two, one)):
+        found = DampedOver.of(*pair)
+        assert found.column.masses == {a: 3} and found.column.springs == {a: 9, b: 1}
+        assert found.points == {a: Fraction(-3), b: Fraction(1, 2)}
+    with pytest.raises(Refused, match="a mass is nothing at an end"):
+        DampedOver.of(one, made({}, {}, masses={b: Fraction(1)}))
+
+
+def test_a_factor_that_nowhere_takes_energy_is_told_from_others() -> None:
+    """By its coefficients, or where one is negative by its values, however small."""
+    column = made({}, {}).column
+    for f, never in (([1, 2], True), ([1, -1], False), ([Fraction(1, 9), -0.1], True), ([0, -1], False), ([1, -3, 3], True)):
+        assert _never_negative(column, 0, fmpq_poly([exact(Fraction(c)) for c in f])) == never
 
 
 @pytest.mark.parametrize("factors", [[2], [0, 3], [1, -2, 5], [0, 0, 0, 1], [Fraction(1, 3), 0, -4, 7]])

@@ -228,6 +228,8 @@ def test_equations_of_a_range_of_damping_hold_those_of_each(case: str) -> None:
         for value, weight in over.at(P, x, near):
             total = [a + b * weight for a, b in zip(total, value, strict=True)]
         whole, J = over.system(over.box(*near).value, P, x)
+        for held, summed in zip(over.centre(over.box(*near).value, P, x), total, strict=True):
+            assert held.overlaps(summed) and abs((held - summed).mid()) < 1e-6 * abs(summed)
         for share in (F(0), F(1, 3), F(1)):
             one = Rates(Pieces(columns[0]), at(share)[1])
             value, slopes = one.system(one.box(*near).value, P, x)

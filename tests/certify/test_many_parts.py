@@ -10,6 +10,7 @@ from bisect import bisect_left
 from copy import copy
 from fractions import Fraction
 from functools import cache
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ import freebeam as fb
 from freebeam_derive.certify import stepped_section, verifier_waves
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.column_forms import ColumnForms
-from freebeam_derive.certify.stepped_section import SteppedSection
+from freebeam_derive.certify.stepped_section import SteppedSection, _cells_apart
 from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_sections import Sections
@@ -119,18 +120,50 @@ def test_parts_too_many_to_tell_apart_are_refused(monkeypatch: pytest.MonkeyPatc
 def test_as_many_waves_as_the_limit_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those of whole cells: the least limit that serves is a multiple of the waves of one, and one less is refused."""
     with precision(BITS):
-        of = checked("three masses")
+        of, them, G = checked("three masses"), proven("three masses"), arb(1000)
+        apart = arb.pi() / (64 * of.whole)
+        waves, rest = them._waves(arb(0).union(1 / G), G)
+        for where, look, each in (
+            (verifier_waves, lambda: of._cells_apart(arb(0).union(1 / G), G, apart), len(of.waves(arb(0)))),
+            (stepped_section, lambda: _cells_apart(waves, rest, them.rates, apart, them.same), len(waves) // 2),
+        ):
 
-        def is_served(most: int) -> bool:
-            monkeypatch.setattr(verifier_waves, "MOST_WAVES", most)
-            try:
-                return of._cells_apart(arb(0).union(arb(1) / 1000), arb(1000), arb.pi() / (16 * of.whole))
-            except Refused:
-                return False
+            def is_served(most: int, where: Any = where, look: Any = look) -> bool:
+                monkeypatch.setattr(where, "MOST_WAVES", most)
+                try:
+                    return bool(look())
+                except (Refused, Unproven):
+                    return False
 
-        least = bisect_left(range(2000), True, key=is_served)
-        assert is_served(least) and not is_served(least - 1)
-        assert least % len(of.waves(arb(0))) == 0
+            least = bisect_left(range(4000), True, key=is_served)
+            assert is_served(least) and not is_served(least - 1) and least % each == 0
+
+
+@pytest.mark.parametrize("prover", [True, False])
+def test_on_the_way_to_the_next_frequency_waves_are_looked_at_too(prover: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ε = 1/γ from 0 to 1/G in cells without a gap, each down to 1/(γ + apart) for the largest γ in it."""
+    asked: list[tuple[arb, arb]] = []
+    G, apart = arb(20), arb(2)
+
+    def look(e: arb, least: arb) -> bool:
+        asked.append((e, least))
+        return len(asked) > 3
+
+    with precision(BITS):
+        them = proven("three masses") if prover else checked("three masses")
+        if prover:
+            monkeypatch.setattr(them, "_waves", lambda e, at: (e, at))
+            monkeypatch.setattr(stepped_section, "_cells_apart", lambda e, at, *_: look(e, at))
+        else:
+            monkeypatch.setattr(them, "_cells_apart", lambda e, at, *_: look(e, at))
+        assert them._all_apart(G, apart)
+        cells = sorted((pair[0] for pair in asked[3:]), key=lambda e: float(e.upper()))
+        assert len(cells) > 2 and cells[0].contains(0) and cells[-1].contains(1 / G)
+        for below, e in pairwise(cells):
+            high = below.upper()
+            assert e.contains(1 / (1 / high.mid() + apart)) and not e.contains(1 / (1 / high.mid() + 2 * apart))
+        for e, least in asked:
+            assert least <= 1 / e.upper() * arb("1.01") if not prover else least == G
 
 
 def test_what_is_left_out_grows_as_a_joint_does() -> None:

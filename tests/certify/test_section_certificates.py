@@ -16,7 +16,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, acb_poly, arb, arb_poly, arb_series, fmpq_poly
+from flint import acb, acb_poly, arb, arb_mat, arb_poly, arb_series, fmpq_poly
 from scipy.linalg import expm
 
 import freebeam as fb
@@ -341,6 +341,66 @@ def test_what_is_left_out_of_waves_is_no_less_than_where_all_is_coupled_as_much_
         with flint.ctx.workprec(BITS):
             rest = them.rest(arb(g), arb(0))
             assert rest is not None and truth <= float(rest) * (1 + 1e-12) <= 3 * truth + 1e-9
+
+
+def test_the_inverse_of_what_carries_waves_is_one() -> None:
+    """With nothing above the diagonal either."""
+    draw = np.random.default_rng(6)
+    rows = [[arb(int(draw.integers(1, 9))) if i == k else arb(int(v)) if i > k else arb(0) for k, v in enumerate(line)]
+            for i, line in enumerate(draw.integers(-9, 9, (4, 4)))]  # fmt: skip
+    with flint.ctx.workprec(BITS):
+        found = verifier_waves._inverse(rows)
+        for one, other in ((rows, found), (found, rows)):
+            product = arb_mat(one) * arb_mat(other)
+            assert all(abs(product[i, k] - int(i == k)) < 1e-30 for i in range(4) for k in range(4))
+            assert all(v == 0 for i, line in enumerate(found) for v in line[i + 1 :])
+
+
+@pytest.mark.parametrize("mass", [0, 1, 2, 3])
+def test_a_joint_does_to_minors_what_its_springs_and_masses_do(mass: int) -> None:
+    """EI y'' jumps by (c − J ω²) y' and −(EI y'')' by (k − μ ω²) y, of units γ^i, times γ^−3 for J and γ^−1 for μ."""
+    k, c, mu, J = Fraction(7), Fraction(-2), Fraction(3 * (mass & 1)), Fraction(5 * (mass >> 1))
+    column = Sections(
+        ("free", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([1])], [fmpq_poly([1])], [{}], [{}],
+        {(1, 0): mu, (1, 1): J}, {(1, 0): k, (1, 1): c}, {},
+    )  # fmt: skip
+    found = verifier_waves._joint([column], 1)
+    for gamma in (0.5, 3.0):
+        jump = np.eye(4)
+        jump[2, 1], jump[3, 0] = (float(c) - float(J) * gamma**4) / gamma, (float(k) - float(mu) * gamma**4) / gamma**3
+        factor = gamma ** -(3.0 * (J != 0) + (mu != 0))
+        for i, rows in enumerate(verifier_waves.MINORS):
+            for j, columns in enumerate(verifier_waves.MINORS):
+                wanted = factor * np.linalg.det(jump[np.ix_(rows, columns)])
+                assert float(found[i][j](arb(1) / gamma)) == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+
+
+def test_minors_of_a_triangle_have_the_powers_of_its_places() -> None:
+    """Row i, column k of what carries waves is a factor of ε^(i−k)."""
+    draw = np.random.default_rng(7)
+    rows = np.tril(draw.integers(1, 9, (4, 4))).astype(float)
+    found = verifier_waves._of_minors([[arb(v) for v in line] for line in rows])
+    for e in (0.5, 3.0):
+        whole = np.array([[rows[i, k] * e ** (i - k) for k in range(4)] for i in range(4)])
+        for i, pair in enumerate(verifier_waves.MINORS):
+            for j, columns in enumerate(verifier_waves.MINORS):
+                wanted = np.linalg.det(whole[np.ix_(pair, columns)])
+                assert float(found[i][j](arb(e))) == pytest.approx(wanted, rel=1e-12, abs=1e-9)
+
+
+def test_what_couples_waves_is_known_to_within_the_width_of_a_piece() -> None:
+    """The largest |A| and |H| on a segment and their integrals over z: no less than those of values at many points."""
+    column = Sections(
+        ("clamped", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([5, -3, 1])], [fmpq_poly([4, -2, -1])],
+        [{0: fmpq_poly([2, 1]), 1: fmpq_poly([1, -3])}], [{}], {}, {}, {},
+    )  # fmt: skip
+    with flint.ctx.workprec(BITS):
+        segment, points = verifier_waves.Segment(column, 0), (np.arange(400) + 0.5) / 400
+        A, H, rates = np.array([[float(v) for v in verifier_waves._local(column, 0, arb(x))] for x in points]).T
+    assert float(segment.length) == pytest.approx(rates.mean(), rel=1e-3)
+    for (largest, whole), values in ((segment.A, A), (segment.H, H)):
+        for bound, value in ((largest, abs(values).max()), (whole, (abs(values) * rates).mean())):
+            assert value * 0.999 < float(bound) < 1.25 * value
 
 
 def test_waves_have_the_equation_and_the_end_values_of_the_section() -> None:

@@ -4,6 +4,7 @@ stiffness, springs and load are no numbers that are their own squares or inverse
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -127,6 +128,7 @@ def sections(a: int, b: int, c: int) -> Iterator[Quantity]:
     yield of.size(False), -0.5, -0.5, 1
     yield of.size(True), -0.5, -0.5, 1
     yield of.bending, 0, 0, 0
+    yield replace(of, elastic=[{1: fmpq_poly([-b])}, {1: fmpq_poly([0, -b])}]).bending, 0, 0, 0
     apart = Apart(of)
     yield apart.whole, 0.25, -0.25, 0
     G = 40 * omega.sqrt()

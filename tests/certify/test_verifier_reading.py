@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from flint import fmpq
 
-from freebeam_derive.certify import verifier, verifier_beam_claims, verifier_claims, verifier_of_matrices
+from freebeam_derive.certify import certificate, verifier, verifier_beam_claims, verifier_claims, verifier_of_matrices
 from freebeam_derive.certify.verifier_claims import Refused
 
 F = Fraction
@@ -248,3 +248,18 @@ def test_a_list_of_crossings_ascends_and_its_numbers_fit(monkeypatch: pytest.Mon
     for top in ("0", "-1", str(verifier_beam_claims.HIGHEST)):
         with pytest.raises(Refused, match="end where they begin, or go on for too long"):
             read(one, top=top)
+
+
+def test_a_form_is_written_less_another_of_the_same_terms() -> None:
+    """Segment by segment and power by power; what is left of nothing is not written."""
+    value, other = ("y", 0, fmpq(1), 0), ("y", 1, fmpq(1, 2), -1)
+    along = [((0, 1), "y", 1, "y", 1, [5, fmpq(1, 3)]), ((1,), "y", 0, "y", 0, [2])]
+    points = [(value, other, fmpq(7, 2)), (value, value, 1)]
+    less = [((0, 1), "y", 1, "y", 1, [2]), ((1,), "y", 0, "y", 0, [2])], [(value, other, 3), (value, value, 1)]
+    ends = [["y", 0, "1", 0], ["y", 1, "1/2", -1]]
+    assert certificate._form((along, points), less) == {
+        "along": [[n, "y", 1, "y", 1, ["3", "1/3"]] for n in (0, 1)],
+        "points": [[*ends, "1/2"]],
+    }
+    whole = certificate._form((along, points))
+    assert whole["along"][0][-1] == ["5", "1/3"] and [p[-1] for p in whole["points"]] == ["7/2", "1"]
