@@ -407,7 +407,11 @@ def test_both_end_the_frequencies_at_one_place() -> None:
         for soft in (0.0, 0.4, 0.8):
             theirs.softening, high._softening = norm(soft), [norm(soft), norm(soft / 2)]
             for _ in range(40):
-                a, b, P = 10 ** draw.uniform(-5, 1), draw.uniform(-5, 5), int(draw.integers(1, 60)) / draw.choice([1, 64])
+                a, b, P = (
+                    10 ** draw.uniform(-5, 1),
+                    draw.uniform(-5, 5),
+                    int(draw.integers(1, 60)) / draw.choice([1, 64]),
+                )
                 below: Any = SimpleNamespace(strips=theirs, R=high.top, load=arb(float(P)))
                 equations: Any = SimpleNamespace(real=False, alpha=arb(a), beta=arb(b))
                 rest = 1 - a * b - a * a * 20000

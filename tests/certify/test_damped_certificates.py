@@ -589,7 +589,11 @@ def test_halfway_between_two_dampings_is_their_mean_and_a_share_of_it() -> None:
         assert middle.along == [{0: f * 2}] and middle.points == {place: Fraction(10)}
         middle, share = halfway(made({0: f * second}, {}), made({0: f * first} if first else {}, {}))
         assert middle.along == [{0: f * 2}] and share == Fraction(2 * second, first + second)
-    for mixed in (made({0: f}, {place: Fraction(9)}), made({0: f}, {other: Fraction(5)}), made({1: f}, {place: Fraction(5)})):
+    for mixed in (
+        made({0: f}, {place: Fraction(9)}),
+        made({0: f}, {other: Fraction(5)}),
+        made({1: f}, {place: Fraction(5)}),
+    ):
         with pytest.raises(Refused, match="the range changes what is left of damping"):
             halfway(made({0: f}, {place: Fraction(5)}), mixed)
     assert halfway(made({}, {}), made({}, {}))[1] == 1
@@ -611,7 +615,13 @@ def test_over_a_range_each_place_has_the_lightest_mass_and_the_stiffest_spring()
 def test_a_factor_that_nowhere_takes_energy_is_told_from_others() -> None:
     """By its coefficients, or where one is negative by its values, however small."""
     column = made({}, {}).column
-    for f, never in (([1, 2], True), ([1, -1], False), ([Fraction(1, 9), -0.1], True), ([0, -1], False), ([1, -3, 3], True)):
+    for f, never in (
+        ([1, 2], True),
+        ([1, -1], False),
+        ([Fraction(1, 9), -0.1], True),
+        ([0, -1], False),
+        ([1, -3, 3], True),
+    ):
         assert _never_negative(column, 0, fmpq_poly([exact(Fraction(c)) for c in f])) == never
 
 

@@ -140,7 +140,9 @@ def test_as_many_waves_as_the_limit_are_looked_at(monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.parametrize("prover", [True, False])
-def test_on_the_way_to_the_next_frequency_waves_are_looked_at_too(prover: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_on_the_way_to_the_next_frequency_waves_are_looked_at_too(
+    prover: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
     """ε = 1/γ from 0 to 1/G in cells without a gap, each down to 1/(γ + apart) for the largest γ in it."""
     asked: list[tuple[arb, arb]] = []
     G, apart = arb(20), arb(2)
