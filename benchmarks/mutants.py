@@ -4,7 +4,8 @@ with more words, such as `beam strips gaps`, of files alone whose names hold one
 Mutants are drawn at random by the seed from the places where an operator of cosmic-ray applies: arithmetic,
 comparisons, signs, numbers, `and` and `or`, `not`, loops. The tests of each part run once with coverage, which tells
 the tests that reach a line. Each mutant is put into a copy of the tree, in which the tests that reach its statement
-run, the quickest first, until one fails or half a minute has passed; those that reach the file where it runs on import.
+run, those of files that name the module first, until one fails or half a minute has passed; those that reach the file
+where it runs on import.
 Tests that do not end within a limit of time tell nothing: such a change is counted apart, neither killed nor alive.
 Those that are not killed are listed in build/mutants.json, with what was changed. A change that docs/mutants.md lists
 as equivalent, with the reason, is passed over and the next one drawn: it tells nothing of the tests.
@@ -214,8 +215,9 @@ def statement(source: str, line: int) -> range:
 
 
 def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str, dict[str, object]]]) -> list[str]:
-    """The tests that reach what is changed, the quickest first, then those that see it in what is kept, as many as fit
-    into `MOST`, one at least; of what runs on import those that reach anything of the file."""
+    """The tests that reach what is changed, those of files that name the module first and of these the quickest, then
+    those that see it in what is kept, as many as fit into `MOST`, one at least; of what runs on import those that reach
+    anything of the file."""
     pairs = zip(before.split("\n"), after.split("\n"), strict=False)
     changed = next(number for number, (old, new) in enumerate(pairs, 1) if old != new)
     lines = reach[mutant.part]["lines"][mutant.file]
@@ -227,7 +229,9 @@ def tests_of(mutant: Mutant, before: str, after: str, reach: dict[str, dict[str,
     holding = {test.split("::")[0] for test in found}
     # what is computed once and kept is reached by the first test that asks alone; others that see it take no time
     kept = {test for test, time in seconds.items() if time < KEPT and test.split("::")[0] in holding} - found
-    tests = [*sorted(found, key=seconds.__getitem__), *sorted(kept)]
+    name = re.compile(rf"\b{Path(mutant.file).stem}\b")
+    far = {file for file in holding if not name.search((ROOT / file).read_text(encoding="utf-8"))}
+    tests = [*sorted(found, key=lambda test: (test.split("::")[0] in far, seconds[test])), *sorted(kept)]
     sums = accumulate(seconds[test] for test in tests)
     return [test for test, total in zip(tests, sums, strict=True) if total <= MOST] or tests[:1]
 

@@ -272,3 +272,22 @@ def test_a_common_zero_between_the_ends_of_a_stretch_is_not_passed_over(dip: int
     them: Any = object.__new__(all_crossings._Survey)
     them.found, them._strips = SimpleNamespace(h=both, g=both), lambda *_: [(F(0), F(1), 0), (F(1), None, 1)]
     assert (them._doubtful(F(0), F(1)) is not None) == common
+
+
+@pytest.mark.parametrize(
+    ("question", "count"),
+    [(Question(3), 1), (Question(3, F("0.01"), F("0.5")), 1), (Question(2, F("0.1"), own=Own(eta=F(0))), 2)],
+)
+def test_each_crossing_is_within_a_box_of_its_own(question: Question, count: int) -> None:
+    """Which goes from below it to above it in P, and in x, and meets no other."""
+    with balls.precision(400):
+        of = boundary(fb.column("beck", "modes").kernel, question, 400)
+        listed = all_crossings._Survey(of, F(40), lambda _: None).run()
+        assert len(listed) == count
+        for c in listed:
+            assert balls.exact(c.low) < c.load < balls.exact(c.high) and c.high - c.low < 40
+            if c.square is not None:
+                assert balls.exact(c.bottom) < c.square < balls.exact(c.top)
+                assert of.h(c.load, c.square).contains(0) and of.g(c.load, c.square).contains(0)
+        for one, other in pairwise(sorted(listed, key=lambda c: c.low)):
+            assert one.high <= other.low or (one.square is None) != (other.square is None)

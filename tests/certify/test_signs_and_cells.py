@@ -12,21 +12,23 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import arb, fmpq_mpoly_ctx
+from flint import acb, arb, fmpq_mpoly_ctx
 
-from freebeam_derive.certify import verifier_equations, verifier_signs
+from freebeam_derive.certify import verifier_equations, verifier_signs, verifier_spectrum
 from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_stability import Below
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_equations import Equations
 from freebeam_derive.certify.verifier_signs import Signs, Stretch
+from freebeam_derive.certify.verifier_spectrum import Circle, Enclosed, Function
 
 F = Fraction
 P, S = fmpq_mpoly_ctx.get(("P", "s"), "lex").gens()
 MEETING = ((S - 5) ** 2 - (1 - P)) * (20 - S)  # at P = 1 two eigenvalues s meet in 5; the third is 20
 BUCKLING = (S - (1 - P)) * (20 - S)  # at P = 1 an eigenvalue is zero
-ZERO = F(0), F(0)
+NONE = F(0)
+ZERO = NONE, NONE
 
 
 class Polynomial:
@@ -37,7 +39,7 @@ class Polynomial:
     def __init__(self, of: Any) -> None:
         self.terms = {tuple(map(int, power)): F(int(c.p), int(c.q)) for power, c in of.to_dict().items()}
 
-    def value(self, p: Any, s: Any, i: int, j: int) -> Any:
+    def value(self, p: Any, s: Any, i: int = 0, j: int = 0) -> Any:
         """A Taylor coefficient, from those at the middle."""
         at, by = (p.mid(), s.mid()), (p - p.mid(), s - s.mid())
         around: dict[tuple[int, int], Any] = {}
@@ -56,11 +58,11 @@ class Polynomial:
 
 @pytest.fixture(autouse=True)
 def polynomials_are_their_own_boxes(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (verifier_equations, verifier_signs):
+    for module in (verifier_equations, verifier_signs, verifier_spectrum):
         monkeypatch.setattr(module, "Box", lambda whole, *_, **__: whole)
 
 
-def equations(of: Any, R: int = 0, of_E: Fraction = F(0), of_M: Fraction = F(0), limit: bool = False) -> Equations:
+def equations(of: Any, R: int = 0, of_E: Fraction = NONE, of_M: Fraction = NONE, limit: bool = False) -> Equations:
     return Equations(Polynomial(of), R, (of_E, of_E), (of_M, of_M), limit)  # type: ignore[arg-type]
 
 
@@ -135,9 +137,15 @@ def test_static_zeros_are_each_known_or_found() -> None:
     of = (P - 1) * (P - 3) * (20 - S) + S
     known = [(F(99, 100), F(101, 100)), (F(299, 100), F(301, 100))]
     for R, top, given, holds in (
-        (0, F(4), known, True), (1, F(4), known, True), (0, F(2), known[:1], True), (0, F(4), known[:1], False),
-        (0, F(4), known[1:], False), (0, F(4), [], False), (0, F(1, 2), [], True), (0, F(4), [(F(1, 2), F(7, 2))], False),
-    ):  # fmt: skip
+        (0, F(4), known, True),
+        (1, F(4), known, True),
+        (0, F(2), known[:1], True),
+        (0, F(1, 2), [], True),
+        (0, F(4), known[:1], False),
+        (0, F(4), known[1:], False),
+        (0, F(4), [], False),
+        (0, F(4), [(F(1, 2), F(7, 2))], False),
+    ):
         with flint.ctx.workprec(128):
             signs = Signs(equations(of * S**R, R), arb(40))
             if holds:
@@ -189,9 +197,13 @@ def test_the_prover_does_not_see_stability_where_signs_do_not_alternate() -> Non
 
 def test_static_zeros_are_seen_by_the_prover() -> None:
     for R, of, load, kind, free in (
-        (0, BUCKLING, 1.0, "divergence", True), (1, BUCKLING * S, 1.0, "divergence", True), (0, BUCKLING, 1.0, "flutter", False),
-        (0, BUCKLING, 0.75, "flutter", True), (0, BUCKLING, 1.25, "flutter", False), (0, BUCKLING * (3 * P - 1), 0.75, "flutter", False),
-    ):  # fmt: skip
+        (0, BUCKLING, 1.0, "divergence", True),
+        (1, BUCKLING * S, 1.0, "divergence", True),
+        (0, BUCKLING, 0.75, "flutter", True),
+        (0, BUCKLING, 1.0, "flutter", False),
+        (0, BUCKLING, 1.25, "flutter", False),
+        (0, BUCKLING * (3 * P - 1), 0.75, "flutter", False),
+    ):
         with flint.ctx.workprec(128):
             it = below(of, 2, load, lambda P: [1 - P, 20, 90], R)
             if free:
@@ -248,3 +260,40 @@ def test_cells_hold_no_crossing_but_the_known(beta: Fraction) -> None:
         Cells(of, load - F(1, 8), []).check(top)
         with pytest.raises(Refused, match="another crossing could be near"):
             Cells(of, load + F(1, 8), []).check(top)
+
+
+# ------------------------------------------------------------ all eigenvalues within a circle
+
+
+@pytest.mark.parametrize(("of_E", "of_M"), [(F(0), F(0)), (F(0), F(3)), (F(1, 20), F(1, 5)), (F(1, 20), F(-1))])
+def test_a_circle_holds_as_many_zeros_as_are_within(of_E: Fraction, of_M: Fraction) -> None:
+    """λ² + βλ + s (1 + αλ) = 0 for each of the s of the load; one zero is in a square about each of these λ alone."""
+    load = F(1, 4)  # p is no number where α is not zero
+    roots = [np.roots([1 - 0 * s, float(of_M) + float(of_E) * s, s]) for s in (5, 20, 90)]
+    F_of = (S - 5) * (S - 20) * (S - 90)
+    places = sorted(np.concatenate(roots), key=abs)
+    with flint.ctx.workprec(128):
+        f: Any = Function(Polynomial(F_of), load, of_E, of_M)  # type: ignore[arg-type]
+        for radius in (F(1), F(3), F(6), F(12)):
+            if abs(np.abs(places) - float(radius)).min() > 0.05 and radius * of_E < 1:
+                assert Circle(f, radius).zeros() == sum(abs(v) < radius for v in places)
+        for v in places[:4]:
+            re, im = (F(round(part * 2**40), 2**40) for part in (v.real, v.imag))
+            for shift, holds in ((F(0), True), (F(1, 1100), True), (F(1, 900), False)):
+                assert f.one_in(Enclosed(re + shift, im, F(1, 1000))) == holds
+                assert f.one_in(Enclosed(re, im - shift, F(1, 1000))) == holds
+            at = f.near(acb(v.real, v.imag) + acb(arb(0, 0.1), arb(0, 0.1)))
+            h, here = acb(1e-12, 1e-12), acb(v.real + 0.01, v.imag - 0.02)
+            difference = (at(here + h)[0] - at(here - h)[0]) / (2 * h)
+            assert abs(difference / at(here)[1] - 1) < 1e-6
+
+
+def test_a_circle_through_a_zero_is_refused() -> None:
+    with flint.ctx.workprec(128):
+        f: Any = Function(Polynomial((S - 4) * (S - 20)), NONE, NONE, NONE)  # type: ignore[arg-type]
+        with pytest.raises(Refused, match="too near an eigenvalue"):
+            Circle(f, F(2)).zeros()
+        whole = Circle(f, F(3))
+        quarters = [whole.turned(F(k, 64), F(k + 1, 64)) for k in range(64)]
+        assert all(turn is not None for turn in quarters)
+        assert abs(sum((turn for turn in quarters if turn), arb(0)) / arb.pi() - 2) < 1e-20

@@ -210,7 +210,7 @@ class Circle:
             value = at(middle)[0]
             slope = at(along)[1]
             # all values are in the half-plane about the one in the middle
-            if value.contains(0) or not (1 + slope * (along - middle) / value).real > 0:
+            if not (1 + slope * (along - middle) / value).real > 0:
                 return None
             total += (last / value).arg() - (first / value).arg()
             first = last
