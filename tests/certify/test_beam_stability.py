@@ -305,6 +305,10 @@ def test_a_spectrum_is_complete_up_to_the_first_that_is_missing(monkeypatch: pyt
         fewer, _ = complete_to(beam, NONE, NONE, HALF, known[:lost] + known[lost + 1 :])
         assert fewer is None or fewer < abs(known[lost])
     assert complete_to(beam, Fraction(20), NONE, HALF, known[:2])[1] == "fewer than the 4 lowest are known"
+    # with much damping, where λ² alone would take one of them for a slower one
+    known = with_damping(0, 400, 6)
+    fewer, _ = complete_to(beam, NONE, NONE, Fraction(400), known[:8] + known[10:])
+    assert fewer is not None and fewer < min(abs(known[8]), abs(known[9]))
 
 
 def with_damping(alpha: float, beta: float, count: int) -> list[acb]:

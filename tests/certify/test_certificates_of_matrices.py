@@ -74,6 +74,7 @@ def test_a_true_certificate_is_accepted_and_says_of_what_it_is(name: str, tmp_pa
     assert F(found.load[0]) < said.load[1] and said.load[0] < F(found.load[1])
     assert "of every M, C and K within those in this file" in str(said) and "is not checked" in str(said)
     assert said.damped == (name in ("damped", "in the limit")) and len(said.parts) == 1 + (name == "two planes")
+    assert ("leaving each other alone" in str(said)) == ("of one of these" in str(said)) == (name == "two planes")
     assert 0 < said.widest < F(1, 10**60)
     near = fb.critical_load(column(name == "two planes"), 2, **{k: float(v) for k, v in CASES[name][1].items()})
     assert float(said.load[0]) == pytest.approx(near.load, rel=1e-9)

@@ -265,6 +265,8 @@ def test_displacements_and_slopes_are_bounded_by_the_curvature(kinds: tuple[str,
         largest = max(float(f @ np.linalg.solve(square(2), f)) for f in of)
         share = largest / float(points[order]) ** 2  # 1/4 exactly of a slope that is held by two deflections
         assert share <= 1 + ROUNDING and (order == 0 or share >= 0.25 - ROUNDING)
+        # with one end that neither bends nor is held again, hardly more than they are: 1/3 beside 4/9
+        assert order or kinds not in (("clamped", "free"), ("sliding", "pinned")) or share > 0.7
 
 
 def test_no_eigenvalue_meets_a_line_for_any_load_up_to_the_reach() -> None:

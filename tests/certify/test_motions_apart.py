@@ -778,3 +778,15 @@ if __name__ == "__main__":  # python -m tests.certify.test_motions_apart 100: so
             except Unproven:
                 open_.append(seed)
         print(f"{kind}: {sys.argv[1]} systems, not proven {open_}", flush=True)
+
+
+def test_motions_are_told_where_a_sum_of_their_matrices_has_any_determinant_but_zero() -> None:
+    """One, such as that of M/3 + K/5 for M = 3, is as good as another."""
+    one, none, four = (fmpq_mat([[scale, 0], [0, scale]]) for scale in (3, 0, 12))
+    assert all(verifier_motions.alike([X], [Y]) for X in (one, four) for Y in (one, four))
+    assert not any(verifier_motions.alike(*pair) for pair in (([none], [one]), ([one], [none]), ([none], [none])))
+    assert not verifier_motions.alike([one, one], [one, four])
+    (motion,) = verifier_motions.motions([[fmpq_mat([[3]])], [], [fmpq_mat([[0]])]], False)
+    assert motion.terms[0][0] == fmpq_mat([[3]])
+    with pytest.raises(verifier.Refused, match="the motions cannot be told apart"):
+        verifier_motions.motions([[none], [], [none]], False)

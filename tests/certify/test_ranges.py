@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from fractions import Fraction as F
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -13,7 +14,7 @@ from flint import arb, arb_poly
 import freebeam as fb
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.first_crossing import cover
-from freebeam_derive.certify.ranges import BITS, Line, _Family
+from freebeam_derive.certify.ranges import BITS, Cell, Line, _Family
 
 CASES = [("free-free", "internal", "0"), ("free-free", "external", "0"), ("free-free", "internal", "0.1")]
 CASES += [("beck", "internal", "0"), ("beck", "external", "0.001")]
@@ -130,3 +131,27 @@ def test_the_polynomials_are_those_of_the_eigenvalues() -> None:
             for part in (family.centre.h, family.centre.g):
                 at = arb(load), arb(frequency) ** 2
                 assert abs(float(part(*at))) < 1e-7 * abs(float(part.by_x(*at))) * frequency**2
+
+
+@pytest.mark.parametrize(
+    "loads",
+    [
+        [(100, 101), (100, 102), (103, 104), (90, 91), (60, 61), (61, 62), (60, 63), (30, 31)],
+        [(100, 101), (50, 51), (100, 101)],
+        [(100, 101), (100, 101), (100, 101)],
+        [(100, 150), (100, 101), (149, 150)],
+    ],
+)
+def test_each_damping_is_stable_up_to_the_share_of_its_load_that_is_said(loads: list[tuple[int, int]]) -> None:
+    """Whatever cells are taken together: each is in one range of dampings, below all of its loads and near them."""
+    share, asked = F(1, 10), list[tuple[F, F, F]]()
+    cells = [Cell(F(n), F(n + 1), (F(low), F(high)), (F(1), F(2)), 1) for n, (low, high) in enumerate(loads)]
+    them: Any = object.__new__(Line)
+    object.__setattr__(them, "_throughout", lambda low, high, show: asked.append((low, high, show.keywords["end"])))
+    worst = them.none_before(cells, share)
+    assert [low for low, *_ in asked] == [F(0), *(high for _, high, _ in asked[:-1])] and asked[-1][1] == len(cells)
+    for cell in cells:
+        (end,) = (end for low, high, end in asked if low <= cell.low and cell.high <= high)
+        assert end < cell.load[0] and end >= (1 - worst) * cell.load[1]
+        assert worst <= share or any(high * (1 - share) > low for low, high in loads)
+    assert (len(asked) == 1) == (len({*loads}) == 1)
