@@ -7,7 +7,7 @@ import json
 from copy import deepcopy
 from fractions import Fraction
 from functools import cache
-from itertools import combinations_with_replacement
+from itertools import combinations_with_replacement, product
 from math import comb, factorial, perm
 from types import SimpleNamespace
 from typing import Any
@@ -15,7 +15,7 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb, arb_poly, fmpq_poly
+from flint import acb, arb, arb_poly, fmpq, fmpq_poly
 
 import freebeam as fb
 import freebeam_kernels.beck as beck
@@ -305,6 +305,46 @@ def test_a_box_holds_all_that_the_rest_could_be() -> None:
                 change = comb(a, i) * comb(b, j) * epsilon * (x / whole.P) ** (a - i) * (y / whole.S) ** (b - j)
                 change = change / (whole.P**i * whole.S**j)
                 assert box.value(x, y, i, j).contains(exact.value(x, y, i, j) + change)
+
+
+@pytest.mark.parametrize("ends", [*product(ORDERS, repeat=2)], ids="-".join)
+def test_the_equation_and_its_conditions_are_the_weak_form(ends: tuple[str, str]) -> None:
+    """Of any motion and any test function that the ends allow, E and H are what Shooting has: exactly."""
+    x, one = fmpq_poly([0, 1]), fmpq_poly([1])
+    E: Form = ((0, 2, 2, Fraction(1)), (1, 1, 1, Fraction(3)), (2, 0, 1, Fraction(-2)), (0, 0, 0, Fraction(5))), ()
+    H: Form = (
+        ((0, 1, 1, Fraction(-1)), (3, 1, 0, Fraction(4)), (0, 0, 1, Fraction(7)), (1, 0, 0, Fraction(1, 2))),
+        ((1, 0, 1, 1, Fraction(2)), (0, 1, 0, 1, Fraction(-3)), (1, 1, 0, 0, Fraction(6)), (0, 0, 1, 0, Fraction(9))),
+    )
+    held = [(e, d) for e in (0, 1) for d in (0, 1) if d in ORDERS[ends[e]]]
+    it, y = Shooting(list(ends), E, H), fmpq_poly([2, -1, 3, 1, 2, -1])
+    v = fmpq_poly([1, 2, -1])
+    for e, d in held:  # v and its slope are nothing where the motion's are held
+        v = v * (x - e * one) ** (2 if d else 1)
+
+    def of(f: Any, order: int) -> Any:
+        for _ in range(order):
+            f = f.derivative()
+        return f
+
+    def whole(f: Any) -> Any:
+        return f.integral()(1)
+
+    for which, (along, points) in enumerate((E, H)):
+        wanted = sum((f.numerator * whole(x**k * of(v, i) * of(y, j)) / f.denominator for k, i, j, f in along), fmpq(0))
+        wanted += sum((f.numerator * of(v, i)(a) * of(y, j)(b) / f.denominator for a, i, b, j, f in points), fmpq(0))
+        found = whole(v * of(y, 4)) if which == 0 else fmpq(0)
+        for (d, k), parts in it.terms.items():
+            found += parts[which].numerator * whole(x**k * v * of(y, d)) / parts[which].denominator
+        natural = [row for row in it.conditions if max(q for _, q in row) > 1]
+        assert len(natural) == 4 - len(held) and len(it.conditions) == 4
+        for row in natural:
+            ((e, order),) = (
+                at for at in row if at[1] > 1
+            )  # the third derivative stands with v, the second with its slope
+            for (b, q), f in row.items():
+                found += fmpq(f[which].numerator, f[which].denominator) * of(v, 3 - order)(e) * of(y, q)(b)
+        assert found == wanted
 
 
 @pytest.mark.parametrize(("P", "s"), [(1e6, 1.0), (1.0, 1e11), (1.0, -1e11)])

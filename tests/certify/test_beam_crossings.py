@@ -6,6 +6,7 @@ import json
 from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath
@@ -76,6 +77,26 @@ def test_euler_loads_are_all_there() -> None:
         for n, c in enumerate(found, 1):
             low, high = (mpmath.mpf(v.numerator) / v.denominator for v in c.load)
             assert low < (n * mpmath.pi) ** 2 < high and high - low < mpmath.mpf(10) ** -28
+
+
+@pytest.mark.parametrize("damping", [None, (0.01, 0), (0, 0.5), (0.01, 0.5)])
+def test_an_eigenvalue_that_is_zero_at_a_buckling_load_grows_beyond_it(damping: tuple[float, float] | None) -> None:
+    """Of a dead load on a cantilever, at (π/2)² and (3π/2)², whatever damps it."""
+    search: Any = object.__new__(Survey)
+    search.beam, search.digits, search.load_max, search.found = (
+        Beam(fb.column("beck").kernel, {"eta": F(0)}),
+        9,
+        F(99),
+        [],
+    )
+    given = None if damping is None else tuple(map(arb, damping))
+    for n, load in ((1, F(5, 2)), (3, F(22))):
+        sign = 1 if n == 1 else -1  # F(P, 0) is the cosine of √P
+        low: Any = SimpleNamespace(sign=lambda a, *_, sign=sign: sign * (1 if a.sqrt().cos() > 0 else -1))
+        search._divergence(low, load - 1, load + 1, -1, given)
+        found = search.found[-1]
+        assert found.change == 1 and not found.flutter
+        assert float(found.box[0]) == pytest.approx((n * np.pi / 2) ** 2, rel=1e-9)
 
 
 def test_a_stable_column_has_none() -> None:

@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat
 
+import freebeam as fb
 from freebeam_derive.certify.balls import Unproven, ball, precision
 from freebeam_derive.certify.bivariate import Bivariate, keeps_sign, signs_on, zeros
 from freebeam_derive.certify.boundary_polynomials import (
     LARGE,
     Boundary,
+    Question,
     _fast,
     _of_any,
+    boundary,
     characteristic,
     determinant,
     expansion,
@@ -241,3 +244,15 @@ def test_zeros_are_found_and_not_only_told_apart() -> None:
                 product *= arb_poly([-z, 1])
             found = sorted(float(z.real.mid()) for z in zeros(product))
             assert found == pytest.approx([int(z.p) / int(z.q) for z in known], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    "question", [Question(4), Question(4, Fraction("0.01"), Fraction("0.5")), Question(4, kappa=Fraction(1))]
+)
+def test_what_determinants_do_not_hold_is_exactly_nothing(question: Question) -> None:
+    """Of K that is linear in the load, and M and C without: in h P^a x^b up to a + b = N, in g one less."""
+    with precision(300):
+        found = boundary(fb.column("beck", "modes").kernel, question, 300)
+        for which, most in ((found.h.table, 4), (found.g.table, 3)):
+            filled = {(a, b) for a in range(which.nrows()) for b in range(which.ncols()) if not which[a, b] == 0}
+            assert filled == {(a, b) for a in range(most + 1) for b in range(most + 1 - a)}

@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
+from itertools import pairwise, product
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,7 +21,14 @@ from flint import acb, arb, fmpq_poly
 from scipy.linalg import eigh
 
 import freebeam as fb
-from freebeam_derive.certify import beam_cells, damped_gaps, verifier, verifier_of_sections, verifier_sections
+from freebeam_derive.certify import (
+    beam_cells,
+    damped_gaps,
+    verifier,
+    verifier_of_sections,
+    verifier_pieces,
+    verifier_sections,
+)
 from freebeam_derive.certify.balls import ends
 from freebeam_derive.certify.beam_itself import divergence, flutter_damped
 from freebeam_derive.certify.boundary_polynomials import Question
@@ -623,6 +630,68 @@ def test_a_factor_that_nowhere_takes_energy_is_told_from_others() -> None:
         ([1, -3, 3], True),
     ):
         assert _never_negative(column, 0, fmpq_poly([exact(Fraction(c)) for c in f])) == never
+
+
+def derived(f: Any, order: int) -> Any:
+    for _ in range(order):
+        f = f.derivative()
+    return f
+
+
+def weak(column: Sections, left: Damped, y: list[Any], v: Any) -> list[Any]:
+    """Energies, load, mass and what is left of damping of a motion y and a test function v: the four forms."""
+    total, places = [exact(Fraction(0))] * 4, list(map(exact, column.breaks))
+    for n, (low, high) in enumerate(pairwise(places)):
+        terms = [(0, (2, 2), column.EI[n]), (2, (0, 0), column.m[n])]
+        terms += [(which, (o, o), f) for which, of in ((0, column.elastic), (3, left.along)) for o, f in of[n].items()]
+        for which, (i, j), f in terms + [(1, pair, f) for pair, f in column.load[n].items()]:
+            whole = (f * derived(v, i) * derived(y[n], j)).integral()
+            total[which] += whole(high) - whole(low)
+    forces = [(1, *pair, f) for pair, f in column.forces.items()]
+    for which, table in ((0, column.springs), (2, column.masses), (3, left.points)):
+        forces += [(which, place, place, f) for place, f in table.items()]
+    for which, (a, i), (b, j), force in forces:
+        total[which] += exact(force) * derived(v, i)(places[a]) * derived(y[max(b - 1, 0)], j)(places[b])
+    return total
+
+
+def test_equations_on_pieces_and_conditions_at_breaks_are_the_weak_form() -> None:
+    """Σ ∫ v (equation) dξ and what is at breaks, of a motion that bends there and any v: exactly, of all four forms."""
+    breaks, one = (Fraction(0), Fraction(2, 5), Fraction(1)), fmpq_poly([1])
+    column = Sections(
+        ("free", "free"), breaks, [fmpq_poly([5, -3]), fmpq_poly([7, 0, -4])], [fmpq_poly([3, 1]), one * 2],
+        [{0: fmpq_poly([2, 5])}, {0: one, 1: fmpq_poly([4, -1])}],
+        [{(1, 1): one * -2, (0, 1): fmpq_poly([1, 3])}, {(1, 0): fmpq_poly([0, 2]), (0, 0): one}],
+        {(1, 0): Fraction(6), (2, 1): Fraction(3, 7)},
+        {(0, 0): Fraction(8), (1, 1): Fraction(9), (2, 0): Fraction(1, 2)},
+        {((2, 0), (2, 1)): Fraction(5), ((0, 0), (2, 1)): Fraction(-3), ((2, 1), (0, 0)): Fraction(7),
+         ((1, 0), (1, 1)): Fraction(2)},
+    )  # fmt: skip
+    left = Damped(
+        column, Fraction(0), Fraction(0), False, [{0: fmpq_poly([1, 1])}, {1: fmpq_poly([2, -3])}],
+        {(1, 0): Fraction(4), (0, 1): Fraction(-2)}, ([], {}),
+    )  # fmt: skip
+    first, v = fmpq_poly([2, -1, 3, 1]), fmpq_poly([1, 2, -1, 1])
+    y = [first, first + fmpq_poly([exact(Fraction(-2, 5)), 1]) ** 2 * fmpq_poly([4, 1])]
+    found = [exact(Fraction(0))] * 4
+    for n in (0, 1):
+        x = breaks[n]
+        for h, table in verifier_pieces._cut(column, left, n):
+            local = fmpq_poly([exact(x), exact(h)])
+            for (d, k), factors in table.items():
+                value = (v(local) * derived(y[n](local), d) * fmpq_poly([0] * k + [1])).integral()(1)
+                found = [a + exact(f) * value for a, f in zip(found, factors, strict=True)]
+            # the solutions' series converges on all of the piece
+            assert sum(abs(f[0]) for (d, k), f in table.items() if d == 4 and k) < abs(table[4, 0][0])
+            x += h
+        assert x == breaks[n + 1]
+    for node, order in product(range(3), (0, 1)):
+        for (side, d), factors in verifier_pieces._natural(column, left, node, order).items():
+            # of an end the other side is the other end
+            n, x = ((1, breaks[2]) if side > 0 else (0, breaks[0])) if node != 1 else (int(side < 0), breaks[1])
+            value = derived(v, order)(exact(breaks[node])) * derived(y[n], d)(exact(x))
+            found = [a + exact(f) * value for a, f in zip(found, factors, strict=True)]
+    assert found == weak(column, left, y, v)
 
 
 @pytest.mark.parametrize("factors", [[2], [0, 3], [1, -2, 5], [0, 0, 0, 1], [Fraction(1, 3), 0, -4, 7]])
