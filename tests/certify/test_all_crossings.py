@@ -291,3 +291,12 @@ def test_each_crossing_is_within_a_box_of_its_own(question: Question, count: int
                 assert of.h(c.load, c.square).contains(0) and of.g(c.load, c.square).contains(0)
         for one, other in pairwise(sorted(listed, key=lambda c: c.low)):
             assert one.high <= other.low or (one.square is None) != (other.square is None)
+
+
+def test_below_all_crossings_stability_is_asked_for_up_to_near_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And without any up to the highest load."""
+    monkeypatch.setattr(all_crossings, "certify_parts", lambda *given: given[-1])
+    loads = [(F(16), F(17)), (F(8), F(9)), (F(40), F(41))]
+    every: Any = [SimpleNamespace(load=load) for load in loads]
+    first: Any = all_crossings.Crossings(every, TOP, [], 64).below(Question(2))
+    assert 7 <= first <= F(15, 2) and all_crossings.Crossings([], TOP, [], 64).below(Question(2)) == TOP

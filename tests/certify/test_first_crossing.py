@@ -312,3 +312,12 @@ def test_a_load_at_which_nothing_can_be_shown_is_told_after_bounded_work(
         first_crossing.cover(None, F(0), F(1), 20)  # type: ignore[arg-type]
     assert len(tried) <= 2 * 20 + 1 and all(b - a >= F(1, 2**31) for a, b in tried)
     assert math.isclose(float(str(error.value).split()[-1]), float(bad), abs_tol=1e-4)
+
+
+@pytest.mark.parametrize(("damped", "lasting"), [("", ""), ("ab", ""), ("a", "b"), ("b", "a")])
+def test_what_nothing_damps_is_named_beside_what_is_damped(damped: str, lasting: str) -> None:
+    found: Any = object.__new__(first_crossing.Enclosure)
+    parts = [SimpleNamespace(names=(n,), damped=lambda limit, n=n: n in damped and limit) for n in "ab"]
+    for name, value in (("parts", parts), ("question", Question(2, kappa=F(1)))):
+        object.__setattr__(found, name, value)
+    assert found.lasting == tuple((n,) for n in lasting)

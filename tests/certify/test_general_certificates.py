@@ -924,6 +924,10 @@ def test_a_frame_that_turns_couples_two_that_are_alike_and_nothing_else_does() -
     for terms in others:
         with pytest.raises(verifier.Refused, match="two planes are not"):
             verifier_parts.seen([*terms], planes, turn)
+    nothing = [[flint.fmpq_mat(0, 0)]] * 3
+    for of, two in ((nothing, [[], []]), ([[one], [C], [2 * one]], [[0, 1], [2]])):
+        with pytest.raises(verifier.Refused, match="two planes are not of as many motions"):
+            verifier_parts.seen(of, two, turn)
 
 
 def parted(changes: dict[str, str]) -> Data:
