@@ -300,3 +300,23 @@ def test_below_all_crossings_stability_is_asked_for_up_to_near_the_first(monkeyp
     every: Any = [SimpleNamespace(load=load) for load in loads]
     first: Any = all_crossings.Crossings(every, TOP, [], 64).below(Question(2))
     assert 7 <= first <= F(15, 2) and all_crossings.Crossings([], TOP, [], 64).below(Question(2)) == TOP
+
+
+def test_where_motions_rest_crossings_are_looked_for_from_a_load_below_which_there_is_none(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """The first half, quarter, … of the loads up to which stability is known; where none is, the column is refused."""
+    asked: list[Fraction] = []
+
+    def over(of: Any, start: Fraction, end: Fraction) -> Any:
+        asked.append(end)
+        if end > 4:
+            raise Unproven("too far")
+        return end if start == 0 and end < 3 else None
+
+    them = all_crossings._Survey(SimpleNamespace(rests=1), F(20), lambda _: None)  # type: ignore[arg-type]
+    monkeypatch.setattr(all_crossings, "stretch_over", over)
+    assert them._first_stable() == F(5, 2) and asked == [F(20), F(10), F(5), F(5, 2)]
+    monkeypatch.setattr(all_crossings, "stretch_over", lambda *_: None)
+    with pytest.raises(Unproven, match="stable at small loads"):
+        them._first_stable()

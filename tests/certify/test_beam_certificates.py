@@ -32,6 +32,7 @@ from freebeam_derive.certify import (
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, VanishingDamping, flutter_damped
+from freebeam_derive.certify.comparison_form import bounds as of_modes_beyond
 from freebeam_derive.certify.strips import modes_of
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
@@ -431,6 +432,26 @@ def test_both_bound_the_same_norms(ends: tuple[str, str]) -> None:
                 assert lines.line(k).overlaps(R) and abs(other.on(k) - one.norm(R)) < 1e-12
             for k in (4, 9):
                 assert abs(other.on_all_from(k) - one.beyond(k)) < 1e-12 * one.beyond(k)
+
+
+@pytest.mark.parametrize("ends", [*combinations_with_replacement(ORDERS, 2)][1::3], ids="-".join)
+def test_of_as_few_modes_as_may_be_both_bound_the_rest_alike(ends: tuple[str, str]) -> None:
+    """Where e^−γ is no rounding error yet; with fewer neither has bounds."""
+    with precision(128):
+        few = 3 if ends == ("free", "clamped") else 2
+        lines, bound = Lines(list(ends), few), of_modes_beyond(ends, modes_of(ends, few, 128).gamma[-1])
+        for ours, theirs in ((lines.slope, bound.end[1]), (lines.stretch, bound.slope)):
+            assert abs(ours - theirs) < 1e-30 and ours >= 1
+        with pytest.raises(Refused, match="more modes are needed"):
+            Lines(list(ends), few - 1)
+
+
+@pytest.mark.parametrize(("i", "j"), [(2, 0), (0, 2), (2, 1), (2, 2)])
+def test_forms_of_curvatures_are_no_loads(i: int, j: int) -> None:
+    bending: Form = ((0, 2, 2, Fraction(1)),), ()
+    for load in ((((0, i, j, Fraction(1)),), ()), ((), ((0, i, 1, j, Fraction(1)),))):
+        with pytest.raises(Refused, match="a form acts on curvatures"):
+            Shooting(["clamped", "free"], bending, load)
 
 
 def test_both_end_the_frequencies_at_one_place() -> None:
