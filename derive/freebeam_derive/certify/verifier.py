@@ -603,8 +603,7 @@ class Part:
                 require(motion.count == 1, "damping acts on what has no mass, where roots tell motions apart")
                 fast = Fast.of(M, C, K, still, known.highest - still)
             known = replace(known, highest=still + (fast is not None))
-        even = not C or motion.even or (known.even and motion.count == 1)
-        known = known.each(motion.count, not limit and even)
+        known = known.each(motion.count, not limit and (not C or motion.even))
         require(known.highest > 1, "no motion has a frequency")
         return Part(M, C, K, motion, limit, known, fast, turn, whirls, names, motion.terms[2])
 
