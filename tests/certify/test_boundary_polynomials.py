@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat
+from flint import acb, acb_mat, arb, arb_mat, arb_poly, fmpq, fmpq_mat, fmpq_mpoly_ctx
 
 import freebeam as fb
 from freebeam_derive.certify.balls import Unproven, ball, precision
@@ -23,6 +23,7 @@ from freebeam_derive.certify.boundary_polynomials import (
     characteristic,
     determinant,
     expansion,
+    highest_power,
 )
 from freebeam_derive.certify.krawczyk import one_to_one
 
@@ -256,3 +257,27 @@ def test_what_determinants_do_not_hold_is_exactly_nothing(question: Question) ->
         for which, most in ((found.h.table, 4), (found.g.table, 3)):
             filled = {(a, b) for a in range(which.nrows()) for b in range(which.ncols()) if not which[a, b] == 0}
             assert filled == {(a, b) for a in range(most + 1) for b in range(most + 1 - a)}
+
+
+@pytest.mark.parametrize("of_K", [0, 1, 2])
+@pytest.mark.parametrize("of_C", [-1, 0, 1, 3])
+def test_the_highest_power_of_a_rate_is_that_of_full_matrices(of_C: int, of_K: int) -> None:
+    """In det(λ² M + λ C + K) of two rows, whose entries are drawn, with each power of the load."""
+    draw, (P, rate) = random.Random(5), fmpq_mpoly_ctx.get(("P", "rate"), "lex").gens()
+
+    def entry() -> Any:
+        return draw.randint(1, 10**6) * rate**2 + sum(
+            (
+                draw.randint(1, 10**6) * P**k * rate**power
+                for power, top in ((1, of_C), (0, of_K))
+                for k in range(top + 1)
+            ),
+            0 * P,
+        )
+
+    (a, b), (c, d) = ((entry(), entry()) for _ in range(2))
+    powers = [tuple(map(int, power)) for power in (a * d - b * c).to_dict()]
+    for load in range(2 * max(of_C, of_K) + 3):
+        known = max((r for p, r in powers if p == load), default=-1)
+        assert highest_power(load, 2, 0, of_C, of_K) == known
+    assert highest_power(9, 2, 1, of_C, of_K) == 4

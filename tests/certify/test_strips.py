@@ -17,7 +17,15 @@ import freebeam_kernels.euler_pinned as euler
 import freebeam_kernels.free_free as free_free
 from freebeam_derive.certify import balls
 from freebeam_derive.certify.balls import Unproven, precision
-from freebeam_derive.certify.comparison_form import ORDERS, Modes, _settled, bounds, characteristic, roots
+from freebeam_derive.certify.comparison_form import (
+    ORDERS,
+    Modes,
+    _none_up_to_one,
+    _settled,
+    bounds,
+    characteristic,
+    roots,
+)
 from freebeam_derive.certify.strips import Form, NoStrips, Strips, _of_lines, _reach, rigid_motions
 
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]
@@ -75,6 +83,27 @@ def test_the_series_of_the_characteristic_function_is_that_of_its_values(ends: t
             assert series[0].overlaps(value * g.exp()) and series[1].overlaps((value + slope) * g.exp())
             total = sum((c * h**n for n, c in enumerate(series)), arb(0))
             assert abs(total - there * (g + h).exp()) < 1e-30 * g.exp()
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_that_no_root_is_near_zero_is_asked_for_on_all_of_the_way_to_one(known: bool) -> None:
+    """In balls without a gap; a sign that is not known in the last of them is not passed over."""
+    asked: list[arb] = []
+
+    def series(x: arb, order: int) -> list[arb]:
+        asked.append(x)
+        return [arb(0), arb(0), arb(3) if known or not x.contains(1) else arb(0, 1)] + [arb(7)] * 7
+
+    f: Any = SimpleNamespace(scaled_series=series)
+    with precision(BITS):
+        if known:
+            _none_up_to_one(f)
+        else:
+            with pytest.raises(Unproven, match="neighbourhood of γ = 0"):
+                _none_up_to_one(f)
+        pieces = sorted(asked[1:], key=lambda x: float(x.mid()))
+        assert pieces[0].contains(0) and pieces[-1].contains(1)
+        assert all(a.upper() >= b.lower() for a, b in pairwise(pieces))
 
 
 def test_modes_that_are_too_low_for_the_bounds_have_none() -> None:
