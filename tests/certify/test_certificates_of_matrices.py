@@ -10,6 +10,7 @@ import tempfile
 from fractions import Fraction
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from flint import fmpq, fmpq_mat
 from scipy.linalg import eigvals
 
 import freebeam as fb
-from freebeam_derive.certify import verifier, verifier_degrees, verifier_lists, verifier_loads
+from freebeam_derive.certify import verifier, verifier_degrees, verifier_lists, verifier_loads, verifier_of_matrices
 from freebeam_derive.certify.verifier_of_matrices import FORMATS, OfMatrices
 from tests.stated import file_of
 
@@ -221,3 +222,22 @@ def test_what_entries_alone_tell_of_a_determinant_is_so(seed: int) -> None:
 if __name__ == "__main__":  # python -m tests.certify.test_certificates_of_matrices 200: so many matrices of each width
     for name in ("undamped", "damped", "in the limit"):
         print(name, held(name, (1e-9, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 0.1, 0.5), int(sys.argv[1])), flush=True)
+
+
+@pytest.mark.parametrize(
+    ("C", "limit", "even", "damped"),
+    [
+        (0, False, False, False),
+        (0, True, True, False),
+        (1, False, True, False),
+        (1, False, False, True),
+        (1, True, True, True),
+    ],
+)
+def test_a_part_is_damped_by_what_is_no_gyroscopic_term_or_vanishes(
+    C: int, limit: bool, even: bool, damped: bool
+) -> None:
+    part: Any = object.__new__(verifier_of_matrices._Part)
+    for name, value in (("C", [None] * C), ("limit", limit), ("known", SimpleNamespace(even=even))):
+        object.__setattr__(part, name, value)
+    assert part.damped == damped
