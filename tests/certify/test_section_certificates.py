@@ -388,11 +388,13 @@ def test_minors_of_a_triangle_have_the_powers_of_its_places() -> None:
                 assert float(found[i][j](arb(e))) == pytest.approx(wanted, rel=1e-12, abs=1e-9)
 
 
-def test_what_couples_waves_is_known_to_within_the_width_of_a_piece() -> None:
+@pytest.mark.parametrize("turned", [False, True])
+def test_what_couples_waves_is_known_to_within_the_width_of_a_piece(turned: bool) -> None:
     """The largest |A| and |H| on a segment and their integrals over z: no less than those of values at many points."""
+    along = fmpq_poly([1, -1] if turned else [0, 1])
+    EI, m, k, n = (fmpq_poly(f)(along) for f in ([5, -3, 1], [4, -2, -1], [2, 1], [1, -3]))
     column = Sections(
-        ("clamped", "free"), (Fraction(0), Fraction(1)), [fmpq_poly([5, -3, 1])], [fmpq_poly([4, -2, -1])],
-        [{0: fmpq_poly([2, 1]), 1: fmpq_poly([1, -3])}], [{}], {}, {}, {},
+        ("clamped", "free"), (Fraction(0), Fraction(1)), [EI], [m], [{0: k, 1: n}], [{}], {}, {}, {},
     )  # fmt: skip
     with flint.ctx.workprec(BITS):
         segment, points = verifier_waves.Segment(column, 0), (np.arange(400) + 0.5) / 400
