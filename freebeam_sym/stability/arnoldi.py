@@ -94,15 +94,17 @@ def events(
 def _told_apart(mu: Complex, roots: list[Crossing | None], load: Callable[[float], float], size: int) -> list[Event]:
     """Close eigenvalues as simple flutters, ascending, where Newton's method tells them apart, by their loads or, of
     different motions, by their frequencies, else as one event: where it finds one load of all, as of equal planes, at
-    that, else at the mean of what rounding has split."""
+    that, else at the mean of what rounding has split, with the frequency nan where it finds none,
+    -1 where it finds no crossing."""
     found = sorted((root for root in roots if root), key=lambda root: root.load)
     loads, omega = np.array([(root.load, root.frequency) for root in found]).reshape(-1, 2).T
     if (mu.imag == 0).all() and None not in roots:
         different = (omega[1:] > 0) & (omega[:-1] > 0) & (np.abs(np.diff(omega)) > CLOSE * omega[1:])
         if (different | (np.diff(loads) > NEAR / 10 * loads[:-1])).all():
             return [Event(root, True) for root in found if root.frequency >= 0]
-    root = next((root for root in roots if root), None)
-    frequency, vector = (0.0, np.ones(size, complex)) if root is None else (max(root.frequency, 0.0), root.vector)
+    root = next((root for root in found if root.frequency >= 0), None)
+    frequency, vector = (-1.0, np.ones(size, complex)) if root is None else (root.frequency, root.vector)
+    frequency = math.nan if root is None and None in roots else frequency
     one = len(found) == len(mu) and np.ptp(loads) * abs(mu[0]) < np.abs(mu - mu.mean()).max() / 10 * loads.mean()
     at = float(loads.mean()) if one else load(float(mu.real.mean()))
     return [Event(Crossing(at, frequency, vector, "flutter"), False)]

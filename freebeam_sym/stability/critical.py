@@ -29,10 +29,10 @@ Search = Callable[[Any, float], FirstLoss]
 
 class Touch(NamedTuple):
     """A load at which an eigenvalue comes to the imaginary axis and goes back, no loss of stability; nondimensional.
-    frequency: 0 where K is singular there."""
+    frequency: 0 where K is singular there, None where rounding hides it."""
 
     load: float
-    frequency: float
+    frequency: float | None
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def answer(question: Question, search: Search = first_loss) -> CriticalLoad:
     """The first loss of stability that a question asks for. Raises InputError, as `critical_load` does."""
     problem = question.problem
     outcome = search(problem, question.load_max)
-    touches = tuple(Touch(touch.load, touch.frequency) for touch in outcome.touches)
+    touches = tuple(Touch(t.load, None if math.isnan(t.frequency) else t.frequency) for t in outcome.touches)
     manner = problem.manner if isinstance(problem, General) else None
     found = outcome.crossing
     if found is None:

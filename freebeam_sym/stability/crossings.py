@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -22,6 +22,10 @@ __all__ = ["FirstLoss", "first_loss", "scan"]
 MARGIN = 1e-3
 """Relative. So far below a load it is confirmed that nothing grows, and so far above a touch, or half the way to its
 neighbour: far enough for the counts, since at a touch ω² falls as the square of the distance."""
+
+
+REACH = 0.1
+"""Relative. So far beyond a flutter that is not settled it is looked for what grows."""
 
 
 @dataclass(frozen=True)
@@ -47,18 +51,26 @@ def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[C
     events = _in_order(problem, load_max)
     event = next(events, None)
     while event is not None:
-        crossing = event.crossing
+        crossing, beyond = event.crossing, None
         if not event.simple:
             following = next(events, None)
             ahead = math.inf if following is None else following.crossing.load / crossing.load - 1
-            beyond = crossing.load * (1 + min(MARGIN, ahead / 2))
-            if ahead < 2 * NEAR or not problem.unstable(beyond):
-                touches.append(crossing)
+            # what Newton's method has not settled may be as far from its load as the next, or be no crossing at all
+            far = [] if crossing.frequency >= 0 else (min(ahead, REACH) * np.arange(1, 8) / 8).tolist()
+            looked = [] if ahead < 2 * NEAR else [crossing.load * (1 + x) for x in (min(MARGIN, ahead / 2), *far)]
+            beyond = next((load for load in looked if problem.unstable(load)), None)
+            if beyond is None:
+                touches += [] if crossing.frequency < 0 else [crossing]
                 event, stable = following, stable if ahead < 2 * NEAR else crossing.load
                 continue
-        below = crossing.load * (1 - min(MARGIN, (1 - stable / crossing.load) / 2))
+        below = crossing.load * (1 - min(MARGIN, abs(1 - stable / crossing.load) / 2))
         if problem.unstable(below):
-            return scan(problem, stable, below), touches
+            return scan(problem, stable if stable < below else 0.0, below), touches
+        if beyond is not None and not crossing.frequency >= 0:
+            # rounding hides how slow is what begins where K is singular
+            rests = (e.crossing for e in problem.divergences if abs(e.crossing.load / crossing.load - 1) < NEAR)
+            at = next(rests, None)
+            crossing = scan(problem, below, beyond, 1) if at is None else replace(at, kind="flutter")
         return crossing if crossing.load <= load_max else None, touches
     top = load_max * (1 - MARGIN)
     if stable < top and problem.unstable(top):

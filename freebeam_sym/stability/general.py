@@ -22,7 +22,7 @@ from functools import cached_property
 import numpy as np
 
 from freebeam_sym.checks import InputError, Unstable
-from freebeam_sym.massless import condensed, without_mass
+from freebeam_sym.massless import condensed
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import MARGIN, scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
@@ -36,7 +36,12 @@ of vanishing damping: flutters move by its square. Of `_States` eigenvalues are 
 HIDDEN = 1e-7
 """The same of coordinates, below which a load that `_Vanishing` has not is refused: rounding hides where it is."""
 LIGHTEST = 1e-6
-"""The same below which growth is counted to first order."""
+"""The same below which growth is counted from the motions without damping."""
+COUPLED = 1e-3
+"""Geometric mean of what the damping does between two motions, relative to what is between their 1/λ, from which they
+are taken together: beside, it moves their growth by its square."""
+ONE = 1e-11
+"""Relative to the greatest |1/ω²|. What is nearer to one another may be one: rounding splits it by GROWTH."""
 GROWTH = 1e-13
 """Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows: below is rounding."""
 SPLIT = 1e-7
@@ -146,38 +151,56 @@ class General:
         return A
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
-        """s = ω², their vectors and their growth to first order, 0 without damping."""
-        M, C, K = self._at(P)
-        inverse, V = np.linalg.eig(np.linalg.solve(K, M))
+        """λ without damping, the motions as columns, and by how much each 1/λ grows, relative to the terms of this:
+        infinite where K lets it, or where damping is absent or vanishes and frequencies have met. To first order in the
+        damping; motions are taken together where it is more than a share COUPLED of what is between their frequencies,
+        and where these are one but for rounding (Kato 1966, chapter 2). Without mass 1/λ = 0. Of ±λ one is left. Raises
+        InputError where rounding hides what is one."""
+        M, D, K = self._at(P)
+        z, V = (X.astype(complex) for X in np.linalg.eig(np.linalg.solve(K, M)))  # 1/ω²
+        size = np.abs(z)
+        least = np.maximum(SPLIT * size, GROWTH * size.max())  # near a divergence rounding splits the highest
+        off, out = np.abs(z.imag) > least, z.real < 0
+        theta, growth = 1j * np.sqrt(z), np.zeros(self.size)
+        if not self.damped or self.vanishing:
+            out |= off
+        if self.damped:
+            L = np.linalg.inv(V) @ np.linalg.inv(K) / 2
+            B = -L @ D @ V
+            terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(V))
+            own = np.where(off, theta, 1j * theta.imag) * (not self.vanishing)
+            on = np.flatnonzero(~out)[np.argsort(z[~out].real)]
+            close = np.abs(np.subtract.outer(z[on], z[on])) <= np.minimum(ONE * size.max(), least[on])
+            product, gap = (B * B.T)[np.ix_(on, on)], np.subtract.outer(own[on], own[on])
+            close |= np.abs(product) > COUPLED**2 * np.abs(gap) ** 2 if not self.vanishing else False
+            places = np.arange(len(on))
+            ends = np.maximum.accumulate((close * places).max(axis=1, initial=0))
+            growth = (own + B.diagonal()).real
+            for one in np.split(on, 1 + np.flatnonzero(ends <= places)):
+                if len(one) > 1:
+                    values, shapes = np.linalg.eig(np.diag(own[one] - own[one].mean()) + B[np.ix_(one, one)])
+                    values, terms[one] = values.real + own[one].mean().real, terms[one].max()
+                    grow = [(x > 10 * NOTHING * terms[one]).sum() for x in (values, growth[one])]
+                    if self.vanishing and grow[0] != grow[1] and np.ptp(z[one].real) > GROWTH * size.max():
+                        raise InputError(
+                            f"two frequencies near {abs(1 / theta[one[0]]):.6g} at the load {P:.6g} are one but for "
+                            "rounding: what a vanishing damping does to them is not told; give small alpha and beta"
+                        )
+                    growth[one], V[:, one] = values, V[:, one] @ shapes
+            growth = np.divide(growth, terms, out=np.zeros(self.size), where=terms > 0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            s: Complex = np.asarray(1 / inverse.astype(complex))
-        if not self.damped:
-            return s, V.astype(complex), np.zeros(self.size)
-        if without_mass(M):
-            return s, V.astype(complex), _growth_without_mass(C, K, inverse, V)
-        W = np.linalg.inv(M @ V)
-        return s, V.astype(complex), np.asarray(-np.einsum("jn,nj->j", W, C @ V).real / 2)
+            rate: Complex = np.asarray(np.where(theta == 0, complex(0, math.inf), 1 / theta))
+        return rate, V, np.where(out, np.inf, np.where(np.abs(growth) > 10 * NOTHING, growth, 0.0))
 
     def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ, the motions and by how much each grows, positive where it does."""
         if self._light:
-            return self._first_order(P)
+            return self.branches(P)
         theta, V = np.linalg.eig(self.inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
         rounding = np.inf if not self._threshold else _rounding(np.asarray(V, complex))
         return rate, V[: self.size].astype(complex), _growth(np.asarray(theta, complex), self._threshold, rounding)
-
-    def _first_order(self, P: float) -> tuple[Complex, Complex, Real]:
-        """The same of branches s = ω² with their damping to first order."""
-        s, V, growth = self.branches(P)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            inverse = np.nan_to_num(1 / s)  # a coordinate without mass has s = ∞
-        rounding = GROWTH * np.abs(inverse).max()  # near a divergence it splits the highest frequencies
-        off = (np.abs(inverse.imag) > np.maximum(SPLIT * np.abs(inverse), rounding)) | (s.real <= 0)
-        # a pair that rounding alone keeps apart has no growth to first order
-        growth = np.where(np.abs(growth) > GROWTH * np.abs(growth).max(initial=0.0), growth, 0.0)
-        return np.asarray(1j * np.sqrt(s)), V, np.asarray(np.where(off, np.inf, growth))
 
     @cached_property
     def _threshold(self) -> float:
@@ -194,7 +217,7 @@ class General:
         light, threshold = manner or self.manner
         try:
             if light or threshold:
-                growth = (self._first_order if light else self._bad)(load)[2]
+                growth = (self.branches if light else self._bad)(load)[2]
             else:
                 growth = _growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0)
             return int((growth > 0).sum())
@@ -296,10 +319,10 @@ class General:
         v = v * np.exp(-0.5j * np.angle(v @ v)) / math.sqrt(abs(v @ v.conj()))
         return v.real.copy(), v.imag / omega
 
-    def _newton(self, w: float, P: float, a: Real, b: Real) -> Crossing | None:
-        """The flutter near (ω² = w, P, v = a + iωb), of negative frequency where ω² < 0; None where there is none.
-        Without damping, and where it vanishes, v = a."""
-        damping, size = (self.C / self._damping, self._damping) if self.damped else (self.M, 0.0)
+    def _newton(self, w: float, P: float, a: Real, b: Real, share: float = 1.0) -> Crossing | None:
+        """The flutter near (ω² = w, P, v = a + iω share b), of negative frequency where ω² < 0; None where there is
+        none. Without damping, and where it vanishes, v = a. share: of the damping, that is taken."""
+        damping, size = (self.C / self._damping, share * self._damping) if self.damped else (self.M, 0.0)
         size = 0.0 if self.vanishing else size
         root = newton(self.M, damping, self.K, size, w, P, a, b / self._damping, abs(w))
         return None if root is None else Crossing(root[1], root[0], self._vector(root[2], root[1]), "flutter")
@@ -344,15 +367,6 @@ class _Operator:
         krylov = Krylov(lambda z: -self(z), self.order)
         mu, _ = krylov.values(self.unit / self.P * (1 + 1e-3), math.inf)
         return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
-
-    def _polished(self, mu: float, a: Real, b: Real) -> Crossing | None:
-        """The flutter that Newton's method finds from the load of mu and the motion a + iωb."""
-        problem, load = self.problem, self.load(mu)
-        M, C, K = problem._at(load)
-        share = float(problem.damped and not problem.vanishing)
-        w = float(a @ (K @ a)) / float(a @ (M @ a) + share * (a @ (C @ b)))
-        found = problem._newton(w, load, a, b)
-        return found if found is not None and abs(found.load / load - 1) < CLOSE else None
 
 
 class _States(_Operator):
@@ -430,7 +444,10 @@ class _States(_Operator):
         sizes, vectors = np.linalg.eigh(X[:n, n:] + X[:n, n:].T)
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
-        return self._polished(mu, a, -2 * (X[:n, :n] @ a) / sizes[top])
+        b, load = -2 * (X[:n, :n] @ a) / sizes[top], self.load(mu)
+        M, C, K = self.problem._at(load)
+        found = self.problem._newton(float(a @ (K @ a)) / float(a @ (M @ a + C @ b)), load, a, b)
+        return found if found is not None and abs(found.load / load - 1) < CLOSE else None
 
 
 class _Vanishing(_Operator):
@@ -500,7 +517,30 @@ class _Vanishing(_Operator):
         sizes, vectors = np.linalg.eigh(S)
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
-        return self._polished(mu, a, -self.problem._damping * (Y @ a) / sizes[top])
+        return self._grown(self.load(mu), a, -self.problem._damping * (Y @ a) / sizes[top])
+
+    def _grown(self, P: float, a: Real, b: Real) -> Crossing | None:
+        """The crossing that the one of a damping that vanishes, near P with the motion a + iωb, goes over into as the
+        damping grows to what it is, by its square; of negative frequency where it does not, as where two of them meet
+        and are gone."""
+        problem, square, step = self.problem, 0.0, 1.0
+        M, _, K = problem._at(P)
+        found = problem._newton(float(a @ (K @ a)) / float(a @ (M @ a)), P, a, b, 0.0)
+        if found is None or abs(found.load / P - 1) > CLOSE:
+            return None
+        if not problem.damped or problem.vanishing:
+            return found
+        none = Crossing(P, -1.0, found.vector, "flutter")
+        while square < 1 and step > max(1e-12, 1e-3 * square) and found.frequency > 0:
+            share = math.sqrt(min(square + step, 1.0))
+            further = problem._newton(found.frequency**2, found.load, a, b, share)
+            if further is None or abs(further.load / found.load - 1) > 0.01:
+                step /= 4
+            else:
+                found, square, step = further, share**2, 2 * step
+                a, b = problem._parts(problem._own(found.vector), found.frequency)
+                b = b / share
+        return found if square == 1 else none
 
 
 def _rounding(V: Complex) -> Real:
@@ -520,19 +560,6 @@ def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -
     with np.errstate(invalid="ignore"):
         limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
-
-
-def _growth_without_mass(C: Real, K: Real, inverse: Complex, V: Complex) -> Real:
-    """Growth to first order in a damping ε C, of eigenvectors V with ω² = 1/inverse. A coordinate without mass, inverse
-    0, has λ = μ/ε with det(μ C + K) = 0 of all that have none: of its growth the sign alone counts."""
-    D, least = np.linalg.solve(K @ V, C @ V), NOTHING * np.abs(inverse).max()
-    idle = np.abs(inverse) <= least
-    with np.errstate(divide="ignore", invalid="ignore"):
-        growth = np.where(idle, 0.0, -(np.diagonal(D) / inverse).real / 2)
-    most = np.abs(growth).max(initial=0.0) or 1.0
-    g = np.linalg.eigvals(D[np.ix_(idle, idle)])  # −1/μ
-    growth[idle] = np.where(np.abs(g) > NOTHING * np.abs(g).max(initial=0.0), -most * np.sign(g.real), 0.0)
-    return np.asarray(growth)
 
 
 def _blocks(n: int, first: Real, second: Real) -> Real:

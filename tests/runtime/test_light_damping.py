@@ -5,15 +5,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 import pytest
-from mpmath import eig, matrix, mpf, workdps
+from flint import acb, acb_mat, arb, arb_mat
 
 import freebeam as fb
+from freebeam_derive.certify.balls import precision
 from freebeam_sym.checks import InputError
-from freebeam_sym.stability.pencil import diagonalise
+from freebeam_sym.stability.crossings import first_loss
+from freebeam_sym.stability.general import General
+from freebeam_sym.stability.pencil import Pencil, diagonalise
+from freebeam_sym.stability.proportional import Proportional
 from tests.runtime.test_rotors import column
 
 LIGHT = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-14)
@@ -22,37 +26,49 @@ LIGHT = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-10, 1e-14)
 def grows(column: fb.Column, modes: int, dampings: dict[str, float], P: float, **own: float) -> bool:
     """Whether an eigenvalue has a positive real part, of the matrices' parts added up at 60 digits."""
     bare = column.coefficients(modes, **own)
+    ones = {name: column.coefficients(modes, **{name: 1.0}, **own) for name in dampings}
     n = len(bare.M[0])
 
-    def at(part: int, **given: float) -> matrix:
-        total = matrix(n, n)
-        for k, X in enumerate(column.coefficients(modes, **given, **own)[part]):
-            total += matrix(X.tolist()) * mpf(P) ** k
-        return total
+    def at(part: int) -> arb_mat:
+        def of(given: Sequence[np.ndarray]) -> arb_mat:
+            return sum((arb_mat(X.tolist()) * arb(P) ** k for k, X in enumerate(given)), arb_mat(n, n))
+
+        each = (arb(size) * (of(ones[name][part]) - of(bare[part])) for name, size in dampings.items())
+        return sum(each, of(bare[part]))
 
     M, C, K = (at(part) for part in range(3))
-    C, K = (
-        X + sum((mpf(size) * (at(part, **{name: 1.0}) - at(part)) for name, size in dampings.items()), matrix(n, n))
-        for part, X in ((1, C), (2, K))
-    )
-    A, inverse = matrix(2 * n, 2 * n), M**-1
-    A[n:, :n], A[n:, n:] = -inverse * K, -inverse * C
-    for k in range(n):
-        A[k, n + k] = 1
-    return bool(max(x.real for x in eig(A, left=False, right=False)) > mpf(10) ** -32)
+    lower = np.hstack([np.array(M.solve(X).tolist(), dtype=object) for X in (-K, -C)])
+    upper = np.hstack([np.zeros((n, n)), np.eye(n)]).astype(object)
+    A = acb_mat([[acb(x).mid() for x in row] for row in np.vstack([upper, lower]).tolist()])
+    return bool(max(x.real.mid() for x in A.eig(algorithm="approx")) > arb(10) ** -32)
 
 
-def less_error_than_there_is(column: fb.Column, modes: int, dampings: dict[str, float], **own: float) -> str | None:
-    """What is wrong with an answer: None where it is right to the error that it states, or refused."""
+def met(column: fb.Column, modes: int, top: float, **own: float) -> list[float]:
+    """Up to six loads below `top` at which squared frequencies without damping are not real."""
+    M, _, K = column.coefficients(modes, **own)
+    found = []
+    for P in np.linspace(0, top, 402)[1:-1].tolist():
+        inertia, stiffness = (sum(P**k * A for k, A in enumerate(X)) for X in (M, K))
+        squares = 1 / np.linalg.eigvals(np.linalg.solve(stiffness, inertia))
+        found += [P] if (np.abs(squares.imag) > 1e-7 * np.abs(squares)).any() else []
+    return found[:: -(-len(found) // 6) or 1]
+
+
+def less_error_than_there_is(
+    column: fb.Column, modes: int, dampings: dict[str, float], windows: bool = False, **own: float
+) -> str | None:
+    """What is wrong with an answer: None where it is right to the error that it states, or refused. windows: look at
+    loads too at which frequencies have met without damping."""
     try:
         found = fb.critical_load(column, modes, **dampings, load_max=100, **own)
     except InputError as refused:
         return None if "lost in rounding" in str(refused) else str(refused)
     top = found.load or 100.0
-    with workdps(60):
-        for share in (0.25, 0.5, 0.75, 0.9, 1 - max(found.rounding, 4e-16)):
-            if grows(column, modes, dampings, share * top, **own):
-                return f"{found.load} states {found.rounding:.1e}, but something grows at {share * top}"
+    between = met(column, modes, top, **own) if windows else [0.25 * top, 0.5 * top, 0.75 * top]
+    with precision(200):
+        for load in (*between, 0.9 * top, top * (1 - max(found.rounding, 4e-16))):
+            if grows(column, modes, dampings, load, **own):
+                return f"{found.load} states {found.rounding:.1e}, but something grows at {load}"
         if found.load and not grows(column, modes, dampings, top * (1 + max(found.rounding, 4e-16)), **own):
             return f"{found.load} states {found.rounding:.1e}, but nothing grows just above it"
     return None
@@ -88,6 +104,47 @@ def test_a_stiffness_that_is_singular_but_for_rounding_is_refused(seed: int) -> 
         assert np.isfinite(e).all() and (e > 0).all()
 
 
+WINDOW = np.diag([1.0, 4, 9, 16, 2000, 2001]), np.kron(np.diag([0.0, 0, 1]), [[1, 0.05], [-0.05, -1]])
+WINDOW[1][:2, :2] = [[0, 0.5], [-0.5, 0]]
+"""E and H of two high frequencies that meet at loads from 0.476 to 0.526, and of two low ones that do from 3 on."""
+
+
+def growth_of_the_high(C: np.ndarray, P: float) -> float:
+    K = (WINDOW[0] + P * WINDOW[1])[4:, 4:]
+    return float(np.linalg.eigvals(np.block([[np.zeros((2, 2)), np.eye(2)], [-K, -C[4:, 4:]]])).real.max())
+
+
+@pytest.mark.parametrize("each", [(1, 1), (2, 0.1), (0.1, 2)])
+@pytest.mark.parametrize("size", [1e-10, 1e-8, 1e-7, 2.7e-7, 2.79e-7, 3e-7, 1e-6, 1e-5])
+def test_light_damping_is_judged_for_two_high_frequencies_that_meet(size: float, each: tuple[float, float]) -> None:
+    """They grow by 2.8e-4 at most without damping, so that one that is light for the low modes holds them or not."""
+    E, H = WINDOW
+    C = size * E * np.diag([1, 1, 1, 1, *each])
+    lost = [P for P in np.linspace(0.4, 0.6, 401).tolist() if growth_of_the_high(C, P) > 1e-12]
+    problems: list[General | Proportional] = [General([np.eye(6)], [C], [E, H])]
+    problems += [Proportional(Pencil(np.eye(6), E, H), size)] if each == (1, 1) else []
+    for problem in problems:
+        outcome = first_loss(problem, 5.0)
+        found = outcome.crossing
+        assert found is not None and not outcome.touches
+        if not lost:
+            assert found.load == pytest.approx(2.4, rel=1e-5) and found.frequency < 2
+            continue
+        assert lost[0] - 5e-4 < found.load <= lost[0] and found.frequency == pytest.approx(44.7, rel=1e-2)
+        off = found.load * max(problem.rounding(found), 1e-6)
+        assert growth_of_the_high(C, found.load - off) < growth_of_the_high(C, found.load + off)
+        assert growth_of_the_high(C, found.load + off) > 0
+
+
+def windows() -> Iterator[tuple[fb.Column, int, dict[str, float]]]:
+    """Of many numbers of functions, with dampings that are light."""
+    for name in ("beck", "timoshenko", "rayleigh", "crack", "step", "cone", "leipholz", "free-free", "tip-spring"):
+        for modes in (4, 8, 16, 24, 32):
+            for alpha, beta in ((1e-6, 1e-6), (1e-7, 1e-9), (3e-8, 1e-8), (1e-9, 1e-9)):
+                known = fb.column(name)
+                yield known, modes, {k: v for k, v in (("alpha", alpha), ("beta", beta)) if k in known.damping}
+
+
 def cases() -> Iterator[tuple[fb.Column, int, dict[str, float], dict[str, float]]]:
     for size in LIGHT:
         for name, modes, ratio in (("disc", 1, 3), ("turning disc", 1, 3), ("shaft", 3, 30), ("turning shaft", 3, 30)):
@@ -104,3 +161,6 @@ if __name__ == "__main__":
     for each, modes, dampings, own in cases():
         said = less_error_than_there_is(each, modes, dampings, **own)
         print(each.name, dampings, own, said or "right, or refused", flush=True)
+    for each, modes, dampings in windows():
+        said = less_error_than_there_is(each, modes, dampings, windows=True)
+        print(each.name, modes, dampings, said or "right, or refused", flush=True)

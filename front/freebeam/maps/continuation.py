@@ -134,9 +134,10 @@ def _margins(problem: General, load: float, manner: tuple[bool, float]) -> Real:
     Im λ ≥ 0; to first order in the damping growth, and by how much each ω² is below the next, relative."""
     found = np.full((2, LOWEST), -np.inf)
     if manner[0]:
-        s, _, growth = problem.branches(load)
-        order = np.argsort(s.real)[: LOWEST + 1]
-        square, growth = s.real[order], growth[order][:LOWEST]
+        rate, _, growth = problem.branches(load)
+        square = rate.imag**2 - rate.real**2
+        order = np.argsort(square)[: LOWEST + 1]
+        square, growth = square[order], growth[order][:LOWEST]
         gaps = (square[:-1] - square[1:]) / np.abs(square[1:])
         found[0, : len(growth)] = growth if problem.damped else -np.inf
         found[1, : len(gaps)] = gaps
