@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 __all__ = [
-    "InputError", "Unstable", "array", "computable", "count", "finite", "memory", "nonnegative", "positions",
-    "positive", "reals", "refusal",
+    "InputError", "Unstable", "array", "computable", "count", "finite", "memory", "nonnegative", "place",
+    "positions", "positive", "reals", "refusal",
 ]  # fmt: skip
 
 LARGEST = 1e60
@@ -181,3 +181,8 @@ def positions(
         label = name if found.size == 1 else f"{name}[{outside[0]}]"
         raise refusal(label, found[outside[0]], "must lie from 0 to 1", hint)
     return found
+
+
+def place(name: str, value: object) -> float:
+    """One position along the beam, 0 to 1. Raises InputError, as `finite` and `positions` do."""
+    return float(positions(name, finite(name, value))[0])

@@ -25,6 +25,7 @@ from freebeam_sym.checks import (
     finite,
     memory,
     nonnegative,
+    place,
     positions,
     positive,
     reals,
@@ -313,16 +314,13 @@ class Column:
         r = self.rigid_count
         if not self.general or not r:
             return None
+        from scipy.linalg import qr
+
         basis = self.basis(modes)
         with self._sound_places():
             R, M = self.kernel.rigid_motions(basis, **own), self.kernel.mass_terms(basis, **own)[0]
         # coordinates that the rigid motions can take the place of
-        left, dropped = R.copy(), []
-        for k in range(r):
-            row, column = np.unravel_index(int(np.abs(left[:, k:]).argmax()), (len(R), r - k))
-            dropped.append(int(row))
-            left[:, [k, k + column]] = left[:, [k + column, k]]
-            left[:, k + 1 :] -= np.outer(left[:, k], left[row, k + 1 :] / left[row, k])
+        dropped = qr(R.T, mode="r", pivoting=True)[1][:r]
         others = np.delete(np.eye(len(R)), dropped, axis=1)
         return np.hstack([R, others - R @ np.linalg.solve(R.T @ M @ R, R.T @ M @ others)])
 
@@ -490,10 +488,7 @@ class System:
         """
         if not self.column.forced:
             raise InputError(f"x_F = {x_F}: {self.column.name} states no transversal force F_0")
-        place = positions("x_F", x_F)
-        if np.ndim(x_F) or len(place) != 1:
-            raise InputError(f"x_F has {len(place)} places: a transversal force acts at one")
-        at, kernel = float(place[0]), self.column.kernel
+        at, kernel = place("x_F", x_F), self.column.kernel
 
         def build() -> Array:
             if self.column.general:

@@ -45,13 +45,8 @@ def read_source(path: Path) -> tuple[bytes, ast.Module]:
 
 def is_kernel(tree: ast.Module) -> bool:
     """Whether a file's tree is that of an emitted kernel."""
-    assigned = {
-        target.id
-        for node in tree.body
-        if isinstance(node, (ast.Assign, ast.AnnAssign))
-        for target in (node.targets if isinstance(node, ast.Assign) else [node.target])
-        if isinstance(target, ast.Name)
-    }
+    assignments = (node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign))
+    assigned = {name.id for node in assignments for name in ast.walk(node) if isinstance(name, ast.Name)}
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     return "COLUMN" in assigned and {"basis", "stiffness_load"} <= functions
 

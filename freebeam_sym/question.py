@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import Any
+from itertools import zip_longest
 
 import numpy as np
 
-from freebeam_sym.checks import LARGEST, InputError, Unstable, computable, nonnegative, positive
+from freebeam_sym.checks import LARGEST, InputError, computable, nonnegative, positive
 from freebeam_sym.columns import Coefficients, Column, System, is_column
-from freebeam_sym.massless import without_mass
 from freebeam_sym.stability.general import General
 from freebeam_sym.stability.pencil import Pencil, pencil_of
 from freebeam_sym.stability.proportional import Proportional
@@ -112,37 +110,25 @@ class Question:
         """What a search for the first loss of stability sees. Raises InputError."""
         if not self.column.general:
             return Proportional(self.pencil, *self.factors)
-        terms = self.coefficients()
-        if not terms.C and self.kappa is None and _textbook(terms):
-            with suppress(Unstable):  # it may be stable with a load alone
-                pencil = pencil_of(terms.M[0], *terms.K)
-                if pencil.conservative or not pencil.coincident:
-                    return Proportional(pencil)
         return self.general
 
     @property
     def general(self) -> General:
         """The same of a column beyond the textbook's, always as a problem of any damping. Raises InputError, of a limit
-        of vanishing damping where another C stays."""
+        of vanishing damping where a damper stays."""
         M, C, K = self.coefficients()
-        stays = self.kappa is not None and any(X.any() for X in self.coefficients(alpha=0.0, beta=0.0).C)
-        if stays or (self.kappa is not None and self.column.kernel.COLUMN.get("circulatory")):
-            what = "a damper or a gyroscopic term of its own, which stays when alpha and beta vanish"
-            what = what if stays else "a damping that acts on displacements too"
-            raise InputError(f"kappa = {self.kappa}: {self.column.name} has {what}; give small alpha and beta instead")
-        return General(M, C or (np.zeros_like(M[0]),), K, self.kappa is not None)
+        none = (np.zeros_like(M[0]),)
+        if self.kappa is None:
+            return General(M, C or none, K)
+        _, rates, still = self.coefficients(alpha=0.0, beta=0.0)
+        if any(np.abs(X + X.T).max() > 1e-13 * np.abs(X).max() for X in rates):
+            raise InputError(
+                f"kappa = {self.kappa}: {self.column.name} has a damper of its own, which stays when alpha and beta "
+                "vanish; give small alpha and beta instead"
+            )
+        D, N = ([a - b for a, b in zip_longest(*X, fillvalue=none[0])] for X in ((C, rates), (K, still)))
+        return General(M, D or none, still, True, rates, N)
 
     def system(self, load: float, rigid: bool = False) -> System:
         """The system at a load, Eqs. (10), (11). Raises InputError."""
         return self.column.system(self.modes, load, self.alpha, self.beta, rigid, **self.parameters)
-
-    def record(self) -> dict[str, Any]:
-        """Its settings by name, as files keep them."""
-        own = self.column
-        return {"column": own.name, "basis": own.basis_name, "modes": self.modes, "load_max": self.load_max}
-
-
-def _textbook(terms: Coefficients) -> bool:
-    """Whether M, positive definite, and E are symmetric and K = E + P H. Raises InputError where a mass is negative."""
-    symmetric = all(np.array_equal(X, X.T) for X in (terms.M[0], terms.K[0]))
-    return len(terms.M) == 1 and len(terms.K) == 2 and symmetric and not without_mass(terms.M[0])

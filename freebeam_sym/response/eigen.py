@@ -77,8 +77,6 @@ class Spectrum:
         (M, C, K), high = self.matrices, self.values[self.half]
         oscillating = high.imag > 0
         n, m = len(M), high.size
-        if m + np.count_nonzero(oscillating) != 2 * n:
-            return None
 
         def with_conjugates(V: Complex) -> Complex:
             X = np.concatenate([V, V * high])
@@ -86,10 +84,7 @@ class Spectrum:
 
         V = self.vectors[:n, self.half]
         X = with_conjugates(V)
-        try:
-            W: Complex = np.linalg.inv(X).astype(complex)
-        except np.linalg.LinAlgError:
-            return None
+        W: Complex = inverse(X).astype(complex)
         # G X − X Λ, real parts first: its upper half is exact rounding of V λ, its lower one M⁻¹ (…)
         a, b, parts = np.diag(high.real), np.diag(high.imag), np.concatenate([X.real[:, :m], X.imag[:, :m]], axis=1)
         turned = Double.of(parts) @ np.block([[a, b], [-b, a]])

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam_sym.checks import InputError, array, finite, nonnegative, positions, reals, refusal
+from freebeam_sym.checks import InputError, array, finite, place, reals
 from freebeam_sym.response.digits import Array, Complex
 
 if TYPE_CHECKING:
@@ -92,19 +92,6 @@ class Start:
     velocity_lost: float
 
 
-def checked_parameters(newmark: tuple[float, float]) -> tuple[float, float]:
-    try:
-        b, g = newmark
-    except (TypeError, ValueError):
-        raise refusal("newmark", newmark, "must be two numbers (b, g), such as (0.25, 0.5)") from None
-    return nonnegative("newmark[0]", b), nonnegative("newmark[1]", g)
-
-
-def position_of(name: str, value: object) -> float:
-    finite(name, value)  # one number, no sequence
-    return float(positions(name, value)[0])  # type: ignore[arg-type]
-
-
 def times_of(duration: float, h: float) -> int:
     """Number of times, the first one included."""
     ratio = duration / h
@@ -172,7 +159,7 @@ def force_of(system: System, force: Any, position: Any, times: int, h: float) ->
         raise InputError("force_position is missing: a force needs the place x_F where it acts, from 0 to 1")
     Q = np.zeros(len(system.M))
     if position is not None:
-        Q = np.asarray(system.Q(position_of("force_position", position)), dtype=float)
+        Q = np.asarray(system.Q(place("force_position", position)), dtype=float)
     if force is None:
         return Load(Q)
     if isinstance(force, Harmonic):

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebeam_sym.checks import InputError, positions, positive, refusal
+from freebeam_sym.checks import InputError, nonnegative, positions, positive, refusal
 from freebeam_sym.columns import is_system
 from freebeam_sym.massless import Reduced, accelerated, without_mass
 from freebeam_sym.response.digits import Array
@@ -25,7 +25,6 @@ from freebeam_sym.response.inputs import (
     Message,
     Start,
     check_finite,
-    checked_parameters,
     force_of,
     start_of,
     times_of,
@@ -209,7 +208,11 @@ def _method(system: System, method: str | None, newmark: tuple[float, float] | N
         return Exact()
     if method == "exact":
         raise InputError(f'newmark = {newmark!r}: are parameters of method="newmark", not of the exact one')
-    return Newmark(system.column.kernel.newmark_step, *checked_parameters((0.25, 0.5) if newmark is None else newmark))
+    try:
+        b, g = (0.25, 0.5) if newmark is None else newmark
+    except (TypeError, ValueError):
+        raise refusal("newmark", newmark, "must be two numbers (b, g), such as (0.25, 0.5)") from None
+    return Newmark(system.column.kernel.newmark_step, nonnegative("newmark[0]", b), nonnegative("newmark[1]", g))
 
 
 def _check_phase(spectrum: Spectrum, duration: float) -> None:

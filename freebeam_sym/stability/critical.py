@@ -104,8 +104,7 @@ class CriticalLoad:
     @cached_property
     def rounding(self) -> float:
         """By how much `load` may be off, relative, for the rounding of its matrices; 0 where there is no load."""
-        problem = self.question.general if self.question.column.general else self.question.problem
-        return 0.0 if self._crossing is None else problem.rounding(self._crossing)
+        return 0.0 if self._crossing is None else self.question.problem.rounding(self._crossing)
 
     @cached_property
     def gradient(self) -> dict[str, float]:
@@ -131,7 +130,13 @@ class CriticalLoad:
         if parameter in q.parameters:
             h = 1e-5 * max(abs(value), 1e-2)  # the crack's place, N = 16: off by 2e-10; by 2e-8 with ten times as much
             low, high = value - h, value + h
-        terms, *beside = (q.coefficients(**{parameter: x}) for x in (value, low, high))
+        if (at := self._crossing) and at.frequency and q.kappa is not None and q.general.perturbed:
+            ends = [replace(q, parameters={**q.parameters, parameter: x}).general.near(at) for x in (low, high)]
+            a, b = (np.array([c.load, c.frequency] if c else [math.nan] * 2) for c in ends)
+            load, frequency = ((b - a) / (high - low)).tolist()
+            return load, frequency
+        still = {"alpha": 0.0, "beta": 0.0} if q.kappa is not None and not self.frequency else {}
+        terms, *beside = (q.coefficients(**{**still, parameter: x}) for x in (value, low, high))
         M, C, K = ((b - a) / (high - low) for a, b in zip(*(x.at(P) for x in beside), strict=True))
         try:
             return crossing_derivative(self.frequency, terms.at(P), terms.slope.at(P), (M, C, K), q.kappa is not None)

@@ -24,10 +24,6 @@ MARGIN = 1e-3
 neighbour: far enough for the counts, since at a touch ω² falls as the square of the distance."""
 
 
-REACH = 0.1
-"""Relative. So far beyond a flutter that is not settled it is looked for what grows."""
-
-
 @dataclass(frozen=True)
 class FirstLoss:
     """`crossing`: the first loss of stability, None where there is none. `touches`: loads below it at which an
@@ -51,26 +47,24 @@ def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[C
     events = _in_order(problem, load_max)
     event = next(events, None)
     while event is not None:
-        crossing, beyond = event.crossing, None
+        crossing, beyond = event.crossing, math.inf
         if not event.simple:
             following = next(events, None)
             ahead = math.inf if following is None else following.crossing.load / crossing.load - 1
-            # what Newton's method has not settled may be as far from its load as the next, or be no crossing at all
-            far = [] if crossing.frequency >= 0 else (min(ahead, REACH) * np.arange(1, 8) / 8).tolist()
-            looked = [] if ahead < 2 * NEAR else [crossing.load * (1 + x) for x in (min(MARGIN, ahead / 2), *far)]
-            beyond = next((load for load in looked if problem.unstable(load)), None)
-            if beyond is None:
+            beyond = crossing.load * (1 + min(MARGIN, ahead / 2))
+            if ahead < 2 * NEAR or not problem.unstable(beyond):
+                # below zero: Newton's method finds that there is none
                 touches += [] if crossing.frequency < 0 else [crossing]
                 event, stable = following, stable if ahead < 2 * NEAR else crossing.load
                 continue
         below = crossing.load * (1 - min(MARGIN, abs(1 - stable / crossing.load) / 2))
         if problem.unstable(below):
             return scan(problem, stable if stable < below else 0.0, below), touches
-        if beyond is not None and not crossing.frequency >= 0:
+        if not crossing.frequency >= 0:
             # rounding hides how slow is what begins where K is singular
             rests = (e.crossing for e in problem.divergences if abs(e.crossing.load / crossing.load - 1) < NEAR)
             at = next(rests, None)
-            crossing = scan(problem, below, beyond, 1) if at is None else replace(at, kind="flutter")
+            crossing = problem.onset(bisected(problem, below, beyond)) if at is None else replace(at, kind="flutter")
         return crossing if crossing.load <= load_max else None, touches
     top = load_max * (1 - MARGIN)
     if stable < top and problem.unstable(top):
@@ -91,18 +85,20 @@ def _in_order(problem: Problem, load_max: float) -> Iterator[Event]:
     yield from waiting
 
 
-def scan(problem: Problem, low: float, high: float, count: int = 256) -> Crossing:
+def scan(problem: Problem, low: float, high: float, count: int = 256) -> Crossing | None:
     """A crossing between a stable load and one where something grows, by counts at equal steps and bisection: slow,
     plain, and blind between steps. What is left where Arnoldi's method has missed a crossing."""
     steps = np.linspace(low, high, count + 1).tolist()
-    k = next(k for k, load in enumerate(steps) if load > 0 and (load == high or problem.unstable(load)))
-    low, high = steps[max(k - 1, 0)], steps[k]
+    k = next((k for k, load in enumerate(steps) if load > 0 and problem.unstable(load)), None)
+    return None if k is None else problem.onset(bisected(problem, steps[max(k - 1, 0)], steps[k]))
+
+
+def bisected(problem: Problem, low: float, high: float) -> float:
+    """The least load at which something grows, between one at which nothing does and one at which it does."""
     while high - low > 4e-16 * high:
         middle = (low + high) / 2
-        if not low < middle < high:
-            break
         if problem.unstable(middle):
             high = middle
         else:
             low = middle
-    return problem.onset(high)
+    return high

@@ -17,12 +17,14 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
+from copy import copy
 from functools import cached_property
 
 import numpy as np
 
 from freebeam_sym.checks import InputError, Unstable
-from freebeam_sym.massless import condensed
+from freebeam_sym.massless import condensed, without_mass
+from freebeam_sym.spectra import inverse
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.crossings import MARGIN, scan
 from freebeam_sym.stability.equations import ROUNDING, divergence, divergences, moved, newton, shifted, slope, value
@@ -30,6 +32,7 @@ from freebeam_sym.stability.problem import CLOSE, NEAR, Complex, Crossing, Event
 
 __all__ = ["General"]
 
+Matrices = Sequence[Real]
 LIGHT = 1e-4
 """Largest entry of C in the four lowest modes, relative to 2√(ωᵢωⱼ), below which Newton's method starts from the limit
 of vanishing damping: flutters move by its square. Of `_States` eigenvalues are then off by rounding over its square."""
@@ -40,8 +43,6 @@ LIGHTEST = 1e-6
 COUPLED = 1e-3
 """Geometric mean of what the damping does between two motions, relative to what is between their 1/λ, from which they
 are taken together: beside, it moves their growth by its square."""
-ONE = 1e-11
-"""Relative to the greatest |1/ω²|. What is nearer to one another may be one: rounding splits it by GROWTH."""
 GROWTH = 1e-13
 """Re 1/λ, relative to the greatest |1/λ|, from which an eigenvalue grows: below is rounding."""
 SPLIT = 1e-7
@@ -57,12 +58,15 @@ restores by way of another coordinate."""
 class General:
     """The problem of matrices M, C, K, each a sequence of (n, n) arrays by powers of the load P.
 
-    vanishing: C is the direction of a damping that vanishes, C = small × C. Raises InputError where shapes differ or
-    entries are not finite, where K is singular at every load, and where something grows at the smallest loads.
+    vanishing: C is the direction of a damping that vanishes, C = small × C. beside: of one that does, the rates that
+    stay, as they turn motions, and what it adds to K, small × that; by powers of the load. Raises InputError where
+    shapes differ or entries are not finite, where K is singular at every load, where something grows at the smallest
+    loads, and of what stands beside where some motion has no mass.
     """
 
-    def __init__(self, M: Sequence[Real], C: Sequence[Real], K: Sequence[Real], vanishing: bool = False) -> None:
-        given = [np.array([np.asarray(a, dtype=float) for a in X]) for X in (M, C, K)]
+    def __init__(self, M: Matrices, C: Matrices, K: Matrices, vanishing: bool = False, *beside: Matrices) -> None:
+        turning, held = beside or ((), ())
+        given = [np.array([np.asarray(a, dtype=float) for a in X]) for X in (M, [*C, *turning, *held], K)]
         n = given[0].shape[-1]
         for name, X in zip("MCK", given, strict=True):
             if X.ndim != 3 or X.shape[1:] != (n, n) or not n or not np.isfinite(X).all():
@@ -75,8 +79,12 @@ class General:
         low = rates < NOTHING * rates[np.isfinite(rates)].max(initial=0.0)
         size = np.where(low | (size == 0), mass * np.min(rates, where=~low & (rates > 0), initial=1.0), size)
         self._scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
-        self.M, self.C, self.K = (X * np.outer(self._scale, self._scale) for X in parts)
-        self.size, self.vanishing = n, vanishing
+        self.M, rates, self.K = (X * np.outer(self._scale, self._scale) for X in parts)
+        ends = [len(C), len(C) + len(turning)]
+        self.C, self.turning, self.held = (X if len(X) else 0 * rates[:1] for X in np.split(rates, ends))
+        self.size, self.vanishing, self.perturbed = n, vanishing, bool(self.turning.any() or self.held.any())
+        if self.perturbed and without_mass(self.M[0]):
+            raise InputError("a limit of vanishing damping: some motion has no mass; give small alpha and beta instead")
         self.damped = bool(np.any(self.C))
         self._damping: float = float(np.abs(self.C).max()) if self.damped else 1.0  # its size, so that light is as any
 
@@ -110,18 +118,16 @@ class General:
         R, n = -np.linalg.solve(near[0], near[1:]), self.size
         if not (d := len(R)):
             return base, np.zeros(0, complex)
-        companion = np.zeros((n * d, n * d))
+        companion = np.eye(n * d, k=-n)
         companion[:n] = np.concatenate(list(R), axis=1)
-        companion[np.arange(n, n * d), np.arange(n * (d - 1))] = 1
         mu = np.linalg.eigvals(companion).astype(complex)
         return base, base + 1 / mu[np.abs(mu) > 1e-10 * np.abs(mu).max()]  # the rest is rounding
 
     @cached_property
-    def unit(self) -> float | None:
-        """The least |P| with det K(P) = 0, P complex; None where there is none."""
-        base, roots = self._roots[0], np.abs(self._roots[1])
-        roots = roots[roots > 1e-6 * base]  # not the load 0, where K is singular if it is no base
-        return float(roots.min()) if len(roots) else None
+    def unit(self) -> float:
+        """The least |P| with det K(P) = 0, P complex; infinite where there is none."""
+        base, roots = self._roots  # K is singular at the load 0 if that is no base
+        return float(np.abs(roots[np.abs(roots) > 1e-6 * base]).min(initial=np.inf))
 
     @cached_property
     def divergences(self) -> tuple[Event, ...]:
@@ -132,45 +138,44 @@ class General:
 
     # --- counts ----------------------------------------------------------------------------------------------------
 
-    def inverse(self, P: float) -> Real:
+    def inverse(self, P: float, light: bool = False) -> Real:
         """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits. A state is
-        (q, w), w = λ Fq with M = GF.
+        (q, w), w = λ Fq with M = GF. light: without C, but with the rates that stay.
 
         Of light damping it is nearly skew where F = Gᵀ, for the stiffness nearly has 1 on its diagonal and nothing
         beside: rounding is then that of a normal matrix, below what the highest modes of a short segment are damped by.
         """
         M, C, K = self._at(P)
         n = self.size
-        A = np.zeros((2 * n, 2 * n))
         try:
             G, F = (M, np.eye(n)) if not np.array_equal(M, M.T) else (L := np.linalg.cholesky(M), L.T)
         except np.linalg.LinAlgError:
             G, F = M, np.eye(n)
-        A[:n] = -np.linalg.solve(K, np.concatenate([C, G], axis=1))
-        A[n:, :n] = F
-        return A
+        upper = -np.linalg.solve(K, np.concatenate([value(self.turning, P) if light else C, G], axis=1))
+        return np.concatenate([upper, np.concatenate([F, np.zeros((n, n))], axis=1)])
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ without damping, the motions as columns, and by how much each 1/λ grows, relative to the terms of this:
         infinite where K lets it, or where damping is absent or vanishes and frequencies have met. To first order in the
         damping; motions are taken together where it is more than a share COUPLED of what is between their frequencies,
-        and where these are one but for rounding (Kato 1966, chapter 2). Without mass 1/λ = 0. Of ±λ one is left. Raises
-        InputError where rounding hides what is one."""
-        M, D, K = self._at(P)
-        z, V = (X.astype(complex) for X in np.linalg.eig(np.linalg.solve(K, M)))  # 1/ω²
+        and where these are one but for rounding (Kato 1966, chapter 2). Without mass 1/λ = 0. Of ±λ one is
+        left, unless rates turn motions. Raises InputError where rounding hides what is one."""
+        (M, D, K), both = self._at(P), self.perturbed
+        z, V = (X.astype(complex) for X in np.linalg.eig(self.inverse(P, True) if both else np.linalg.solve(K, M)))
+        z = -1j * z if both else z  # 1/(iλ), else 1/ω²
         size = np.abs(z)
         least = np.maximum(SPLIT * size, GROWTH * size.max())  # near a divergence rounding splits the highest
-        off, out = np.abs(z.imag) > least, z.real < 0
-        theta, growth = 1j * np.sqrt(z), np.zeros(self.size)
-        if not self.damped or self.vanishing:
-            out |= off
-        if self.damped:
-            L = np.linalg.inv(V) @ np.linalg.inv(K) / 2
-            B = -L @ D @ V
-            terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(V))
+        off, out = np.abs(z.imag) > least, (z.real < 0) & (not both)
+        theta, v, growth = 1j * (z if both else np.sqrt(z)), V[: self.size], np.zeros(len(z))
+        out |= off & (self.vanishing or not self.damped)
+        if self.damped or both:
+            N, L = value(self.held, P), np.linalg.inv(V)[:, : self.size] @ np.linalg.inv(K) / (1 if both else 2)
+            B = -L @ (D @ v + theta * (N @ v))
+            terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(v) + np.abs(theta) * (np.abs(N) @ np.abs(v)))
             own = np.where(off, theta, 1j * theta.imag) * (not self.vanishing)
             on = np.flatnonzero(~out)[np.argsort(z[~out].real)]
-            close = np.abs(np.subtract.outer(z[on], z[on])) <= np.minimum(ONE * size.max(), least[on])
+            rounding = np.minimum(100 * GROWTH * size.max(), (SPLIT * size if both else least)[on])
+            close = np.abs(np.subtract.outer(z[on], z[on])) <= rounding
             product, gap = (B * B.T)[np.ix_(on, on)], np.subtract.outer(own[on], own[on])
             close |= np.abs(product) > COUPLED**2 * np.abs(gap) ** 2 if not self.vanishing else False
             places = np.arange(len(on))
@@ -186,31 +191,28 @@ class General:
                             f"two frequencies near {abs(1 / theta[one[0]]):.6g} at the load {P:.6g} are one but for "
                             "rounding: what a vanishing damping does to them is not told; give small alpha and beta"
                         )
-                    growth[one], V[:, one] = values, V[:, one] @ shapes
-            growth = np.divide(growth, terms, out=np.zeros(self.size), where=terms > 0)
+                    growth[one], v[:, one] = values, v[:, one] @ shapes
+            growth = np.divide(growth, terms, out=np.zeros(len(z)), where=terms > 0)
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(np.where(theta == 0, complex(0, math.inf), 1 / theta))
-        return rate, V, np.where(out, np.inf, np.where(np.abs(growth) > 10 * NOTHING, growth, 0.0))
+        return rate, v, np.where(out, np.where(both & (z.imag > 0), 0.0, np.inf), growth)
 
     def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ, the motions and by how much each grows, positive where it does."""
-        if self._light:
+        light, threshold = self.manner
+        if light:
             return self.branches(P)
         theta, V = np.linalg.eig(self.inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
-        rounding = np.inf if not self._threshold else _rounding(np.asarray(V, complex))
-        return rate, V[: self.size].astype(complex), _growth(np.asarray(theta, complex), self._threshold, rounding)
-
-    @cached_property
-    def _threshold(self) -> float:
-        """SPLIT where eigenvalues stay on the axis though C is not zero, but for those known better; else nothing."""
-        return 0.0 if self._operator is not None else SPLIT
+        rounding = np.inf if not threshold else _rounding(np.asarray(V, complex))
+        return rate, V[: self.size].astype(complex), _growth(np.asarray(theta, complex), threshold, rounding)
 
     @property
     def manner(self) -> tuple[bool, float]:
-        """How growth is counted: whether to first order, and by how much else an eigenvalue must grow."""
-        return self._light, 0.0 if self._light else self._threshold
+        """How growth is counted: whether from the motions without damping, and by how much else an eigenvalue must
+        grow: by SPLIT, but for those known better, where some stay on the axis though C is not zero."""
+        return self._light, 0.0 if self._light or self._operator is not None else SPLIT
 
     def unstable(self, load: float, manner: tuple[bool, float] | None = None) -> int:
         """manner: that of a problem of the same damping, or nearly so, which saves the work to find it."""
@@ -220,7 +222,7 @@ class General:
                 growth = (self.branches if light else self._bad)(load)[2]
             else:
                 growth = _growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0)
-            return int((growth > 0).sum())
+            return int((growth > (10 * NOTHING if light else 0)).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
 
@@ -233,7 +235,8 @@ class General:
         worst = int(np.argmax(growth))
         v = V[:, worst].conj() if rate[worst].imag < 0 else V[:, worst]  # of λ = iω: a whirl's is not its conjugate's
         omega, v = abs(float(rate[worst].imag)), self._vector(v, load)
-        if omega < 1e-6 * np.abs(rate).min() or omega == 0:
+        slow = at is not None and self.perturbed and omega < 1e-4 * np.abs(rate).max()
+        if slow or omega < 1e-6 * np.abs(rate).min() or omega == 0:
             return at or Crossing(load, 0.0, v, "divergence")
         guess = Crossing(load, omega, v, "flutter")
         found = self.near(guess)
@@ -244,6 +247,8 @@ class General:
     def near(self, guess: Crossing) -> Crossing | None:
         """The flutter that Newton's method finds from a guess; None where there is none. The motion of a guess of
         another number of functions is found again, by inverse iteration."""
+        if self.perturbed:
+            return self._followed(guess.load, guess.frequency)
         omega, P, v = guess.frequency, guess.load, np.ones(self.size, complex)
         if len(guess.vector) == self._follow.shape[1]:
             v = self._own(guess.vector)
@@ -271,14 +276,16 @@ class General:
     @cached_property
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
-        unit = self.unit or 1.0
+        unit = self.unit if math.isfinite(self.unit) else 1.0
         for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)
-            if operator is not None and not operator.passed_before():
+            if operator is not None and not (P and _passed_before(operator)):
                 return operator
         return None
 
     def _made(self, P: float, unit: float) -> _States | _Vanishing | None:
+        if self.perturbed:
+            return None
         stays = self.damped and not self.vanishing
         with suppress(np.linalg.LinAlgError):
             return _Vanishing(self, P, unit, LIGHT if stays else math.inf)
@@ -297,21 +304,17 @@ class General:
     def flutters(self, bound: float) -> Iterator[Event]:
         """Raises Unstable where something grows at the smallest loads."""
         operator = self._operator
-        low = 1e-4 * bound if operator is None or operator.P else 0.0
-        if operator is not None:
-            low = min(low, operator.P / 2)
+        low = min(1e-4 * bound, math.inf if operator is None else operator.P / 2)
         if low and self.unstable(low) and self.unstable(low / 8):
             raise Unstable("something grows at the smallest loads: there is no first loss of stability")
         if operator is None:
-            steps = np.linspace(0, bound, 257)[1:]
-            if any(self.unstable(P) for P in steps * (1 - NEAR)):
-                found = scan(self, 0.0, float(steps[-1] * (1 - NEAR)))
-                return iter((Event(found, True),) if found.kind == "flutter" else ())
-            return iter(())
+            found = scan(self, 0.0, bound * (1 - NEAR))
+            return iter((Event(found, True),) if found is not None and found.kind == "flutter" else ())
         if (self.size == 1 and isinstance(operator, _Vanishing) and not self.damped) or bound <= operator.P:
             return iter(())
         floor = (1 - NEAR) * operator.unit / (bound - operator.P)
-        return events(Krylov(operator, operator.order), floor, operator.flutter, operator.load, self._follow.shape[1])
+        krylov, base, unit = Krylov(operator, operator.order), operator.P, operator.unit
+        return events(krylov, floor, operator.flutter, lambda mu: base + unit / mu, self._follow.shape[1])
 
     @staticmethod
     def _parts(v: Complex, omega: float) -> tuple[Real, Real]:
@@ -327,9 +330,35 @@ class General:
         root = newton(self.M, damping, self.K, size, w, P, a, b / self._damping, abs(w))
         return None if root is None else Crossing(root[1], root[0], self._vector(root[2], root[1]), "flutter")
 
+    def _followed(self, P: float, omega: float) -> Crossing | None:
+        """Where a motion of a frequency near ω begins to grow to first order, by the secant method."""
+        v, before, load = np.zeros(self.size, complex), math.nan, math.nan
+        for _ in range(20):  # the last steps are rounding
+            rate, V, growth = self.branches(P)
+            close = np.flatnonzero(np.isfinite(growth) & (np.abs(rate - 1j * omega) < 0.1 * omega))
+            if not len(close):
+                return None
+            V = V[:, close] / np.linalg.norm(V[:, close], axis=0)
+            k = int(np.argmax(np.abs(v.conj() @ V)) if v.any() else np.argmin(np.abs(growth[close])))
+            v, omega, grows = V[:, k], float(rate[close[k]].imag), float(growth[close[k]])
+            step = 1e-7 * P if math.isnan(before) else -grows * (P - load) / (grows - before or math.inf)
+            if abs(step) <= 4e-16 * P:
+                break
+            before, load, P = grows, P, P + step
+        return Crossing(P, omega, self._vector(v, P), "flutter")
+
     def rounding(self, crossing: Crossing) -> float:
         """By how much a crossing's load may be off, relative, for the rounding of the matrices, to first order."""
         P, omega = crossing.load, crossing.frequency
+        if self.perturbed and omega:  # by changes of all entries in their last digits
+            size, most = self.size**2, 0.0
+            for k in range(4):
+                changed, last = copy(self), 1 + 2 * ROUNDING * np.cos(k * np.arange(1.0, size + 1))
+                for name in ("M", "C", "K", "turning", "held"):
+                    setattr(changed, name, getattr(self, name) * last.reshape(self.size, -1))
+                found = changed._followed(P, omega)
+                most = max(most, 1.0 if found is None else abs(found.load / P - 1))
+            return min(2 * most + ROUNDING, 1.0)
         (M, C, K), (dM, dC, dK) = self._at(P), (value(slope(X), P) for X in (self.M, self.C, self.K))
         rate = 0.0 if self.vanishing else 1j
         G, G_P = K + rate * omega * C - omega**2 * M, dK + rate * omega * dC - omega**2 * dM
@@ -344,33 +373,10 @@ class General:
         return min(moved(G, G_P, G_omega, change + inertia, NEAR * gyroscopic, rates) / P, 1.0)
 
 
-class _Operator:
-    """z = (X₁ … X_d), X_k = p X_{k+1}, to (−L₀⁻¹(L₁X₁ + … + L_d X_d), X₁, …): eigenvalues are unit/(P − P₀)."""
+class _States:
+    """z = (X₁ … X_d), X_k = p X_{k+1}, to (−L₀⁻¹(L₁X₁ + … + L_d X_d), X₁, …): eigenvalues are unit/(P − P₀).
 
-    problem: General
-    P: float
-    unit: float
-    order: int
-    degree: int
-
-    def load(self, mu: float) -> float:
-        """The load that an eigenvalue stands for."""
-        return self.P + self.unit / mu
-
-    def __call__(self, z: Real) -> Real:
-        raise NotImplementedError
-
-    def passed_before(self) -> bool:
-        """Whether an eigenvalue crosses the axis between 0 and P₀: the reference is then too far."""
-        if not self.P:
-            return False
-        krylov = Krylov(lambda z: -self(z), self.order)
-        mu, _ = krylov.values(self.unit / self.P * (1 + 1e-3), math.inf)
-        return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
-
-
-class _States(_Operator):
-    """Any damping: X antisymmetric, (2n, 2n), in the eigenvectors at P₀, real: Re, Im of each pair, then real ones."""
+    Any damping: X antisymmetric, (2n, 2n), in the eigenvectors at P₀, real: Re, Im of each pair, then real ones."""
 
     def __init__(self, problem: General, P: float, unit: float) -> None:
         self.problem, self.P, self.unit = problem, P, unit
@@ -394,9 +400,6 @@ class _States(_Operator):
                 a[n:, part] = -X[j] if j < len(X) else 0
             self.A.append(W @ a @ self.V)
             self.B.append(W @ _blocks(n, np.zeros((n, n)), M[j]) @ self.V if 0 < j < len(M) else None)
-        while len(self.A) > 1 and not np.any(self.A[-1]) and self.B[-1] is None:
-            self.A.pop()
-            self.B.pop()
         moving = max((j for j, b in enumerate(self.B) if b is not None and np.any(b)), default=0)
         self.degree = max(1, len(self.A) - 1 + moving)
         sums = lam[:, None] + lam
@@ -444,14 +447,15 @@ class _States(_Operator):
         sizes, vectors = np.linalg.eigh(X[:n, n:] + X[:n, n:].T)
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
-        b, load = -2 * (X[:n, :n] @ a) / sizes[top], self.load(mu)
+        b, load = -2 * (X[:n, :n] @ a) / sizes[top], self.P + self.unit / mu
         M, C, K = self.problem._at(load)
         found = self.problem._newton(float(a @ (K @ a)) / float(a @ (M @ a + C @ b)), load, a, b)
         return found if found is not None and abs(found.load / load - 1) < CLOSE else None
 
 
-class _Vanishing(_Operator):
-    """Damping that is absent, vanishes, or is light: S symmetric, Y antisymmetric, (n, n), in the modes at P₀."""
+class _Vanishing:
+    """The same of damping that is absent, vanishes, or is light: X = S + Y, symmetric and antisymmetric, (n, n), in the
+    modes at P₀."""
 
     def __init__(self, problem: General, P: float, unit: float, light: float = math.inf) -> None:
         self.problem, self.P, self.unit = problem, P, unit
@@ -478,18 +482,12 @@ class _Vanishing(_Operator):
         np.fill_diagonal(gap, 1.0)
         self.own, self.over = own, (1 - np.eye(len(e))) / gap
         self.degree = max(1, max(len(self.K), len(self.D)) - 1 + len(self.M) - 1)
-        self.i, self.j = np.triu_indices(len(e))
-        self.upper = self.i < self.j
-        w = np.sqrt(e[self.i] * e[self.j])
-        self.scale = np.concatenate([w, w[self.upper]])
-        self.order = self.degree * len(self.scale)
+        self.scale = np.sqrt(np.outer(e, e))
+        self.order = self.degree * self.scale.size
 
     def _unpacked(self, z: Real) -> tuple[Real, Real]:
-        z, m = z / self.scale, len(self.i)
-        S, Y = np.zeros(self.V.shape), np.zeros(self.V.shape)
-        S[self.i, self.j] = S[self.j, self.i] = z[:m]
-        Y[self.i[self.upper], self.j[self.upper]] = z[m:]
-        return S, np.asarray(Y - Y.T)
+        X = z.reshape(self.V.shape) / self.scale
+        return (X + X.T) / 2, (X - X.T) / 2
 
     def __call__(self, z: Real) -> Real:
         parts = z.reshape(self.degree, -1)
@@ -509,15 +507,14 @@ class _Vanishing(_Operator):
         np.fill_diagonal(S, -(np.diagonal(first) / 2 + np.diagonal(DS)) / self.own)
         DS = self.D[0] @ S
         Y = (first + DS + DS.T) * self.over
-        new = np.concatenate([S[self.i, self.j], Y[self.i[self.upper], self.j[self.upper]]]) * self.scale
-        return np.concatenate([new, *parts[:-1]])
+        return np.concatenate([((S + Y) * self.scale).ravel(), *parts[:-1]])
 
     def flutter(self, mu: float, z: Real) -> Crossing | None:
         S, Y = (self.V @ X @ self.V.T for X in self._unpacked(z.reshape(self.degree, -1)[0]))
         sizes, vectors = np.linalg.eigh(S)
         top = int(np.abs(sizes).argmax())
         a = vectors[:, top]
-        return self._grown(self.load(mu), a, -self.problem._damping * (Y @ a) / sizes[top])
+        return self._grown(self.P + self.unit / mu, a, -self.problem._damping * (Y @ a) / sizes[top])
 
     def _grown(self, P: float, a: Real, b: Real) -> Crossing | None:
         """The crossing that the one of a damping that vanishes, near P with the motion a + iωb, goes over into as the
@@ -543,15 +540,18 @@ class _Vanishing(_Operator):
         return found if square == 1 else none
 
 
+def _passed_before(operator: _States | _Vanishing) -> bool:
+    """Whether an eigenvalue crosses the axis between 0 and P₀: the reference is then too far."""
+    krylov = Krylov(lambda z: -operator(z), operator.order)
+    mu, _ = krylov.values(operator.unit / operator.P * (1 + 1e-3), math.inf)
+    return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
+
+
 def _rounding(V: Complex) -> Real:
     """What rounding of a matrix moves each eigenvalue by, in units of its own rounding, from the eigenvectors: near
     another eigenvalue it has no bound."""
-    try:
-        W = np.linalg.inv(V)
-    except np.linalg.LinAlgError:
-        return np.full(len(V), np.inf)
     with np.errstate(over="ignore"):  # a coordinate without mass and damper: λ = ∞
-        return np.asarray(np.linalg.norm(W, axis=1) * np.linalg.norm(V, axis=0))
+        return np.asarray(np.linalg.norm(inverse(V), axis=1) * np.linalg.norm(V, axis=0))
 
 
 def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:

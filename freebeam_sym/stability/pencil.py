@@ -47,11 +47,6 @@ class Pencil:
         return bool(np.abs(R - R.T).max() <= 1e-13 * np.abs(R).max())
 
     @cached_property
-    def coincident(self) -> bool:
-        """Whether two modes have one frequency at P = 0, as far as the search without damping can tell."""
-        return bool((np.diff(self.e) < 1e-8 * self.e[1:]).any())
-
-    @cached_property
     def divergences(self) -> tuple[Event, ...]:
         """Where det(E + P H) = 0 for real P > 0, with no regard to flutter before: see `equations.divergences`."""
         R = self.relative

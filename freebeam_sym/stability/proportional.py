@@ -28,14 +28,12 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.equations import ROUNDING, moved, newton
-from freebeam_sym.stability.general import General
+from freebeam_sym.stability.general import LIGHTEST, General
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Crossing, Event, Real
 
 __all__ = ["LIGHTEST_SCAN", "Proportional"]
 
-LIGHTEST_STATE = 1e-7
-"""Damping ratio of mode 1 below which growth is counted to first order and not from the 2N eigenvalues."""
 LIGHTEST_SCAN = 1e-5
 """Damping ratio of mode 1 below which boundary points are computed at this ratio first: they move by its square only,
 and Newton's method ends at the true damping. Far below it their imaginary parts are rounding."""
@@ -87,7 +85,7 @@ class Proportional:
     def unstable(self, load: float) -> int:
         """Elastic eigenvalues λ that grow at a load. Where damping vanishes, or is too small for the 2N eigenvalues to
         show its effect: branches s_j that are not real and positive, or whose growth to first order is positive."""
-        return self._of_any.unstable(load, (self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST_STATE, 0.0))
+        return self._of_any.unstable(load, (self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST, 0.0))
 
     def onset(self, load: float) -> Crossing:
         found = self._of_any.onset(load)
@@ -128,7 +126,7 @@ class _Operator:
         pencil = problem.pencil
         e, D, square = pencil.e, problem.shape, problem.size**2
         self.H, n = pencil.H, pencil.size
-        if square < 1e-6 * e[0] and pencil.coincident:  # T is infinite, or nearly so
+        if square < 1e-6 * e[0] and (np.diff(e) < 1e-8 * e[1:]).any():  # T is infinite, or nearly so
             raise InputError(
                 "two modes have one frequency without load: with so little damping their first loss of stability is "
                 "not computed"

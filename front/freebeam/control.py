@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from freebeam_sym.checks import positions
+from freebeam_sym.checks import place, positions
 from freebeam_sym.columns import is_system
 from freebeam_sym.massless import reduced, without_mass
-from freebeam_sym.response.inputs import position_of
 from freebeam_sym.response.results import names_of
 from freebeam_sym.response.solution import rows_of, with_masses
 from freebeam_sym.spectra import state_matrix
@@ -41,7 +40,7 @@ def state_space(
     is_system(system)
     names_of(outputs, False, False, None)
     x_s = positions("sensors", sensors)
-    Q = np.asarray(system.Q(position_of("force_position", force_position)), dtype=float)
+    Q = np.asarray(system.Q(place("force_position", force_position)), dtype=float)
     from scipy.signal import StateSpace  # half a second, so only where it is used
 
     free = states = None

@@ -15,10 +15,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mpmath import det, findroot, matrix, mpc, mpf, workdps
 
 import freebeam as fb
 from freebeam.explorer import page
 from freebeam_derive.certify import verifier
+from freebeam_sym.stability.general import General
 
 HEAD = """
 from sympy import Symbol
@@ -66,6 +68,26 @@ column = Column(
     "turning-disc", "Jeffcott's rotor, as it sees itself", (Q**2 + R**2) / 2, k * (q**2 + p**2) / 2,
     dW_nc=-alpha * (q.diff(t) * delta(q) + p.diff(t) * delta(p)) - beta * (Q * delta(q) + R * delta(p)),
     parameters=(Parameter(k, "stiffness", 4, 0, 100),),
+)
+""",
+    "turning beck": """
+Y, Z = y.diff(t) - r * z, z.diff(t) + r * y
+internal = bent(y).diff(t) * delta(bent(y)) + bent(z).diff(t) * delta(bent(z))
+follower = at(y.diff(x), 1) * at(delta(y), 1) + at(z.diff(x), 1) * at(delta(z), 1)
+column = Column(
+    "turning-beck", "a clamped shaft that turns, as it sees itself, under a follower force",
+    integral(Y**2 + Z**2) / 2, integral(bent(y) ** 2 + bent(z) ** 2) / 2,
+    P * integral(y.diff(x) ** 2 + z.diff(x) ** 2) / 2,
+    -P * follower - integral(alpha * internal + beta * (Y * delta(y) + Z * delta(z))),
+    ends={y: ("clamped", "free"), z: ("clamped", "free")}, parameters=(Parameter(r, "speed", 1, 0, 3),),
+)
+""",
+    "unequal disc": """
+internal = (q.diff(t) + P * p) * delta(q) + (p.diff(t) - P * q) * delta(p)
+column = Column(
+    "unequal-disc", "Jeffcott's rotor on unequal bearings", (q.diff(t) ** 2 + p.diff(t) ** 2) / 2,
+    2 * q**2 + 2 * (1 + k) * p**2, dW_nc=-alpha * internal - beta * (q.diff(t) * delta(q) + p.diff(t) * delta(p)),
+    parameters=(Parameter(k, "by how much one bearing is stiffer", 0, 0, 1),),
 )
 """,
     "held by alpha": """
@@ -180,10 +202,88 @@ def test_what_a_damping_does_on_a_displacement_is_a_stiffness() -> None:
         assert found.gradient["alpha"] == pytest.approx(tip.gradient["k"], rel=1e-6)
 
 
+@pytest.mark.parametrize("kappa", [0.0, 0.5, 3.0])
+def test_jeffcotts_rotor_in_the_limit_of_vanishing_damping(kappa: float) -> None:
+    """2 (1 + κ), whichever frame it is seen from; as it sees itself, without external damping, a divergence."""
+    wanted = 2 * (1 + kappa)
+    for name, frequency in (("disc", 2.0), ("turning disc", wanted - 2)):
+        found = fb.critical_load(column(name), 1, kappa=kappa, load_max=100)
+        assert found.load == pytest.approx(wanted, rel=max(found.rounding, 4e-16)) and found.rounding < 1e-12
+        assert found.frequency == pytest.approx(frequency, abs=1e-12)
+        assert found.gradient["k"] == pytest.approx(wanted / 8, rel=1e-8)  # √k/8 of k = 4
+        assert math.isnan(found.gradient["alpha"]) and math.isnan(found.gradient["beta"])
+
+
+def test_a_shaft_in_the_limit_of_vanishing_damping() -> None:
+    """ω (1 + κ/ω²) of the first mode; with rotary inertia, which turns motions, as of a damping of any size above."""
+    kappa, r, k = 30.0, 0.02, math.pi
+    s = 1 + kappa / k**4
+    for name in ("shaft", "turning shaft"):
+        found = fb.critical_load(column(name), 8, kappa=kappa, load_max=60)
+        assert found.load == pytest.approx(k**2 * s, rel=1e-10)
+    assert found.beam is not None and found.beam.load == pytest.approx(k**2 * s, rel=1e-12)
+
+    def rayleigh(r: float) -> float:
+        return s * k**2 / math.sqrt(1 + r * k**2 - 2 * r * k**2 * s)
+
+    turned = fb.critical_load(column("shaft"), 10, kappa=kappa, r=r, load_max=60)
+    assert turned.load == pytest.approx(rayleigh(r), rel=1e-12)
+    assert turned.gradient["r"] == pytest.approx((rayleigh(r + 1e-5) - rayleigh(r - 1e-5)) / 2e-5, rel=1e-6)
+
+
+@pytest.mark.parametrize("kappa", [0.0, 5.0])
+def test_loads_of_little_damping_go_to_the_limit_with_its_square(kappa: float) -> None:
+    """Of a gyroscopic column under a follower force, by its determinant at 60 digits; and of its float loads."""
+    of, own = column("turning beck"), {"r": 0.5}
+    found = fb.critical_load(of, 2, kappa=kappa, load_max=60, **own)
+    assert found.load is not None and found.frequency is not None and found.kind == "flutter"
+    bare, inner, outer = (of.coefficients(2, **given, **own) for given in ({}, {"alpha": 1.0}, {"beta": 1.0}))
+
+    def load(size: mpf) -> mpf:
+        def at(part: int, P: mpf) -> matrix:
+            n = len(bare.M[0])
+            total = matrix(n, n)
+            for share, terms in ((1 - size - kappa * size, bare), (size, inner), (kappa * size, outer)):
+                for power, X in enumerate(terms[part]):
+                    total += share * P**power * matrix(X.tolist())
+            return total
+
+        def both(P: mpf, w: mpf) -> tuple[mpf, mpf]:
+            value = det(at(2, P) + mpc(0, w) * at(1, P) - w**2 * at(0, P))
+            return value.real, value.imag
+
+        return findroot(both, (mpf(found.load), mpf(found.frequency)), tol=mpf(10) ** -50)[0]
+
+    with workdps(60):
+        limit, once, half = (load(mpf(size)) for size in ("1e-16", "1e-3", "5e-4"))
+        assert abs(found.load / limit - 1) < max(found.rounding, 4e-16) and found.rounding < 1e-13
+        assert abs((once - limit) / (half - limit) - 4) < 1e-3
+        assert fb.critical_load(of, 2, 1e-3, kappa * 1e-3, **own).load == pytest.approx(float(once), rel=1e-10)
+
+
+def test_what_rounding_cannot_tell_from_one_frequency_is_refused_in_the_limit() -> None:
+    """On equal bearings a whirl is lost at 2 (1 + κ); on unequal ones a vanishing damping lets no motion grow."""
+    of = column("unequal disc")
+    assert fb.critical_load(of, 1, kappa=1.0, load_max=100).load == pytest.approx(4)
+    assert fb.critical_load(of, 1, kappa=1.0, load_max=100, k=1e-6).kind == "none"
+    with pytest.raises(fb.InputError, match="one but for rounding"):
+        fb.critical_load(of, 1, kappa=1.0, load_max=100, k=1e-12)
+
+
+def test_a_limit_beside_rates_is_refused_where_a_damper_stays_or_a_mass_is_missing() -> None:
+    own = fb.column("pipe")
+    with pytest.raises(fb.InputError, match="damper of its own, which stays"):
+        fb.critical_load(own, 4, kappa=0.0)
+    M, one, turn = np.diag([1.0, 0.0]), np.eye(2), np.array([[0.0, 1.0], [-1.0, 0.0]])
+    with pytest.raises(fb.InputError, match="some motion has no mass; give small alpha and beta"):
+        General([M], [one], [one], True, [turn], [])
+
+
 def test_what_is_not_served_is_refused_in_one_line() -> None:
+    without = fb.critical_load(column("held by alpha"), 10)
+    held = fb.critical_load(column("held by alpha"), 10, kappa=0.0)  # a spring that vanishes
+    assert held.load == pytest.approx(without.load, rel=held.rounding) and held.rounding < 1e-4
     for name in ("shaft", "held by alpha"):
-        with pytest.raises(fb.InputError, match="acts on displacements too; give small alpha"):
-            fb.critical_load(column(name), 3, kappa=1.0 if name == "shaft" else 0.0)
         with pytest.raises(fb.InputError, match="acts on displacements"):
             fb.certified_load(column(name), 3, kappa=1 if name == "shaft" else 0)
     with pytest.raises(fb.InputError, match="acts on displacements"):

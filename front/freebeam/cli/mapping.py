@@ -176,8 +176,10 @@ class Map(FileOptions, SearchOptions):
 
     def record(self) -> dict[str, Any]:
         """What was asked, for JSON and for the head of a table."""
+        from freebeam.maps.arrays import record
+
         return {
-            **self.question.record(),
+            **record(self.question),
             "parameters": self.fixed,
             **{name: 0.0 for name in ("alpha", "beta") if name not in self.axes},
             "load_max": self.units.out("load", self.question.load_max),

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from functools import cached_property
 from pathlib import Path
@@ -88,7 +87,7 @@ class Show(FileOptions, CaseOptions, SearchOptions):
     @cached_property
     def scale(self) -> float:
         """A load by which something has happened: up to which a column is drawn that has no first loss of stability."""
-        return min(self.question.load_max, 2 * (self.question.general.unit or math.inf))
+        return min(self.question.load_max, 2 * self.question.general.unit)
 
     @cached_property
     def growing(self) -> tuple[float, complex]:

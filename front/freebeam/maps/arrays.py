@@ -268,3 +268,9 @@ def _values(K: Real, C: Real) -> Complex:
     if len(A):
         values[~free] = np.linalg.eigvals(A)
     return values
+
+
+def record(question: Question) -> dict[str, Any]:
+    """Settings of a question by name, as files keep them."""
+    own = question.column
+    return {"column": own.name, "basis": own.basis_name, "modes": question.modes, "load_max": question.load_max}

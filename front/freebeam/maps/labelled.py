@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from freebeam.maps.arrays import checked_axes
+from freebeam.maps.arrays import checked_axes, record
 from freebeam.maps.grid import solve_grid
 from freebeam.maps.verdict import verdict
 from freebeam_sym.checks import InputError, count
@@ -176,7 +176,7 @@ def dataset(solved: Solved) -> xarray.Dataset:
     coordinates = {x: (x, axes[x], {"long_name": meanings[x], "units": "1"}) for x in names}
     settings = {
         "title": f"Critical loads of the column {column.name}",
-        **question.record(),
+        **record(question),
         "column_title": column.title,
         **solved.fixed,
         "fixed": " ".join(solved.fixed),

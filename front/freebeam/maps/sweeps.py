@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from freebeam.maps.arrays import record
 from freebeam.maps.grid import solve_grid
 from freebeam.maps.verdict import verdict
 from freebeam_sym.checks import InputError, count, refusal
@@ -94,7 +95,7 @@ class Sweep:
         from importlib.metadata import version
 
         return {
-            **self.question.record(),
+            **record(self.question),
             "kernel": _print(text_of(self.question.column.kernel).encode()),
             "convergence": self.convergence,
             "fixed": {name: value for name, value in self.question.values.items() if name not in self.axes},

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from freebeam.maps.arrays import record
 from freebeam.maps.labelled import labels, program
 from freebeam.pulsating.monodromy import KNOWN, Pulsating, monodromy
 from freebeam_sym.checks import InputError, computable, count, finite, nonnegative, reals, refusal
@@ -204,7 +205,7 @@ class PulsatingRegions:
         axes = {"frequency": "frequency of the pulsation", "amplitude": "amplitude of the pulsation"}
         settings = {
             "title": f"Motion of the column {question.column.name} under the load P (1 + amplitude cos(frequency t))",
-            **{name: value for name, value in question.record().items() if name != "load_max"},
+            **{name: value for name, value in record(question).items() if name != "load_max"},
             "column_title": question.column.title,
             "load": self.load,
             **values,
