@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
@@ -102,9 +103,8 @@ def _told_apart(mu: Complex, roots: list[Crossing | None], load: Callable[[float
         different = (omega[1:] > 0) & (omega[:-1] > 0) & (np.abs(np.diff(omega)) > CLOSE * omega[1:])
         if (different | (np.diff(loads) > NEAR / 10 * loads[:-1])).all():
             return [Event(root, True) for root in found if root.frequency >= 0]
-    root = next((root for root in found if root.frequency >= 0), None)
-    frequency, vector = (-1.0, np.ones(size, complex)) if root is None else (root.frequency, root.vector)
-    frequency = math.nan if root is None and None in roots else frequency
+    none = Crossing(0.0, math.nan if None in roots else -1.0, np.ones(size, complex), "flutter")
+    root = next((root for root in found if root.frequency >= 0), none)
     one = len(found) == len(mu) and np.ptp(loads) * abs(mu[0]) < np.abs(mu - mu.mean()).max() / 10 * loads.mean()
     at = float(loads.mean()) if one else load(float(mu.real.mean()))
-    return [Event(Crossing(at, frequency, vector, "flutter"), False)]
+    return [Event(replace(root, load=at), False)]

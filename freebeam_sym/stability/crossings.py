@@ -62,9 +62,8 @@ def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[C
             return scan(problem, stable if stable < below else 0.0, below), touches
         if not crossing.frequency >= 0:
             # rounding hides how slow is what begins where K is singular
-            rests = (e.crossing for e in problem.divergences if abs(e.crossing.load / crossing.load - 1) < NEAR)
-            at = next(rests, None)
-            crossing = problem.onset(bisected(problem, below, beyond)) if at is None else replace(at, kind="flutter")
+            rests = [e.crossing for e in problem.divergences if abs(e.crossing.load / crossing.load - 1) < NEAR]
+            crossing = replace(rests[0], kind="flutter") if rests else problem.onset(bisected(problem, below, beyond))
         return crossing if crossing.load <= load_max else None, touches
     top = load_max * (1 - MARGIN)
     if stable < top and problem.unstable(top):

@@ -99,11 +99,6 @@ class General:
         """v of a crossing's vector."""
         return np.asarray(vector[self._moving] / self._scale)
 
-    @cached_property
-    def _light(self) -> bool:
-        """Whether growth is that of branches s = ω² with their damping to first order."""
-        return not self.damped or self.vanishing or getattr(self._operator, "ratio", 1.0) < LIGHTEST
-
     # --- divergence ------------------------------------------------------------------------------------------------
 
     @cached_property
@@ -139,8 +134,7 @@ class General:
     # --- counts ----------------------------------------------------------------------------------------------------
 
     def inverse(self, P: float, light: bool = False) -> Real:
-        """Inverse of the state matrix, (2n, 2n): its eigenvalues are 1/λ, the low ones to their own digits. A state is
-        (q, w), w = λ Fq with M = GF. light: without C, but with the rates that stay.
+        """As `of_states`, the low eigenvalues to their own digits. light: without C, but with the rates that stay.
 
         Of light damping it is nearly skew where F = Gᵀ, for the stiffness nearly has 1 on its diagonal and nothing
         beside: rounding is then that of a normal matrix, below what the highest modes of a short segment are damped by.
@@ -151,8 +145,7 @@ class General:
             G, F = (M, np.eye(n)) if not np.array_equal(M, M.T) else (L := np.linalg.cholesky(M), L.T)
         except np.linalg.LinAlgError:
             G, F = M, np.eye(n)
-        upper = -np.linalg.solve(K, np.concatenate([value(self.turning, P) if light else C, G], axis=1))
-        return np.concatenate([upper, np.concatenate([F, np.zeros((n, n))], axis=1)])
+        return of_states(value(self.turning, P) if light else C, K, np.asarray(G, float), np.asarray(F, float))
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ without damping, the motions as columns, and by how much each 1/λ grows, relative to the terms of this:
@@ -205,14 +198,16 @@ class General:
         theta, V = np.linalg.eig(self.inverse(P))
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(1 / theta.astype(complex), dtype=complex)
-        rounding = np.inf if not threshold else _rounding(np.asarray(V, complex))
-        return rate, V[: self.size].astype(complex), _growth(np.asarray(theta, complex), threshold, rounding)
+        with np.errstate(over="ignore"):  # of λ = ∞, without mass and damper; near another it has no bound
+            rounding = np.linalg.norm(inverse(V), axis=1) * np.linalg.norm(V, axis=0) if threshold else np.inf
+        return rate, V[: self.size].astype(complex), grown(np.asarray(theta, complex), threshold, rounding)
 
     @property
     def manner(self) -> tuple[bool, float]:
         """How growth is counted: whether from the motions without damping, and by how much else an eigenvalue must
         grow: by SPLIT, but for those known better, where some stay on the axis though C is not zero."""
-        return self._light, 0.0 if self._light or self._operator is not None else SPLIT
+        light = not self.damped or self.vanishing or getattr(self._operator, "ratio", 1.0) < LIGHTEST
+        return light, 0.0 if light or self._operator is not None else SPLIT
 
     def unstable(self, load: float, manner: tuple[bool, float] | None = None) -> int:
         """manner: that of a problem of the same damping, or nearly so, which saves the work to find it."""
@@ -221,7 +216,7 @@ class General:
             if light or threshold:
                 growth = (self.branches if light else self._bad)(load)[2]
             else:
-                growth = _growth(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0)
+                growth = grown(np.asarray(np.linalg.eigvals(self.inverse(load)), complex), 0.0)
             return int((growth > (10 * NOTHING if light else 0)).sum())
         except np.linalg.LinAlgError:  # K singular to the last digit: λ = 0
             return 1
@@ -277,15 +272,13 @@ class General:
     def _operator(self) -> _States | _Vanishing | None:
         """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
         unit = self.unit if math.isfinite(self.unit) else 1.0
-        for P in (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
+        for P in () if self.perturbed else (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
             operator = self._made(P, unit)
             if operator is not None and not (P and _passed_before(operator)):
                 return operator
         return None
 
     def _made(self, P: float, unit: float) -> _States | _Vanishing | None:
-        if self.perturbed:
-            return None
         stays = self.damped and not self.vanishing
         with suppress(np.linalg.LinAlgError):
             return _Vanishing(self, P, unit, LIGHT if stays else math.inf)
@@ -547,14 +540,13 @@ def _passed_before(operator: _States | _Vanishing) -> bool:
     return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
 
 
-def _rounding(V: Complex) -> Real:
-    """What rounding of a matrix moves each eigenvalue by, in units of its own rounding, from the eigenvectors: near
-    another eigenvalue it has no bound."""
-    with np.errstate(over="ignore"):  # a coordinate without mass and damper: λ = ∞
-        return np.asarray(np.linalg.norm(inverse(V), axis=1) * np.linalg.norm(V, axis=0))
+def of_states(C: Real, K: Real, G: Real, F: Real) -> Real:
+    """Inverse of the state matrix, (2n, 2n), of M = GF, C and K: its eigenvalues are 1/λ. A state is (q, λFq)."""
+    upper = -np.linalg.solve(K, np.concatenate([C, G], axis=1))
+    return np.concatenate([upper, np.concatenate([F, 0 * F], axis=1)])
 
 
-def _growth(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
+def grown(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
     """Re 1/λ by 1/λ, 0 where it is rounding or below: a share `threshold` of 1/λ, or less where `rounding` is."""
     least = GROWTH * np.abs(theta).max()
     with np.errstate(invalid="ignore"):

@@ -19,6 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache, partial
 
@@ -28,7 +29,7 @@ from numpy.typing import NDArray
 from freebeam_sym.checks import InputError
 from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.equations import ROUNDING, moved, newton
-from freebeam_sym.stability.general import LIGHTEST, General
+from freebeam_sym.stability.general import LIGHTEST, General, grown, of_states
 from freebeam_sym.stability.pencil import Pencil
 from freebeam_sym.stability.problem import NEAR, Crossing, Event, Real
 
@@ -85,7 +86,13 @@ class Proportional:
     def unstable(self, load: float) -> int:
         """Elastic eigenvalues λ that grow at a load. Where damping vanishes, or is too small for the 2N eigenvalues to
         show its effect: branches s_j that are not real and positive, or whose growth to first order is positive."""
-        return self._of_any.unstable(load, (self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST, 0.0))
+        p, light = self.pencil, self.size / math.sqrt(self.pencil.e[0]) < LIGHTEST
+        with suppress(np.linalg.LinAlgError):  # K singular
+            if not light:  # where E = I
+                F, K = np.diag(p.e**-0.5), np.eye(p.size) + load * p.relative
+                states = of_states(np.diag(self.size * self.shape / p.e), K, F, F)
+                return int((grown(np.asarray(np.linalg.eigvals(states), complex), 0.0) > 0).sum())
+        return self._of_any.unstable(load, (light, 0.0))
 
     def onset(self, load: float) -> Crossing:
         found = self._of_any.onset(load)
