@@ -95,8 +95,7 @@ def events(
 def _told_apart(mu: Complex, roots: list[Crossing | None], load: Callable[[float], float], size: int) -> list[Event]:
     """Close eigenvalues as simple flutters, ascending, where Newton's method tells them apart, by their loads or, of
     different motions, by their frequencies, else as one event: where it finds one load of all, as of equal planes, at
-    that, else at the mean of what rounding has split, with the frequency nan where it finds none,
-    -1 where it finds no crossing."""
+    that, else at the mean of what rounding has split."""
     found = sorted((root for root in roots if root), key=lambda root: root.load)
     loads, omega = np.array([(root.load, root.frequency) for root in found]).reshape(-1, 2).T
     if (mu.imag == 0).all() and None not in roots:

@@ -38,7 +38,8 @@ class Crossing:
 @dataclass(frozen=True)
 class Event:
     """A crossing that may end stability. simple: of a single root, which an eigenvalue passes; else of roots that
-    rounding cannot tell apart, so that it may come back."""
+    rounding cannot tell apart, so that it may come back. Of these the frequency is nan where rounding hides it, and -1
+    where Newton's method finds that they are no crossing."""
 
     crossing: Crossing
     simple: bool
