@@ -53,7 +53,10 @@ def _decided(problem: Problem, load_max: float) -> tuple[Crossing | None, list[C
             ahead = math.inf if following is None else following.crossing.load / crossing.load - 1
             beyond = crossing.load * (1 + min(MARGIN, ahead / 2))
             if ahead < 2 * NEAR or not problem.unstable(beyond):
-                # below zero: Newton's method finds that there is none
+                if not crossing.frequency >= 0:  # it may be off by as much as the next one is away
+                    high = min(load_max, crossing.load * (1 + 0.9 * min(ahead, 1.0)))
+                    if (found := scan(problem, stable, high, 16)) is not None:
+                        return found, touches
                 touches += [] if crossing.frequency < 0 else [crossing]
                 event, stable = following, stable if ahead < 2 * NEAR else crossing.load
                 continue

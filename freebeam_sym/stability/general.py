@@ -385,14 +385,14 @@ class _States:
         V = V / np.sqrt(np.abs((V[:n].conj() * (problem._at(P)[0] @ V[:n])).sum(axis=0)))
         self.V = np.concatenate([V[:, :k].real, V[:, :k].imag, V[:, k:].real], axis=1)
         M, C, K = (shifted(X, P, unit) for X in (problem.M, problem.C, problem.K))
-        W = np.linalg.inv(_blocks(n, np.eye(n), M[0]) @ self.V)
+        W = np.linalg.inv(np.concatenate([self.V[:n], M[0] @ self.V[n:]]))
         self.A, self.B = [], []
         for j in range(max(len(M), len(C), len(K))):
             a = np.zeros((2 * n, 2 * n)) if j else np.eye(2 * n, 2 * n, n)
             for X, part in ((K, slice(n)), (C, slice(n, None))):
                 a[n:, part] = -X[j] if j < len(X) else 0
             self.A.append(W @ a @ self.V)
-            self.B.append(W @ _blocks(n, np.zeros((n, n)), M[j]) @ self.V if 0 < j < len(M) else None)
+            self.B.append(W[:, n:] @ M[j] @ self.V[n:] if 0 < j < len(M) else None)
         moving = max((j for j, b in enumerate(self.B) if b is not None and np.any(b)), default=0)
         self.degree = max(1, len(self.A) - 1 + moving)
         sums = lam[:, None] + lam
@@ -552,10 +552,3 @@ def grown(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> 
     with np.errstate(invalid="ignore"):
         limit = np.maximum(np.minimum(threshold * np.abs(theta), least * rounding), least)
     return np.asarray(np.where(theta.real > limit, theta.real, 0.0))
-
-
-def _blocks(n: int, first: Real, second: Real) -> Real:
-    """diag(first, second), (2n, 2n)."""
-    A = np.zeros((2 * n, 2 * n))
-    A[:n, :n], A[n:, n:] = first, second
-    return A

@@ -38,8 +38,8 @@ class Crossing:
 @dataclass(frozen=True)
 class Event:
     """A crossing that may end stability. simple: of a single root, which an eigenvalue passes; else of roots that
-    rounding cannot tell apart, so that it may come back. Of these the frequency is nan where rounding hides it, and -1
-    where Newton's method finds that they are no crossing."""
+    rounding cannot tell apart, so that it may come back, with the frequency nan where that is hidden, -1 where it is
+    found to be no crossing."""
 
     crossing: Crossing
     simple: bool

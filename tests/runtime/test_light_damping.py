@@ -136,6 +136,23 @@ def test_light_damping_is_judged_for_two_high_frequencies_that_meet(size: float,
         assert growth_of_the_high(C, found.load + off) > 0
 
 
+@pytest.mark.parametrize("seed", [114, 128])
+def test_frequencies_that_are_almost_one_at_rest_hide_no_loss(seed: int) -> None:
+    """Of random loads without damping, against the squared frequencies at equal steps of the load."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 9))
+    e = np.sort(10 ** rng.uniform(0, 3, n))
+    H = 0.2 * rng.normal(size=(n, n)) * np.sqrt(np.outer(e, e))
+    e[-1] = e[-2] * (1 + 1e-6)
+    found = first_loss(General([np.eye(n)], [np.zeros((n, n))], [np.diag(e), H]), 50.0).crossing
+    assert found is not None
+    for P in np.linspace(0, 1.2 * found.load, 1200)[1:].tolist():
+        squares = np.linalg.eigvals(np.diag(e) + P * H)
+        if np.abs(squares.imag).max() > 1e-4 or squares.real.min() < 0:
+            break
+    assert found.load == pytest.approx(P, rel=2e-3)
+
+
 def windows() -> Iterator[tuple[fb.Column, int, dict[str, float]]]:
     """Of many numbers of functions, with dampings that are light."""
     for name in ("beck", "timoshenko", "rayleigh", "crack", "step", "cone", "leipholz", "free-free", "tip-spring"):
