@@ -202,7 +202,7 @@ def test_what_a_damping_does_on_a_displacement_is_a_stiffness() -> None:
         assert found.gradient["alpha"] == pytest.approx(tip.gradient["k"], rel=1e-6)
 
 
-@pytest.mark.parametrize("kappa", [0.0, 0.5, 3.0])
+@pytest.mark.parametrize("kappa", [0.0, 3.0])
 def test_jeffcotts_rotor_in_the_limit_of_vanishing_damping(kappa: float) -> None:
     """2 (1 + κ), whichever frame it is seen from; as it sees itself, without external damping, a divergence."""
     wanted = 2 * (1 + kappa)
