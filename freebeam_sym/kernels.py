@@ -46,7 +46,8 @@ def read_source(path: Path) -> tuple[bytes, ast.Module]:
 def is_kernel(tree: ast.Module) -> bool:
     """Whether a file's tree is that of an emitted kernel."""
     assignments = (node for node in tree.body if isinstance(node, ast.Assign | ast.AnnAssign))
-    assigned = {name.id for node in assignments for name in ast.walk(node) if isinstance(name, ast.Name)}
+    names = (name for node in assignments for name in ast.walk(node) if isinstance(name, ast.Name))
+    assigned = {name.id for name in names if isinstance(name.ctx, ast.Store)}
     functions = {node.name for node in tree.body if isinstance(node, ast.FunctionDef)}
     return "COLUMN" in assigned and {"basis", "stiffness_load"} <= functions
 
