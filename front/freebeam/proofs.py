@@ -633,11 +633,9 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
         if survey is not None:
             of_list = *stated, survey, survey.crossings
             certificate, missing = attempted(lambda: write_list(*of_list))
-        elif evidence.checkable:
+        else:
             of_first = *stated, crossing, evidence
             certificate, missing = attempted(lambda: write_of_beam(*of_first))
-        else:
-            missing = "the verifier does not look at joints, nor at a load where no mass is"
     load, frequency = outward(*asked.load(ends(crossing.load)), digits + 2), ("0", "0")
     if crossing.kind == "flutter":
         frequency = outward(*asked.frequency(ends(crossing.frequency)), digits + 2)

@@ -41,8 +41,9 @@ from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_cells import Cells
 from freebeam_derive.certify.verifier_claims import Refused, exact
-from freebeam_derive.certify.verifier_damping import LENGTHS, Damped, DampedOver, _written
+from freebeam_derive.certify.verifier_damping import Damped, DampedOver, _written
 from freebeam_derive.certify.verifier_damping_forms import _never_negative, damped, halfway
+from freebeam_derive.certify.verifier_load_size import PARTS
 from freebeam_derive.certify.verifier_of_sections import FORMATS, Frequencies, Gaps
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Powers, Rates
@@ -528,7 +529,7 @@ def test_the_line_is_looked_at_with_damping_too() -> None:
         gaps.check(Fraction(data["load"][1]), Rates(F, damping))
         # the load that Lemma 6 allows is too much for Lemma 11
         widths = [float(b[0] - a[1]) for a, b in zip(gaps.known[m - 1 :], gaps.known[m:], strict=False)]
-        most = min(widths) / float(gaps.size)
+        most = min(widths) / float(gaps.size.constant)
         with pytest.raises(Refused, match=r"too narrow for such a load and damping|known to be free"):
             gaps.check(Fraction(0.6 * most), Rates(F, damping))
 
@@ -550,7 +551,7 @@ def test_a_motion_beside_a_mass_moves_nothing_else_at_its_place(order: int, at_s
     assert [v(1), v.deriv()(1)] == [0, 0]
     squares = [float((f * f).integ()(1)) for f in (v, v.deriv(), v.deriv(2))]
     found = Damped(of, Fraction(0), Fraction(1), False, [], {}, ([], {}))._bumps((1, order))
-    for length, (weight, energy) in zip(map(float, LENGTHS), found, strict=True):
+    for length, (weight, energy) in zip(map(float, PARTS), found, strict=True):
         assert float(weight) == pytest.approx(m * squares[0] * length ** (1 + 2 * order), rel=1e-12)
         parts = (foundation * length, force / length, EI / length**3)
         along = length ** (2 * order) * sum(f * square for f, square in zip(parts, squares, strict=True))

@@ -19,6 +19,7 @@ from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.load_size import Value, _by_parts, _size, load_size
 from freebeam_derive.certify.strips import NoStrips
+from freebeam_derive.certify.verifier_load_size import size
 from freebeam_derive.certify.verifier_sections import Sections
 from tests.certify.test_column_forms import along, kernel
 from tests.certify.test_column_forms import at as at_place
@@ -157,8 +158,9 @@ def test_both_programs_find_one_size_of_a_load(ends: tuple[str, str]) -> None:
                 {(numbered(row), numbered(of)): f for (row, of), f in forces.items()},
             )  # fmt: skip
             for turned in (False, True):
-                found = _size(forms, forms.load, forms.load_points, turned)
-                assert not found.places and float(found.constant) == pytest.approx(float(other.size(turned)), rel=1e-9)
+                found, checked = _size(forms, forms.load, forms.load_points, turned), size(other, turned)
+                assert not (found.places or checked.places)
+                assert float(found.constant) == pytest.approx(float(checked.constant), rel=1e-9)
             assert load_size(forms).constant == _size(forms, forms.load, forms.load_points, False).constant
 
 

@@ -23,6 +23,7 @@ from freebeam_derive.certify.variable_section import VariableSection
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_equations import Equations
+from freebeam_derive.certify.verifier_load_size import size
 from freebeam_derive.certify.verifier_sections import Sections
 from freebeam_derive.certify.verifier_waves import Apart
 from tests.certify.test_column_forms import HALF, ONE, along, at, kernel
@@ -125,8 +126,8 @@ def sections(a: int, b: int, c: int) -> Iterator[Quantity]:
         {(1, 1): F(11 * b), (2, 0): F(6 * b)}, {((2, 0), (2, 1)): F(c)},
     )  # fmt: skip
     omega = (arb(b) / a).sqrt()
-    yield of.size(False), -0.5, -0.5, 1
-    yield of.size(True), -0.5, -0.5, 1
+    for turned in (False, True):
+        yield size(of, turned).constant, -0.5, -0.5, 1
     yield of.bending, 0, 0, 0
     yield replace(of, elastic=[{1: fmpq_poly([-b])}, {1: fmpq_poly([0, -b])}]).bending, 0, 0, 0
     apart = Apart(of)

@@ -65,7 +65,7 @@ class Evidence:
     lowest: m. modes: how many are in balls (beyond the uniform beam: how many frequencies without load). reach: a load
     up to which all lines from m on are free of eigenvalues.
     stretches: of the sign changes; cells: how many boxes of load and frequency hold no zero; frequency: up to which
-    they go (0 where there are none). checkable: whether the verifier can follow.
+    they go (0 where there are none).
     """
 
     lowest: int
@@ -74,7 +74,6 @@ class Evidence:
     stretches: tuple[Stretch, ...]
     cells: int = 0
     frequency: float = 0.0
-    checkable: bool = True
 
     @property
     def numbers(self) -> dict[str, float]:
@@ -170,7 +169,7 @@ def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:
     proof = Below(still, gaps, m, load)
     if not damped:
         stretches = tuple(proof.real_and_simple(square))
-        return Evidence(m, rational(reach, 60), gaps.count, stretches, checkable=gaps.checkable)
+        return Evidence(m, rational(reach, 60), gaps.count, stretches)
     if system.vanishing:
         below = proof.real_and_simple(None) if square is None else proof.real_and_simple_throughout()
         stretches = tuple(below)

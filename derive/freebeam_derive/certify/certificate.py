@@ -266,14 +266,20 @@ def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
     own = parameters(kernel, question.own)
     stated = _of_any(kernel, question, own)
     numbers = {place: n for n, place in enumerate(stated["breaks"])}
-    M, K = stated["forms"]["M"], stated["forms"]["K"]
+    M, K, opened = stated["forms"]["M"], stated["forms"]["K"], stated["fields"]["y"]["opened"]
+    joints = [[numbers[a], p, f] for (_, p, a, side), (*_, across), f in K[0]["points"]
+              if [numbers[a], p] in opened and side == across == 1]  # fmt: skip
 
     def by_segment(form: dict[str, Any]) -> dict[str, Any]:
         return {
             "along": [
                 [n, k, p, q, f] for n, _, p, _, q, factors in form["along"] for k, f in enumerate(factors) if f != "0"
             ],
-            "points": [[numbers[a], p, numbers[b], q, f] for (_, p, a, _), (_, q, b, _), f in form["points"]],
+            "points": [
+                [numbers[a], p, numbers[b], q, f]
+                for (_, p, a, _), (_, q, b, _), f in form["points"]
+                if [numbers[a], p] not in opened
+            ],
         }
 
     given = {name: _quotient(value) for name, value in own.items()}
@@ -286,6 +292,7 @@ def _sections(kernel: ModuleType, question: Question) -> dict[str, Any]:
         "breaks": stated["breaks"],
         "forms": {letter: by_segment(form) for letter, form in (("M", M[0]), ("E", K[0]), ("H", K[1]))},
         "damping": {"form": damping, "vanishing": question.kappa is not None} if any(damping.values()) else None,
+        **({"joints": joints} if joints else {}),
     }
 
 

@@ -48,8 +48,7 @@ class FrequencyGaps:
         forms = at_ends[0]
         self._sizes = [load_size(each) for each in at_ends]  # which fall with masses
         self.size = greatest(each.constant for each in self._sizes)
-        self.checkable = not (forms.joints or self._sizes[0].places)
-        if len(at_ends) == 2 and not self.checkable:
+        if len(at_ends) == 2 and (forms.joints or self._sizes[0].places):
             raise forms.other("has a joint, or a load where no mass is, over a range")
         if len(at_ends) == 2 or forms.stepped or self._sizes[0].places or not system.undamped(Fraction(0), Fraction(0)):
             known, gap, self.reach = self._of_parts(at_ends, beyond * load)

@@ -18,9 +18,9 @@ from flint import arb, fmpq, fmpq_poly
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify.decimals import said
 from freebeam_derive.certify.verifier_claims import ball, exact, greatest, least, require
-from freebeam_derive.certify.verifier_sections import Place, Sections, at, load_size
+from freebeam_derive.certify.verifier_load_size import PARTS, load_size, most, value
+from freebeam_derive.certify.verifier_sections import Place, Sections, at
 
-LENGTHS = [Fraction(4, 5) ** k for k in range(24)]  # of a bump beside a mass, in parts of the segment
 CUBICS: dict[tuple[int, bool], list[Any]] = {
     (0, True): [1, 0, -3, 2],
     (1, True): [0, 1, -2, 1],
@@ -81,7 +81,11 @@ class Damped:
     def turning(self) -> arb:
         """C_R: |R₁(y, v)| ≤ C_R a(y, y)^(1/2) (mass of v)^(1/2) of the part with y'v'. Raises Refused."""
         turning = [{(1, 1): table[1]} if 1 in table and table[1].degree() >= 0 else {} for table in self.along]
-        return load_size([replace(self.column, load=turning, forces={})]) if any(turning) else arb(0)
+        if not any(turning):
+            return arb(0)
+        size = load_size([replace(self.column, load=turning, forces={})])
+        require(not size.places, "a slope is damped up to a place without a mass")
+        return size.constant
 
     @cached_property
     def density(self) -> tuple[arb, arb]:
@@ -122,7 +126,7 @@ class Damped:
         bump = fmpq_poly([exact(Fraction(c)) for c in CUBICS[order, not turns]])
         squares = [f * f for f in (bump, bump.derivative(), bump.derivative().derivative())]
         found = []
-        for length in (reach * part for part in LENGTHS):
+        for length in (reach * part for part in PARTS):
             weight, energy = Fraction(0), of.springs.get(place, Fraction(0))
             for n, sign in sides:
                 local = fmpq_poly([exact(of.breaks[node]), exact(sign * length)])
@@ -150,23 +154,8 @@ class Damped:
         return {key: f for key, f in self.points.items() if f and not self.column.masses.get(key)}
 
     def reach(self, place: Place, omega: arb) -> arb:
-        """A bound of |y⁽ⁱ⁾| at a place, where y has a mass of 1 and an energy of ω²; it grows as ω^((2i+1)/4) at most.
-
-        ±y⁽ⁱ⁾ is ∫ y'' g − y g'' dx beside it, g a cubic on a part of a segment. Its value and slope at both ends are
-        nothing but for the one of the order 1 − i at the place, which is 1.
-        """
-        (node, order), of, found = place, self.column, []
-        g = fmpq_poly([exact(Fraction(c)) for c in CUBICS[1 - order, True]])
-        of_value, of_bend = (ball(fraction((f * f).integral()(1))) for f in (g, g.derivative().derivative()))
-        for n in (node - 1, node):
-            if 0 <= n < len(of.m):
-                m, EI = (least(at(f[n], x).lower() for x, _ in of.pieces(n)) for f in (of.m, of.EI))
-                value, bend = (of_value / (EI * of.bending)).sqrt() * omega, (of_bend / m).sqrt()
-                whole = ball(of.breaks[n + 1] - of.breaks[n])
-                for part in LENGTHS:
-                    h = (whole * ball(part)).lower()
-                    found.append((value * h * h + bend) * h.sqrt() / h ** (1 + order))
-        return least(found).upper()
+        """A bound of |y⁽ⁱ⁾| at a place, y of mass 1 and energy ω²; it grows as ω^((2i+1)/4) at most."""
+        return most(value(self.column, place, {0: Fraction(1)}), omega, arb(1))
 
     def taken(self, omega: arb, blur: arb, r: arb, squares: dict[Place, arb]) -> arb:
         """At least −Re R(u, z)/(z, u) of these places over ω. squares: of φ⁽ⁱ⁾, where they are known of a mode φ."""

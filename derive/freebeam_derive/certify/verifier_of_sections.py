@@ -3,7 +3,7 @@
 It shares none with the prover. In a file are ends, breaks, forms, damping, the claim, m, the line R_m and points
 between which F(P, s) changes sign. Computed here are F (`verifier_pieces`), the load's size (`verifier_sections`),
 all frequencies without load up to one beyond which `verifier_waves` knows them to be apart, and from these that no
-eigenvalue passes a line from m on (Lemma 6 of docs/theorem.md), nor with damping reaches the axis beyond line m
+eigenvalue passes a line from m on (Lemmas 6 and 12 of docs/theorem.md), nor with damping reaches the axis beyond line m
 (`verifier_damping`). The crossing, the signs and the cells are looked at as for a uniform beam.
 """
 
@@ -23,10 +23,11 @@ from freebeam_derive.certify.verifier_claims import Statement, ball, greatest, l
 from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_damping_forms import damped, of_all_alike, statement
 from freebeam_derive.certify.verifier_equations import Equations
+from freebeam_derive.certify.verifier_load_size import load_size
 from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_pieces import OfPieces, Pieces
 from freebeam_derive.certify.verifier_rates import Rates
-from freebeam_derive.certify.verifier_sections import OfSections, Place, Sections, load_size
+from freebeam_derive.certify.verifier_sections import OfSections, Place, Sections
 from freebeam_derive.certify.verifier_signs import BITS
 from freebeam_derive.certify.verifier_waves import Apart
 
@@ -51,28 +52,34 @@ class Gaps(High):
         self.known: list[tuple[arb, arb]] = []
 
     def check(self, load: Fraction, equations: Equations) -> None:
-        """No eigenvalue on any line from m on, for |p| up to a load: Lemma 6; with damping Lemmas 10 and 11."""
-        needed = (ball(load) * self.size).upper()
+        """No eigenvalue on any line from m on, for |p| up to a load: Lemmas 6 and 12; with damping 10 and 11."""
+        P, damping = ball(load), self.damping
+
+        def needed(low: arb, high: arb) -> arb:
+            return arb((P * self.size.at(low, high)).upper())
+
+        loaded = (P * self.size.constant).upper()
         apart = Apart(*(column for column, _ in self.columns))
-        beyond, gap = apart.gap(needed if self.damping is None else WIDER * needed)
+        beyond, gap = apart.gap(lambda *pair: needed(*pair) * (1 if damping is None else WIDER))
         beyond = beyond.max(self.top.root(4))
-        if self.damping is not None and self.damping.bare:
-            beyond = beyond.max(self.damping.served_from(needed).sqrt())
-        require(bool(gap > needed), "the gaps between high frequencies are too narrow")
+        if damping is not None and damping.bare:
+            beyond = beyond.max(damping.served_from(loaded).sqrt())
         known = self.known = self._frequencies(beyond, apart.whole)
         require(self.m < len(known), "the line is above all frequencies that are looked at")
         for k in range(self.m + 1, len(known)):
-            between = known[k][0] - known[k - 1][1]
+            low, high = known[k - 1][1], known[k][0]
             wide = f"the gap between the frequencies {k} and {k + 1} without load is too narrow for such a load"
-            require(bool(between > needed), wide)
-            gap = gap.min(between)
-        # max ω / |ω² − R| is that of the neighbours; R is a b with b − a ≥ gap and ω_m ≤ a, b ≤ ω_{m+1}
+            require(bool(high - low > needed(low, high)), wide)
+            gap = gap.min(high - low)
+        # R is a b with ω_m ≤ a, b ≤ ω_{m+1}
         below, above = known[self.m - 1][1], known[self.m][0]
+        a = below.max(self.top / above)
         around = (self.top / below - below).min(above - self.top / above)
-        require(bool(needed < around), f"line {self.m} is not known to be free of eigenvalues")
-        if self.damping is not None:
-            modes = self._motions(self.damping, beyond, apart.whole)
-            self.damping.check(needed, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
+        require(bool(needed(a, self.top / a) < around), f"line {self.m} is not known to be free of eigenvalues")
+        if damping is not None:
+            require(not self.size.places, "with damping the load acts at a place without a mass")
+            modes = self._motions(damping, beyond, apart.whole)
+            damping.check(loaded, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
 
     def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
         """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""
@@ -100,7 +107,7 @@ class Gaps(High):
         top = self.top.upper()
         if not equations.real:
             assert self.damping is not None
-            top = self.damping.highest(top, ball(load) * self.size)
+            top = self.damping.highest(top, ball(load) * self.size.constant)
         upper = top.fmpq()
         return Fraction(int(upper.p), int(upper.q))
 
@@ -200,6 +207,7 @@ def verify_sections(data: dict[str, Any]) -> OfSections:
         stated = replace(stated, **statement(damping))
         if damping is not None and of_all_alike(damping):
             damping = None
+        require(damping is None or not column.joints, "there are joints, and damping")
         gaps = Gaps([(column, F)], m, line, damping)
     equations = Equations(F, 0, none, none, False) if damping is None else Rates(F, damping)
     First(equations, gaps, stated, ranged=False).check(stretches)

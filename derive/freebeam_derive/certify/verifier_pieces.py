@@ -2,7 +2,7 @@
 
 Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. On a
 piece x = x₀ + hξ the equation has factors that are polynomials in ξ; pieces are so short that the series in ξ fall.
-Where segments meet, y and y' go on, and the two natural conditions give y'' and y''' on the other side.
+Where segments meet, y and y' go on but at joints, and the two natural conditions give y'' and y''' on the other side.
 """
 
 from __future__ import annotations
@@ -206,10 +206,16 @@ class OfPieces(Whole):
         return found
 
     def _across(self, node: int, state: list[Part]) -> list[Part]:
-        """y'' and y''' on the right of a break, from its natural conditions."""
-        found = state[:2]
+        """All on the right of a break: y'' and y''' by its natural conditions; jumps, each by what the left side feels
+        over the joint's spring."""
+        column, found = self._pieces.column, state[:2]
+        rows = [_natural(column, self._pieces.left, node, order) for order in (0, 1)]
+        for (at, order), k in column.joints.items():
+            for (side, q), factor in rows[order].items() if at == node else ():
+                if side > 0:
+                    found[order] = found[order].plus(self._times(self._linear(factor), state[q]), 1 / ball(k))
         for order, d in ((1, 2), (0, 3)):
-            row = _natural(self._pieces.column, self._pieces.left, node, order)
+            row = rows[order]
             total, lead = NOTHING, ball(row[-1, d][0])
             for (side, q), factor in row.items():
                 if (side, q) == (-1, d):

@@ -1,14 +1,15 @@
-"""A column of variable or stepped section with masses and springs, for the verifier, and how large its load is.
+"""A column of variable or stepped section with masses, springs and joints, for the verifier.
 
 Of the verifier of certificates of the beam itself (`verifier_of_sections`); it shares no code with the prover. One
-deflection y goes on with its slope from each segment to the next. EI, m and the factors of forms are polynomials in x
-on each segment; masses, springs and what the load does at places stand at the ends and where segments meet.
+deflection y goes on with its slope from each segment to the next, but at joints, where a spring holds the jump of one
+of them. EI, m and the factors of forms are polynomials in x on each segment; masses, springs and what the load does at
+places stand at the ends and where segments meet.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import pairwise
@@ -24,7 +25,7 @@ from freebeam_derive.certify.verifier_signs import Stretch
 
 SECTIONS = "freebeam certificate 6"
 FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "lowest", "line", "kind", "load",
-          "frequency_squared", "proof", "stretches", "damping"}  # fmt: skip
+          "frequency_squared", "proof", "stretches", "damping", "joints"}  # fmt: skip
 MOST_SEGMENTS = 8  # there are as many waves as a power of two by it
 PIECES = 256  # of a segment, on each of which a factor is one ball
 Place = tuple[int, int]  # a break's number, order of the derivative there
@@ -34,15 +35,17 @@ LENGTHS = {True: (arb(1) / 3, arb("0.7072")), False: (arb(1) / 2, arb(1))}
 
 @dataclass(frozen=True)
 class OfSections(claims.OfBeamItself):
-    """A statement of such a column. beside: what its damping C has besides c_M M + c_E E, in words."""
+    """A statement of such a column. In words, joints: what jumps where, and the spring that holds it; beside: what its
+    damping C has besides c_M M + c_E E."""
 
     breaks: tuple[Fraction, ...]
+    joints: tuple[str, ...]
     beside: tuple[str, ...]
 
     @property
     def forms(self) -> str:
         inner = [said(place) for place in self.breaks[1:-1]]
-        return super().forms + (f", breaks at {' and '.join(inner)}" if inner else "")
+        return ", ".join([super().forms, *([f"breaks at {' and '.join(inner)}"] if inner else []), *self.joints])
 
     @property
     def damped(self) -> str:
@@ -53,7 +56,7 @@ class OfSections(claims.OfBeamItself):
         return f"{limit}C = {' + '.join([*factors, *self.beside])}"
 
     def record(self) -> dict[str, Any]:
-        stated = super().record() | {"breaks": [*map(said, self.breaks)]}
+        stated = super().record() | {"breaks": [*map(said, self.breaks)], "joints": [*self.joints]}
         if self.damping is not None:
             stated["damping"] |= {"beside": [*self.beside]}
         return {key: value for key, value in stated.items() if key not in ("modes", "basis")}
@@ -64,7 +67,8 @@ class Sections:
     """What the forms in a file say.
 
     EI, m: a polynomial a segment. elastic: order -> polynomial, load: (test order, trial order) -> polynomial, a table
-    a segment. masses, springs: of places. forces: of the load, (test place, trial place) -> factor.
+    a segment. masses, springs: of places. forces: of the load, (test place, trial place) -> factor. joints: of what
+    jumps at a place, the spring that holds the jump.
     """
 
     ends: tuple[str, str]
@@ -76,6 +80,7 @@ class Sections:
     masses: dict[Place, Fraction]
     springs: dict[Place, Fraction]
     forces: dict[tuple[Place, Place], Fraction]
+    joints: dict[Place, Fraction] = field(default_factory=dict)
 
     def held(self, place: Place) -> bool:
         """Whether a geometric condition holds the displacement there."""
@@ -88,7 +93,7 @@ class Sections:
         for k in range(PIECES):
             yield low + (high - low) * (arb(k).union(arb(k + 1)) / PIECES), (high - low) / PIECES
 
-    # ---------------------------------------------------------------- how large the load is
+    # ---------------------------------------------------------------- energy
 
     @cached_property
     def bending(self) -> arb:
@@ -101,7 +106,8 @@ class Sections:
                     if value >= 0:
                         continue
                     # y'(x)² ≤ |x − e| ∫ y''² dx where the end e holds y'
-                    require(order == 1 and bool(sides), "the elastic energy is not known to be positive")
+                    known = order == 1 and bool(sides) and not self.joints
+                    require(known, "the elastic energy is not known to be positive")
                     lost += (-value).upper() * abs(x - sides[0]).upper() * width
         share = arb(1 - lost / self.softest)
         require(bool(share > 0), "the elastic energy is not known to be positive")
@@ -112,45 +118,7 @@ class Sections:
         """The least EI."""
         return least(at(f, x).lower() for n, f in enumerate(self.EI) for x, _ in self.pieces(n))
 
-    def size(self, turned: bool) -> arb:
-        """C of Lemma 6: all derivatives go off the factor whose mass bounds it; turned: off the other one."""
-        inner: list[dict[int, fmpq_poly]] = [{} for _ in self.m]
-        points: dict[tuple[Place, Place], Fraction] = {}
-
-        def point(place: Place, of: Place, f: Any) -> None:
-            points[place, of] = points.get((place, of), Fraction(0)) + f
-
-        for (row, of), force in self.forces.items():
-            point(*((of, row) if turned else (row, of)), force)
-        for n, table in enumerate(self.load):
-            for pair, f in table.items():
-                i, j = pair[::-1] if turned else pair
-                add(inner[n], i + j, f * (-1) ** i)
-                if i:
-                    add(inner[n], j, -f.derivative())
-                    for node, sign in ((n, -1), (n + 1, 1)):
-                        value = f(exact(self.breaks[node]))
-                        point((node, 0), (node, j), sign * Fraction(int(value.p), int(value.q)))
-        along: dict[int, arb] = {}
-        for n, parts in enumerate(inner):
-            for q, f in parts.items():
-                if f.degree() < 0:
-                    continue
-                for x, _ in self.pieces(n):
-                    square = at(f, x) ** 2 / at(self.m[n], x)
-                    felt = square / at(self.EI[n], x) if q == 2 else square * self._reach(q)[0] ** 2 / self.softest
-                    along[q] = along.get(q, arb(0)).max(felt.upper())
-        total = arb(sum((square.sqrt() for square in along.values()), arb(0)) ** 2)
-        for place in {row for (row, _), force in points.items() if force and not self.held(row)}:
-            require(self.masses.get(place, 0) > 0, "the load acts at a place without a mass, and is none of a follower")
-            felt = arb(0)
-            for (row, of), force in points.items():
-                if row == place and not self.held(of):
-                    felt += abs(ball(force)) * self._reach(of[1])[1]
-            total += felt * felt / self.softest / ball(self.masses[place])
-        return arb((total / self.bending).sqrt().upper())
-
-    def _reach(self, order: int) -> tuple[arb, arb]:
+    def reach(self, order: int) -> tuple[arb, arb]:
         """κ with ‖y^(q)‖ ≤ κ ‖y''‖, and with |y^(q)(x)| ≤ κ ‖y''‖ at any x."""
         last = len(self.m)
         lines = [f for f in ((1, 0), (0, 1), (1, -1)) if all(
@@ -160,14 +128,6 @@ class Sections:
         require(not lines, "the column is held by springs alone, under a load that is none of a follower")
         norm = LENGTHS["clamped" in self.ends][order]
         return norm, arb(1) if order or "clamped" not in self.ends else arb(2) / 3
-
-
-def load_size(columns: Sequence[Sections]) -> arb:
-    """C of Lemma 6; of two columns that of each between them, for in one condition it is convex. Raises Refused."""
-    try:
-        return v.greatest(column.size(turned=False) for column in columns)
-    except v.Refused:
-        return v.greatest(column.size(turned=True) for column in columns)
 
 
 def at(f: fmpq_poly, x: arb) -> arb:
@@ -187,7 +147,7 @@ def add(table: dict[Any, fmpq_poly], key: Any, f: fmpq_poly) -> None:
 
 def read(data: dict[str, Any]) -> tuple[OfSections, Sections, int, Fraction, tuple[Stretch, ...]]:
     """Of a file: what is claimed, the column, m, the line R_m, and the stretches. Raises Refused."""
-    claims.fields(data, FIELDS)
+    claims.fields({"joints": []} | data, FIELDS)
     still = {"modes": v.MOST_MODES, "alpha": "0", "beta": "0", "load_max": None}
     given = v.claims_of(data | still)
     require(given["kind"] != "none" and given["load"][1] < claims.HIGHEST, claims.NO_CROSSING)
@@ -206,14 +166,18 @@ def stated_of(data: dict[str, Any], given: dict[str, Any]) -> tuple[OfSections, 
     whole = breaks[0] == 0 and breaks[-1] == 1 and all(a < b for a, b in pairwise(breaks))
     require(whole, "the breaks do not ascend from 0 to 1")
     none: dict[str, Any] = {"ours": False, "basis": "", "kappa": None, "damping": None, "beside": ()}
-    column = sections((left, right), breaks, data["forms"])
-    return OfSections(**given, **none, ends=(left, right), breaks=breaks), column
+    column = sections((left, right), breaks, data["forms"], data.get("joints", []))
+    joints = tuple("y" + order * "'" + f" jumps at x = {said(breaks[node])}, held by a spring of {said(k)}"
+                   for (node, order), k in column.joints.items())  # fmt: skip
+    return OfSections(**given, **none, ends=(left, right), breaks=breaks, joints=joints), column
 
 
-def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[str, Any]) -> Sections:
+def sections(
+    ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[str, Any], joints: Sequence[Any] = ()
+) -> Sections:
     require(set(forms) == set("MEH"), "the forms are not M, E and H")
     count = len(breaks) - 1
-    found = Sections(ends, breaks, [], [], [{} for _ in range(count)], [], {}, {}, {})
+    found = Sections(ends, breaks, [], [], [{} for _ in range(count)], [], {}, {}, {}, _joints(joints, count))
     each = {name: form(forms[name], found) for name in "MEH"}
     tables, points = {name: of[0] for name, of in each.items()}, {name: of[1] for name, of in each.items()}
     for n in range(count):
@@ -232,7 +196,21 @@ def sections(ends: tuple[str, str], breaks: tuple[Fraction, ...], forms: dict[st
             table[row] = f
     require(all(row[0] == of[0] or {row[0], of[0]} <= {0, count} for row, of in points["H"]),
             "the load at a place depends on another one")  # fmt: skip
+    at_places = {*found.masses, *found.springs, *(place for pair in points["H"] for place in pair)}
+    require(not at_places & {*found.joints}, "a mass, a spring or a force acts on what jumps at a joint")
     return replace(found, forces=points["H"])
+
+
+def _joints(data: Sequence[Any], last: int) -> dict[Place, Fraction]:
+    """Of what jumps, the spring. Raises Refused."""
+    require(type(data) in (list, tuple) and len(data) < 2 * last, "there are too many joints")
+    found = dict[Place, Fraction]()
+    for node, order, k in data:
+        _whole((node, last - 1), (order, 1))
+        found[node, order] = v.number(k)
+        require(node > 0 and found[node, order] > 0, "a joint is at an end, or has no spring")
+    require(len(found) == len(data), "a joint is named twice")
+    return found
 
 
 def form(

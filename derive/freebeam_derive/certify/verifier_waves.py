@@ -12,7 +12,7 @@ a rest; cells of the phases θ show that no two zeros are near each other. docs/
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import reduce
 from itertools import combinations, product
@@ -28,6 +28,7 @@ TIMES = [
     Fraction(n, 2) for n in (5, 6, 8, 12, 16, 24, 48, 96, 192)
 ]  # zeros are to be so much less apart than on average
 SHORTEST = [Fraction(n, 2) for n in (12, 18, 24, 36, 48)]  # γ L of the shortest segment, tried in turn: e^−6 = 0.002
+FARTHEST = 2000  # γ L beyond which no G is looked for: below are more frequencies than are looked at one by one
 CUTS = 3  # halvings of 1/γ
 DEEPEST = 21  # halvings of phases: seven of each of three
 MOST_WAVES = 400_000  # of cells together, in one look at all of them
@@ -134,9 +135,10 @@ def _of_minors(rows: list[list[arb]]) -> list[list[arb_poly]]:
 
 
 def _joint(columns: Sequence[Sections], node: int) -> list[list[arb_poly]]:
-    """What springs and masses at a place do to minors, in balls that hold those of all columns.
+    """What springs, masses and a joint at a place do to minors, in balls that hold those of all columns.
 
-    EI y'' jumps by (c − J ω²) y', −(EI y'')' + N y' by (k − μ ω²) y; times ε³ where J and times ε where μ is there.
+    EI y'' jumps by (c − J ω²) y', −(EI y'')' + N y' by (k − μ ω²) y; times ε³ where J and times ε where μ is there. At
+    a joint nothing acts on what jumps: y' by EI y'', or y by −(EI y'')' + N y', over its spring; times ε, or ε³.
     """
     tables = [column.springs for column in columns], [column.masses for column in columns]
     k, c, mu, J = (
@@ -145,22 +147,26 @@ def _joint(columns: Sequence[Sections], node: int) -> list[list[arb_poly]]:
     bend = arb_poly([0, c]) if J == 0 else arb_poly([-J, 0, 0, 0, c])
     push = arb_poly([0, 0, 0, k]) if mu == 0 else arb_poly([-mu, 0, 0, 0, k])
     by_turn, by_mass = (arb_poly([1]) if x == 0 else arb_poly([0] * n + [1]) for x, n in ((J, 3), (mu, 1)))
-    rows = [[by_turn * by_mass if i == j else arb_poly([]) for j in range(4)] for i in range(4)]
+    turned, moved, joints = (2, 1), (3, 0), columns[0].joints
+    if (node, 1) in joints:
+        turned, by_turn, bend = (1, 2), arb_poly([0, 1]), arb_poly([1 / ball(joints[node, 1])])
+    if (node, 0) in joints:
+        moved, by_mass, push = (0, 3), arb_poly([0, 0, 0, 1]), arb_poly([1 / ball(joints[node, 0])])
     found = []
     for i in MINORS:
         line = []
         for j in MINORS:
-            # of I + a (e₂ e₁ᵀ) + b (e₃ e₀ᵀ), whose minors have a and b once at most
-            at = {(a, b): _minor(i, j, a, b) for a in (0, 1) for b in (0, 1)}
+            # of I + a E + b E', each with a single 1, whose minors have a and b once at most
+            at = {(a, b): _minor(i, j, {turned: a, moved: b}) for a in (0, 1) for b in (0, 1)}
             plain, by_a, by_b = at[0, 0], at[1, 0] - at[0, 0], at[0, 1] - at[0, 0]
             both = at[1, 1] - by_a - by_b - plain
-            line.append(plain * rows[0][0] + by_a * bend * by_mass + by_b * push * by_turn + both * bend * push)
+            line.append(plain * by_turn * by_mass + by_a * bend * by_mass + by_b * push * by_turn + both * bend * push)
         found.append(line)
     return found
 
 
-def _minor(rows: tuple[int, int], columns: tuple[int, int], a: int, b: int) -> int:
-    X = [[int(i == j) + a * ((i, j) == (2, 1)) + b * ((i, j) == (3, 0)) for j in columns] for i in rows]
+def _minor(rows: tuple[int, int], columns: tuple[int, int], more: dict[tuple[int, int], int]) -> int:
+    X = [[int(i == j) + more.get((i, j), 0) for j in columns] for i in rows]
     return X[0][0] * X[1][1] - X[0][1] * X[1][0]
 
 
@@ -197,13 +203,20 @@ class Apart:
             waves = {wave: [line[0] for line in _product(joint, [[v] for v in z])] for wave, z in grown.items()}
             self.stages.append(waves)
 
-    def gap(self, needed: arb) -> tuple[arb, arb]:
-        """G, and a gap wider than needed between any two neighbours ω ≥ G². Raises Refused."""
+    def gap(self, needed: Callable[[arb, arb], arb]) -> tuple[arb, arb]:
+        """G, and a gap between any two neighbours ω ≥ G² that is wider than needed. Raises Refused.
+
+        needed: for two ω; over the √ω of the upper one it does not rise, so that what serves at G serves beyond.
+        """
         tried = []
         for times, phase in product(TIMES, SHORTEST):
             apart = arb.pi() / (ball(times) * self.whole)
-            lowest = ball(phase) / least(self.lengths)
-            tried.append(((needed * arb("1.001") / (2 * apart)).max(lowest).upper(), apart))
+            G = (ball(phase) / least(self.lengths)).upper()
+            G = (needed(G**2, (G + apart) ** 2) * arb("1.001") / (2 * apart)).max(G).upper()
+            while G * self.whole < FARTHEST and not apart * (2 * G + apart) > needed(G**2, (G + apart) ** 2):
+                G = (G * arb(9) / 8).upper()
+            if apart * (2 * G + apart) > needed(G**2, (G + apart) ** 2):
+                tried.append((G, apart))
         for G, apart in sorted(tried, key=lambda pair: (float(pair[0]), float(pair[1]))):
             if self._all_apart(G, apart):
                 return G, (apart * (2 * G + apart)).lower()
