@@ -25,7 +25,7 @@ from freebeam_derive.certify.boundary_polynomials import (
     expansion,
     highest_power,
 )
-from freebeam_derive.certify.krawczyk import one_to_one
+from freebeam_derive.certify.krawczyk import contracts, one_to_one
 
 
 def drawn(N: int, seed: int) -> tuple[arb_mat, arb_mat, arb_mat, arb_mat]:
@@ -199,9 +199,19 @@ def test_all_zeros_are_seen_also_double_ones(roots: list[int]) -> None:
 def test_values_on_a_box_differ_where_slopes_stay_clear_of_zero(slope: arb, holds: bool) -> None:
     """x and x²/2 about 1 at a slope of 1: of the second, whose slope may be 0, two places may have one value."""
     with precision(100):
-        assert one_to_one(arb_mat([[1]]), arb_mat([[slope]]), [arb(1)]) == holds
+        assert contracts(arb_mat([[1]]), arb_mat([[slope]]), [arb(1)]) == holds
         both = arb_mat([[slope, 0], [0, slope]])
-        assert one_to_one(arb_mat([[1, 0], [0, 1]]), both, [arb(1), arb(4)]) == holds
+        assert contracts(arb_mat([[1, 0], [0, 1]]), both, [arb(1), arb(4)]) == holds
+
+
+@pytest.mark.parametrize("b, c, holds", [("0.9", "0.9", True), ("1.1", "1.1", False), ("10", "0.05", True)])
+def test_a_box_is_one_to_one_where_no_matrix_of_slopes_is_singular(b: str, c: str, holds: bool) -> None:
+    """Slopes [[1, β], [γ, 1]], |β| ≤ b, |γ| ≤ c: one is singular where β γ = 1; and with a third that none feels."""
+    with precision(100):
+        J = [[arb(1), arb(0, b), arb(0)], [arb(0, c), arb(1), arb(0)], [arb(0), arb(0), arb(2)]]
+        for n in (2, 3):
+            assert one_to_one(arb_mat([row[:n] for row in J[:n]])) == holds
+        assert not one_to_one(arb_mat([[arb(1), arb(0)], [arb(0), arb(1, 1)]]))
 
 
 @pytest.mark.parametrize("seed", range(3))

@@ -148,8 +148,7 @@ class Cells:
                 near = self._near(led_to) or self._sought(box, led_to)
             if len(near) == 1:
                 hull = [side.union(c) for side, c in zip(box, near[0], strict=True)]
-                centre_J = problem.slopes([side.mid() for side in hull])[1]
-                if one_to_one(centre_J, problem.slopes(hull)[1], [side.rad() for side in hull]):
+                if one_to_one(problem.slopes(hull)[1]):
                     return None
         except Unproven:
             pass

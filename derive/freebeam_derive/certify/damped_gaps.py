@@ -229,14 +229,15 @@ class DampedGaps:
         rest = 1 - c_E * c_M - c_E * c_E * R  # Re s = ω² (1 − c_E c_M) / (1 + c_E² ω²) ≥ R from there on
         if rest > 0:
             found.append((R / rest).sqrt().upper())
-        omega = (1 / c_E).upper()
-        while omega < 2**20 / c_E:  # 2 (|s| − Re s) ≥ (2 − √2) ω / (2 c_E) for c_E ω ≥ 1
-            of_energy = (2 * c_E / ((2 - arb(2).sqrt()) * omega)).sqrt()
-            loads = (self.load * self.gaps.size / omega + self.damping.turning) / c_E
-            if loads * of_energy + 2 * self.damping.size / omega < 1:
+        omega = (1 / (8 * c_E)).upper()
+        while omega < 2**20 / c_E:  # |1 + iz| = h, 2 (|s| − Re s) ≥ 2 ω² (h − 1)/h², |Im s| ≥ ω² z/h²
+            z = c_E * omega
+            h = (1 + z * z).sqrt()
+            loads = self.load * self.gaps.size / omega + self.damping.turning
+            if loads / (2 * (h - 1)).sqrt() + self.damping.size * h / (z * omega) < 1:
                 found.append(omega)
                 break
-            omega *= 2
+            omega = (omega * arb(9) / 8).upper()
         if not found:
             raise NoStrips("no frequency is known beyond which there is no crossing")
         return least(found)

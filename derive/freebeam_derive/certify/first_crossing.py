@@ -33,7 +33,7 @@ from freebeam_derive.certify.balls import Unproven, ball, exact, precision, rati
 from freebeam_derive.certify.bivariate import Bivariate, real_zeros, signs_on
 from freebeam_derive.certify.boundary_polynomials import Boundary, Question, boundaries, from_rest, functions_of
 from freebeam_derive.certify.decimals import roots
-from freebeam_derive.certify.krawczyk import enclose, newton, one_to_one
+from freebeam_derive.certify.krawczyk import contracts, enclose, newton
 from freebeam_derive.certify.one_load import equal, undecided
 from freebeam_derive.certify.parts import Part
 
@@ -584,7 +584,7 @@ def spread_of(local: Boundary, load: Fraction, point: Fraction, tolerance: Fract
 def alone(local: Boundary, r: Fraction, rho: Fraction) -> bool:
     """Whether (h, g) is one to one on the box |P| ≤ r, |x| ≤ ρ about the point from which P and x are counted."""
     radii = [exact(r), exact(rho)]
-    return one_to_one(local.slopes([arb(0), arb(0)]), local.slopes([ball(0, radius) for radius in radii]), radii)
+    return contracts(local.slopes([arb(0), arb(0)]), local.slopes([ball(0, radius) for radius in radii]), radii)
 
 
 def _last_stretch(found: Boundary, load: Fraction, point: Fraction | None, tolerance: Fraction) -> Stretch:

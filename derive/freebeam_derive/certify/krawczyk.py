@@ -75,8 +75,20 @@ def enclose(system: System, x: Sequence[arb], bits: int) -> list[arb]:
     raise Unproven("no box around the candidate could be shown to hold a crossing")
 
 
-def one_to_one(at_centre: arb_mat, over_box: arb_mat, radii: Sequence[arb]) -> bool:
-    """Whether no two points of a box have equal values: 1 − J(centre)⁻¹ J is a contraction, in units of its radii."""
+def one_to_one(slopes: arb_mat) -> bool:
+    """Whether no two points of a box have equal values: of two that had, d apart, d = (1 − Y J) d for any Y, and no d
+    but 0 has |d| ≤ R |d| where R ≥ |1 − Y J| has its eigenvalues below 1, which all leading minors of 1 − R > 0 say."""
+    n = slopes.nrows()
+    try:
+        rest = inverse(slopes.mid()) * slopes
+    except Unproven:
+        return False
+    Z = [[int(i == j) - abs(int(i == j) - rest[i, j]).upper() for j in range(n)] for i in range(n)]
+    return all(arb_mat([row[:k] for row in Z[:k]]).det() > 0 for k in range(1, n + 1))
+
+
+def contracts(at_centre: arb_mat, over_box: arb_mat, radii: Sequence[arb]) -> bool:
+    """Whether 1 − J(centre)⁻¹ J is a contraction on a box in units of its radii; then it is one to one too."""
     try:
         rest = inverse(at_centre) * over_box
     except Unproven:

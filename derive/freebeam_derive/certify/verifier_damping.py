@@ -211,13 +211,15 @@ class Damped:
         rest = 1 - c_E * self.of_M - c_E**2 * line
         if rest > 0:
             bounds.append((line / rest).sqrt().upper())
-        omega = (1 / c_E).upper()
-        for _ in range(20):
-            of_load = (loaded / omega + self.turning) / c_E * (2 * c_E / ((2 - arb(2).sqrt()) * omega)).sqrt()
-            if of_load + 2 * self.size / omega < 1:
+        omega = (1 / (8 * c_E)).upper()
+        for _ in range(140):
+            h = (1 + (c_E * omega) ** 2).sqrt()  # |1 + c_E λ|; λ/(1 + c_E λ) has the size ω/h
+            of_load = (loaded + self.turning * omega) / h * _beside_squares(omega, h)
+            of_rest = self.size * omega / h / (c_E * omega**3 / h**2)
+            if of_load + of_rest < 1:
                 bounds.append(omega)
                 break
-            omega *= 2
+            omega = (omega * arb(9) / 8).upper()
         require(bool(bounds), "no bound of the frequency is known")
         return least(bounds)
 
@@ -267,6 +269,11 @@ class DampedOver(Damped):
     def at_masses(self) -> list[arb]:
         """Between its values at the ends, a quotient of what is linear."""
         return [a.union(b) for a, b in zip(*(each.at_masses for each in self.both), strict=True)]
+
+
+def _beside_squares(omega: arb, h: arb) -> arb:
+    """At least x/|x² − s| for every x, on the axis: (2 (|s| − Re s))^(−1/2)."""
+    return 1 / (2 * omega**2 * (1 / h - 1 / h**2)).sqrt()
 
 
 def _worse(f: Fraction, g: Fraction) -> Fraction:
