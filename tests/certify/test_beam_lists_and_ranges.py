@@ -461,18 +461,21 @@ def test_lines_are_looked_at_with_the_forms_of_both_ends_of_a_piece(monkeypatch:
         high(verifier_of_beam.Bounds(("clamped", "free")), 40, forms, 1).check(Fraction(5), still)
 
 
+@pytest.mark.parametrize("falls", [False, True])
 @pytest.mark.parametrize("kind", ["damped", "limit"])
-def test_the_equations_of_a_range_hold_those_of_each_damping(kind: str) -> None:
-    """At a point, as the sum of numbers times balls that Krawczyk's test takes."""
+def test_the_equations_of_a_range_hold_those_of_each_damping(kind: str, falls: bool) -> None:
+    """At a point, as the sum of numbers times balls that Krawczyk's test takes; where beta falls as alpha grows too."""
     F, limit = Shooting(*of_kernel(beck)), kind == "limit"
     of_E, of_M = (Fraction(1, 10), Fraction(12, 100)), (Fraction(2, 10), Fraction(23, 100))
+    of_M = of_M[::-1] if falls else of_M
     with precision(128):
         x = arb(13), arb(90 if limit else 7)
         ranged = Equations(F, 0, of_E, of_M, limit)
         near = tuple(side + abs(side) * arb(0, 1) / 100 for side in ranged.place(*x))
         parts = ranged.at(*x, near)
         held = [sum((value[i] * weight for value, weight in parts), arb(0)) for i in (0, 1)]
-        for a, b in ((of_E[0], of_M[1]), (of_E[1], of_M[0]), (of_E[1], of_M[1])):
+        for share in (0, Fraction(1, 3), 1):
+            a, b = (of[0] + share * (of[1] - of[0]) for of in (of_E, of_M))
             one = Equations(F, 0, (a, a), (b, b), limit)
             values = one.system(Box(F, *near).value, *x)[0]
             assert all(h.contains(v.mid()) and h.rad() > 0 for h, v in zip(held, values, strict=True) if h.rad() > 0)

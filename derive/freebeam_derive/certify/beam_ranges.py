@@ -32,6 +32,7 @@ from freebeam_derive.certify.beam_itself import (
     VanishingRates,
 )
 from freebeam_derive.certify.beam_stability import BITS, Evidence, complete
+from freebeam_derive.certify.frequency_gaps import at_both
 from freebeam_derive.certify.krawczyk import inside, inverse
 from freebeam_derive.certify.local_series import Local
 from freebeam_derive.certify.parameter_series import OverEquation, power, rows_of, straight
@@ -183,7 +184,10 @@ class _Family:
         return total
 
     def _by_damping(self, x: list[arb]) -> list[tuple[list[arb], arb]]:
-        """Slopes in c_E and c_M over all of the range, and how far these go from the middle; in a limit in c_M/c_E."""
+        """Slopes in c_E and c_M over all of the range, and how far these go from the middle; in a limit in c_M/c_E.
+
+        Over a range of alpha or beta one slope, along which both go linearly.
+        """
         over, middle = self.over, self.middle
         if isinstance(over, VanishingDamping) and isinstance(middle, VanishingDamping):
             zero = arb(0)
@@ -196,6 +200,11 @@ class _Family:
         t = over.beam.taylor(p, s, ((0, 0), (1, 0), (0, 1)))
         slopes = (-value * inverse * (p * t[1, 0] + s * t[0, 1]), -value * inverse * t[0, 1])
         dampings = (over.alpha, over.beta), (middle.alpha, middle.beta)
+        ends = at_both({"alpha": over.alpha, "beta": over.beta})
+        if len(ends) == 2:
+            each = [over.beam.damping(of["alpha"], of["beta"]) for of in ends]
+            slope = sum((f * (b - a) / 2 for f, a, b in zip(slopes, *each, strict=True)), acb(0))
+            return [([slope.real, slope.imag], power(1))]
         pairs = zip(*(over.beam.damping(*given) for given in dampings), strict=True)
         return [([f.real, f.imag], whole - thin) for f, (whole, thin) in zip(slopes, pairs, strict=True)]
 

@@ -34,22 +34,18 @@ def _within(value: arb, interval: Interval) -> bool:
     return bool(ball(interval[0]) < value < ball(interval[1]))
 
 
-def apart(interval: Interval) -> tuple[arb, arb]:
-    """The middle, and what goes from there to both ends."""
-    return ball((interval[0] + interval[1]) / 2), arb(0, 1) * ball((interval[1] - interval[0]) / 2)
-
-
 class Equations:
     """At one value of all that is given, or at each value of a range. R: how many rigid motions there are.
 
-    of_E, of_M: the intervals of alpha and beta; limit: of these only the direction counts.
+    of_E, of_M: alpha and beta at both ends of a range, from one to the other of which they go linearly together; limit:
+    of these only the direction counts.
     """
 
     bits = 128  # of a crossing's box, besides its digits, and of cells
 
     def __init__(self, F: Shooting, R: int, of_E: Interval, of_M: Interval, limit: bool) -> None:
         self.F, self.R, self.of_E, self.of_M, self.limit = F, R, of_E, of_M, limit
-        self.undamped = of_E[1] == of_M[1] == 0
+        self.undamped = not any((*of_E, *of_M))
         self.real = self.undamped or limit
 
     @property
@@ -63,7 +59,15 @@ class Equations:
     @property
     def undamped_to(self) -> Fraction:
         """The s below which a motion at s is not damped by alpha s + beta, for any value of the range; 0 for none."""
-        return max(-self.of_M[0] / self.of_E[0], Fraction(0)) if self.of_E[0] > 0 else Fraction(0)
+        if not min(self.of_E) > 0:
+            return Fraction(0)
+        return max(Fraction(0), *(-b / a for a, b in zip(self.of_E, self.of_M, strict=True)))
+
+    @property
+    def ratio(self) -> arb:
+        """beta over alpha, which is monotonic on the way from one end to the other."""
+        a, b = self.of_E, self.of_M
+        return over((b[0] / a[0], b[1] / a[1]))
 
     def box(self, p: Any, s: Any) -> Any:
         """F on a box, for `system`."""
@@ -84,7 +88,7 @@ class Equations:
         if self.undamped:
             return [f(p, s, 0, 0), f(p, s, 0, 1)], [[f(p, s, 1, 0), f(p, s, 0, 1)], [f(p, s, 1, 1), 2 * f(p, s, 0, 2)]]
         if self.limit:
-            r = s + self.beta / self.alpha
+            r = s + self.ratio
             first, second = f(p, s, 1, 0), f(p, s, 0, 1)
             mixed = f(p, s, 1, 1)
             values = [f(p, s, 0, 0), p * first + r * second]
@@ -117,19 +121,19 @@ class Equations:
         middle.of_E, middle.of_M = (((of[0] + of[1]) / 2,) * 2 for of in (self.of_E, self.of_M))
         boxes = [Box(self.F, *near, of=n) for n in range(POWERS + 1 if self.F.ranged else 1)]
         found = [(middle.system(box.value, P, x)[0], power(n)) for n, box in enumerate(boxes)]
-        ranged = self.of_E[0] < self.of_E[1] or self.of_M[0] < self.of_M[1]
+        ranged = self.of_E[0] != self.of_E[1] or self.of_M[0] != self.of_M[1]
         return found + (self._by_damping(Box(self.F, *near), P, x) if ranged else [])
 
     def _by_damping(self, box: Box, P: arb, x: arb) -> list[tuple[Two, arb]]:
-        """Slopes of the equations in alpha and beta over all of the range, and how far these go from the middle."""
+        """The slope of the equations from the middle of the dampings to the second end, over all of the range."""
         p, s = self.place(P, x)
         F_p, F_s = box.value(p, s, 1, 0), box.value(p, s, 0, 1)
-        (a, a_far), (b, b_far) = (apart(of) for of in (self.of_E, self.of_M))
         if self.limit:
-            return [([arb(0), F_s], self.beta / self.alpha - b / a)]
+            return [([arb(0), F_s], self.ratio - ball((self.of_M[0] + self.of_M[1]) / (self.of_E[0] + self.of_E[1])))]
         lam = acb(0, x)
-        slopes = (-lam * (p * F_p + s * F_s) / (1 + self.alpha * lam), -lam * F_s / (1 + self.alpha * lam))
-        return [([slope.real, slope.imag], far) for slope, far in zip(slopes, (a_far, b_far), strict=True)]
+        a, b = (ball((of[1] - of[0]) / 2) for of in (self.of_E, self.of_M))
+        slope = -lam * (a * (p * F_p + s * F_s) + b * F_s) / (1 + self.alpha * lam)
+        return [([slope.real, slope.imag], power(1))]
 
     # ---------------------------------------------------------------- a crossing
 

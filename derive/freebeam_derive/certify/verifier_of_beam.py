@@ -116,13 +116,14 @@ def shooting(stated: OfBeamItself, forms: Forms) -> Shooting:
 
 
 def _damping(one: OfBeamItself, other: OfBeamItself, shares: Interval) -> tuple[Interval, Interval, bool]:
-    """The intervals of alpha and beta in C = alpha E + beta M from one share of the way between two statements to
-    another, and whether only their direction counts. None where beta M alone vanishes: it damps all motions alike."""
+    """alpha and beta in C = alpha E + beta M, each at one share of the way between two statements and at another, to
+    which they go linearly, and whether only their direction counts. None where beta M alone vanishes: it damps all
+    motions alike."""
     if one.damping is None or other.damping is None or (_of_M_alone(one.damping) and _of_M_alone(other.damping)):
         return (Fraction(0), Fraction(0)), (Fraction(0), Fraction(0)), False
     found = []
     for a, b in ((one.damping.of_E, other.damping.of_E), (one.damping.of_M, other.damping.of_M)):
-        low, high = sorted(a + share * (b - a) for share in shares)
+        low, high = (a + share * (b - a) for share in shares)
         found.append((low, high))
     return found[0], found[1], one.damping.vanishing
 
