@@ -27,11 +27,14 @@ from freebeam_derive.certify import verifier
 from freebeam_derive.certify.boundary_polynomials import Question
 from freebeam_derive.certify.certificate import _sections
 from freebeam_derive.certify.column_forms import ColumnForms
+from freebeam_derive.certify.damped_gaps import damped_gaps
 from freebeam_derive.certify.load_size import load_size as size_of_prover
+from freebeam_derive.certify.strips import NoStrips
 from freebeam_derive.certify.verifier_boxes import Box
 from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_damping_forms import damped
 from freebeam_derive.certify.verifier_load_size import load_size, most, value
-from freebeam_derive.certify.verifier_of_sections import FORMATS
+from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, sections
 from freebeam_derive.certify.verifier_waves import Apart
@@ -44,6 +47,7 @@ CASES: dict[str, tuple[str, dict[str, str]]] = {
     "crack": ("crack", {"k": "2", "a": "0.5"}),
     "shear": ("shear-joint", {"k": "50", "a": "0.5"}),
     "short": ("crack", {"k": "1", "a": "0.5"}),
+    "external damping": ("crack", {"k": "1", "a": "0.5", "beta": "0.3"}),
 }
 
 
@@ -153,6 +157,22 @@ def test_a_value_at_a_place_is_below_its_bound_and_not_far(order: int, where: st
         assert largest * (1 - 1e-6) <= bound < (3 if where == "middle" else 2) * largest
 
 
+def test_a_joint_is_served_with_external_damping_alone() -> None:
+    it, of = column("crack")
+    unused: Any = None
+    with flint.ctx.workprec(64), pytest.raises(NoStrips, match=r"has a joint.* other than external damping alone"):
+        damped_gaps(it, arb(5), Fraction(1, 100), Fraction(1, 10), False)
+    form = _sections(it.kernel, Question(1, Fraction(0), Fraction(0), None, dict(it.own)))["forms"]["M"]
+    for factor, alike in (("3", True), ("4", False)):  # the mass of both parts times 3, or of one times 4
+        along = [[*form["along"][0][:-1], "3"], [*form["along"][1][:-1], factor]]
+        with flint.ctx.workprec(64):
+            given = damped({"form": form | {"along": along}, "vanishing": False}, of)
+            assert given is not None and given.of_mass == alike
+            if not alike:
+                with pytest.raises(Refused, match=r"there are joints.* other than external damping alone"):
+                    Gaps([(of, Pieces(of))], 2, Fraction(100), given).check(Fraction(5), unused)
+
+
 @pytest.mark.parametrize("case", ["crack", "shear"])
 def test_both_programs_find_about_one_size_of_a_load(case: str) -> None:
     """The constant is the same; at places the verifier may choose among more bounds."""
@@ -167,7 +187,8 @@ def test_both_programs_find_about_one_size_of_a_load(case: str) -> None:
 
 def forgeries(case: str) -> dict[str, Callable[[Data], Any]]:
     """What is to be refused: of each a change of the file."""
-    name, own = CASES[case]
+    name, given = CASES[case]
+    own = {key: v for key, v in given.items() if key != "beta"}
     beyond = Fraction(frequencies(system(name, own), found(case).evidence["lowest"] + 1)[-1] ** 2)
     all_of: dict[str, Callable[[Data], Any]] = {
         "a load that is moved": lambda d: d.update(load=[str(Fraction(v) * Fraction("1.001")) for v in d["load"]]),

@@ -33,10 +33,10 @@ BEYOND = (2, 4)  # times twice the load for which high gaps are asked for; of th
 BEYOND_BARE = (2, 4, 16, 64)  # the same with damping at places without a mass, whose bounds grow less than ω² alone
 
 
-def of_mass_alone(kernel: Any, own: Any) -> bool:
-    """Whether external damping alone, β = 1, is the mass times a positive number, of any column."""
+def of_mass_alone(kernel: Any, own: Any, alpha: Exact = Fraction(0), beta: Exact = Fraction(1)) -> bool:
+    """Whether damping, external alone where none is given, is the mass times a positive number, of any column."""
     try:
-        stated = kernel.forms(Fraction(1), Fraction(0), Fraction(1), **own)
+        stated = kernel.forms(Fraction(1), alpha, beta, **own)
         (C,), (M,) = (map(_terms, stated[letter]) for letter in "CM")
     except (AttributeError, TypeError, ValueError):  # more than one form, or factors that are no fractions
         return False
@@ -247,15 +247,15 @@ def damped_gaps(still: ExactSystem, load: arb, alpha: Exact, beta: Exact, vanish
     """The least m that is found; still: the column with no alpha and beta. vanishing: in the limit of this damping
     times a factor that falls to zero. Raises NoStrips, Unproven."""
     columns = [(own, ColumnForms(still.kernel, own)) for own in at_both(still.own)]
+    given = [(of["alpha"], of["beta"]) for of in at_both({"alpha": alpha, "beta": beta})]
+    of_mass = all(of_mass_alone(still.kernel, own, *of) for own, _ in columns for of in given)
     for _, forms in columns:
-        if forms.joints or load_size(forms).places:
-            raise forms.other("has a joint, or a load where no mass is, and damping")
-    each = [
-        LeftOver(forms, still.kernel, own, of["alpha"], of["beta"], vanishing)
-        for of in at_both({"alpha": alpha, "beta": beta})
-        for own, forms in columns
-    ]
-    damping = over_range(each)
+        if not of_mass and (forms.joints or load_size(forms).places):
+            raise forms.other("has a joint, or a load where no mass is, and other than external damping alone")
+    damping = over_range([LeftOver(forms, still.kernel, own, *of, vanishing) for of in given for own, forms in columns])
+    if of_mass:  # p is real, and high eigenvalues with it
+        gaps = FrequencyGaps(still, load)
+        return DampedGaps(gaps, damping, gaps.lowest, gaps.reach, load, vanishing)
     if not (damping.c_E > 0 or damping.c_M + damping.low > 0):
         raise damping.forms[0].other("has a part without damping")
     for beyond in BEYOND_BARE if damping.bare else BEYOND:

@@ -54,6 +54,11 @@ class Damped:
         """c_M"""
         return ball(self.c_M)
 
+    @property
+    def of_mass(self) -> bool:
+        """Whether it is external damping alone, by which all of the mass is damped alike."""
+        return self.plain and self.c_E == 0 < self.c_M
+
     # ---------------------------------------------------------------- in words
 
     @property
@@ -255,6 +260,10 @@ class DampedOver(Damped):
     @property
     def of_M(self) -> arb:
         return self.both[0].of_M.union(self.both[1].of_M)
+
+    @property
+    def of_mass(self) -> bool:
+        return all(each.of_mass for each in self.both)
 
     @cached_property
     def turning(self) -> arb:

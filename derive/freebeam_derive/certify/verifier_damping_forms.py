@@ -104,7 +104,7 @@ def _never_negative(column: Sections, n: int, f: fmpq_poly) -> bool:
 
 def of_all_alike(found: Damped) -> bool:
     """Whether external damping alone vanishes, and damps all motions alike."""
-    return found.vanishing and found.plain and found.c_E == 0 < found.c_M
+    return found.vanishing and found.of_mass
 
 
 def statement(found: Damped | None) -> dict[str, Any]:
