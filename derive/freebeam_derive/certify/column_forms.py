@@ -64,6 +64,8 @@ class ColumnForms:
         )
         self.m, self.EI = ([part.pop(orders, []) for part in parts] for parts, orders in
                            ((mass, (0, 0)), (elastic, (2, 2))))  # fmt: skip
+        if any((1, 1) in part for part in mass):
+            raise self.other("has a rotary inertia along the beam")
         if any(mass) or any(max(pair) > 1 for part in (*elastic, *load) for pair in part):
             raise self.other("has an energy of another order than ∫ m yₜ² and ∫ EI y''²")
         if not all(over(f, x)[0] > 0 for n, x in self.pieces() for f in (self.m[n], self.EI[n])):
