@@ -174,7 +174,7 @@ class First:
         with flint.ctx.workprec(BITS):
             self.high.check(top, equations)
             signs = Signs(equations, self.high.top)
-        with flint.ctx.workprec(3 * digits + equations.bits):
+        with flint.ctx.workprec(digits + equations.bits):
             crossing = self.crossing()
         with flint.ctx.workprec(BITS + digits):
             if equations.real:
