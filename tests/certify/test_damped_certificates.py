@@ -489,9 +489,10 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
     asked: list[tuple[float, ...]] = []
     monkeypatch.setattr(Damped, "check", lambda self, *given: asked.append(tuple(map(float, given[:3]))))
     with flint.ctx.workprec(BITS):
-        F, equations = Pieces(of), None
+        F = Pieces(of)
+        equations: Any = SimpleNamespace(F=SimpleNamespace(on=lambda *_: None))
         for m, line in ((2, omega[1] * omega[2]), (2, 1.1 * omega[1] ** 2 + 15), (3, 0.9 * omega[3] ** 2)):
-            Gaps([(of, F)], m, Fraction(line), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+            Gaps([(of, F)], m, Fraction(line), damping).check(Fraction(1), equations)
             loaded, gap, frequency = asked.pop()
             a = max(omega[m - 1], line / omega[m])
             assert 1 <= loaded <= 2 and gap <= min(line / a - a, np.diff(omega[m:]).min()) * (1 + 1e-6)
@@ -499,7 +500,7 @@ def test_what_the_lemma_is_asked_of_is_below_the_gaps_of_a_series(monkeypatch: p
         # a gap further on that is narrower than that about the line
         stub = lambda *_: SimpleNamespace(all=lambda: [(arb(w), arb(w)) for w in (2, 16, 80, 120, 220)])  # noqa: E731
         monkeypatch.setattr(verifier_of_sections, "Frequencies", stub)
-        Gaps([(of, F)], 2, Fraction(16 * 80), damping).check(Fraction(1), equations)  # type: ignore[arg-type]
+        Gaps([(of, F)], 2, Fraction(16 * 80), damping).check(Fraction(1), equations)
         assert asked.pop()[1] <= 40
 
 

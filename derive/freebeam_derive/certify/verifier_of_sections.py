@@ -83,6 +83,7 @@ class Gaps(High):
         if damping is not None:
             modes = self._motions(damping, beyond, apart.whole)
             damping.check(loaded, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
+        equations.F.on(P, self.top)  # one series for all signs
 
     def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
         """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""

@@ -50,6 +50,13 @@ class Pieces(Shooting):
     def whole(self, P: arb, s: arb, S: arb, most: int) -> Whole:
         return OfPieces(self, P, S)
 
+    def on(self, p: arb, s: arb) -> Whole:
+        """What is known already where it goes so far: a series takes as long as many boxes on it."""
+        for (bits, P, S), whole in self._known.items():
+            if bits == flint.ctx.prec and p <= P and s <= S:
+                return whole
+        return super().on(p, s)
+
     def at(self, p: arb, s: arb, order: int) -> Whole:
         """At one s the same as near all: F is one polynomial."""
         return self.on(p, abs(s) + 1)
