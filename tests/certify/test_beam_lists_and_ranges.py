@@ -484,7 +484,7 @@ def test_the_equations_of_a_range_hold_those_of_each_damping(kind: str, falls: b
 
 @pytest.mark.parametrize("limit", [False, True])
 def test_equations_of_a_range_change_with_damping_as_their_differences_do(limit: bool) -> None:
-    """Slopes in c_E and c_M at a point that is no crossing, and in their ratio in the limit."""
+    """The slope along both c_E and c_M at a point that is no crossing, and in their ratio in the limit."""
     F, middle, h = Shooting(*of_kernel(beck)), (Fraction(1, 10), Fraction(2, 10)), Fraction(1, 10**8)
     with precision(128):
         x = arb(13), arb(90 if limit else 7)
@@ -494,16 +494,17 @@ def test_equations_of_a_range_change_with_damping_as_their_differences_do(limit:
             p, s = one.place(*x)
             return one.system(Box(F, p, s).value, *x)[0]
 
-        wide = Equations(F, 0, *((v - h, v + h) for v in middle), limit)
-        found = wide._by_damping(Box(F, *wide.place(*x)), *x)
-        for k, (slopes, far) in enumerate(found):
-            moved = [[v + side * h * (n == (1 if limit else k)) for n, v in enumerate(middle)] for side in (1, -1)]
-            by = 2 * ball(h) / (ball(middle[0]) if limit else 1)
-            for slope, one, other in zip(slopes, *(values(*at) for at in moved), strict=True):
-                assert abs((one - other) / by - slope.mid()) < 1e-5 * max(abs(v.mid()) for v in slopes)
-            if not limit:
-                assert far.contains(ball(h)) and far.rad() < 1.01e-8
-        assert len(found) == 2 - limit and all(any(v.mid() != 0 for v in slopes) for slopes, _ in found)
+        for way in ((1, 0), (0, 1), (1, 1), (1, -2)):
+            low, high = ([v + side * h * w for v, w in zip(middle, way, strict=True)] for side in (-1, 1))
+            wide = Equations(F, 0, *zip(low, high, strict=True), limit)
+            ((slopes, far),) = wide._by_damping(Box(F, *wide.place(*x)), *x)
+            by = abs(ball(high[1] / high[0] - low[1] / low[0])) / 2 if limit else arb(1)
+            assert 0.999 < far.rad() / by < 1.001 and abs(far.mid()) < by / 1000
+            turned = -1 if limit and high[1] / high[0] < low[1] / low[0] else 1
+            for slope, one, other in zip(slopes, values(*high), values(*low), strict=True):
+                change = turned * (one - other) / (2 * by)
+                assert abs(change - slope.mid()) < 1e-5 * max(abs(v.mid()) for v in slopes)
+            assert any(v.mid() != 0 for v in slopes)
 
 
 def test_touches_are_known_in_closed_form_alone() -> None:
