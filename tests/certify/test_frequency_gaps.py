@@ -402,7 +402,7 @@ def test_parts_that_a_mass_with_a_rotary_inertia_holds_apart_are_refused() -> No
 
 
 REFUSED: dict[str, tuple[str, dict[str, Any], str]] = {
-    "a crack and damping": ("crack", {"beta": "0.1"}, "damping: crack has a joint"),
+    "a crack and damping": ("crack", {"alpha": "0.01"}, "damping: crack has a joint"),
     "damping": ("tip-damper", {}, "damping: tip-damper has a damper"),
 }
 
