@@ -148,47 +148,52 @@ class General:
         return of_states(value(self.turning, P) if light else C, K, np.asarray(G, float), np.asarray(F, float))
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
-        """λ without damping, the motions as columns, and by how much each 1/λ grows, relative to the terms of this:
-        infinite where K lets it, or where damping is absent or vanishes and frequencies have met. To first order in the
-        damping; motions are taken together where it is more than a share COUPLED of what is between their frequencies,
-        and where these are one but for rounding (Kato 1966, chapter 2). Without mass 1/λ = 0. Of ±λ one is
-        left, unless rates turn motions. Raises InputError where rounding hides what is one."""
-        (M, D, K), both = self._at(P), self.perturbed
+        """λ without damping, the motions as columns, and by how much each 1/λ grows with it, as `_grow` says:
+        infinite where K lets it, or where damping is absent or vanishes and frequencies have met. Without mass 1/λ = 0.
+        Of ±λ one is left, unless rates turn motions. Raises InputError where rounding hides what is one."""
+        (M, _, K), both = self._at(P), self.perturbed
         z, V = (X.astype(complex) for X in np.linalg.eig(self.inverse(P, True) if both else np.linalg.solve(K, M)))
         z = -1j * z if both else z  # 1/(iλ), else 1/ω²
-        size = np.abs(z)
-        least = np.maximum(SPLIT * size, GROWTH * size.max())  # near a divergence rounding splits the highest
-        off, out = np.abs(z.imag) > least, (z.real < 0) & (not both)
-        theta, v, growth = 1j * (z if both else np.sqrt(z)), V[: self.size], np.zeros(len(z))
-        out |= off & (self.vanishing or not self.damped)
+        least = np.maximum(SPLIT * np.abs(z), GROWTH * np.abs(z).max())  # near a divergence rounding splits the highest
+        off, theta = np.abs(z.imag) > least, 1j * (z if both else np.sqrt(z))
+        out = (z.real < 0) & (not both) | off & (self.vanishing or not self.damped)
+        v, growth = V[: self.size], np.zeros(len(z))
         if self.damped or both:
-            N, L = value(self.held, P), np.linalg.inv(V)[:, : self.size] @ np.linalg.inv(K) / (1 if both else 2)
-            B = -L @ (D @ v + theta * (N @ v))
-            terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(v) + np.abs(theta) * (np.abs(N) @ np.abs(v)))
-            own = np.where(off, theta, 1j * theta.imag) * (not self.vanishing)
-            on = np.flatnonzero(~out)[np.argsort(z[~out].real)]
-            rounding = np.minimum(100 * GROWTH * size.max(), (SPLIT * size if both else least)[on])
-            close = np.abs(np.subtract.outer(z[on], z[on])) <= rounding
-            product, gap = (B * B.T)[np.ix_(on, on)], np.subtract.outer(own[on], own[on])
-            close |= np.abs(product) > COUPLED**2 * np.abs(gap) ** 2 if not self.vanishing else False
-            places = np.arange(len(on))
-            ends = np.maximum.accumulate((close * places).max(axis=1, initial=0))
-            growth = (own + B.diagonal()).real
-            for one in np.split(on, 1 + np.flatnonzero(ends <= places)):
-                if len(one) > 1:
-                    values, shapes = np.linalg.eig(np.diag(own[one] - own[one].mean()) + B[np.ix_(one, one)])
-                    values, terms[one] = values.real + own[one].mean().real, terms[one].max()
-                    grow = [(x > 10 * NOTHING * terms[one]).sum() for x in (values, growth[one])]
-                    if self.vanishing and grow[0] != grow[1] and np.ptp(z[one].real) > GROWTH * size.max():
-                        raise InputError(
-                            f"two frequencies near {abs(1 / theta[one[0]]):.6g} at the load {P:.6g} are one but for "
-                            "rounding: what a vanishing damping does to them is not told; give small alpha and beta"
-                        )
-                    growth[one], v[:, one] = values, v[:, one] @ shapes
-            growth = np.divide(growth, terms, out=np.zeros(len(z)), where=terms > 0)
+            order = np.argsort(np.where(out, np.inf, z.real))[: np.count_nonzero(~out)]
+            v, growth = self._grow(P, z, theta, V, off, order.tolist())
         with np.errstate(divide="ignore", invalid="ignore"):
             rate: Complex = np.asarray(np.where(theta == 0, complex(0, math.inf), 1 / theta))
         return rate, v, np.where(out, np.where(both & (z.imag > 0), 0.0, np.inf), growth)
+
+    def _grow(self, P: float, z: Complex, theta: Complex, V: Complex, off: Real, on: list[int]) -> tuple[Complex, Real]:
+        """The motions, and by how much each 1/λ grows, relative to the terms of this, to first order in the damping;
+        those are taken together which it couples by more than a share COUPLED of what is between their frequencies, or
+        whose frequencies are one but for rounding (Kato 1966, chapter 2). off: what has met. on: those asked of."""
+        (_, D, K), both, most = self._at(P), self.perturbed, np.abs(z).max()
+        v, N, L = V[: self.size], value(self.held, P), np.linalg.inv(V)[:, : self.size] @ np.linalg.inv(K)
+        L = L if both else L / 2
+        B = -L @ (D @ v + theta * (N @ v))
+        terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(v) + np.abs(theta) * (np.abs(N) @ np.abs(v)))
+        own = np.where(off, theta, 1j * theta.imag) * (not self.vanishing)
+        least = SPLIT * np.abs(z) if both else np.maximum(SPLIT * np.abs(z), GROWTH * most)
+        close = np.abs(np.subtract.outer(z[on], z[on])) <= np.minimum(100 * GROWTH * most, least[on])
+        if not self.vanishing:
+            gap = np.subtract.outer(own[on], own[on])
+            close |= np.abs((B * B.T)[np.ix_(on, on)]) > COUPLED**2 * np.abs(gap) ** 2
+        places, growth = np.arange(len(on)), (own + B.diagonal()).real
+        ends = np.maximum.accumulate((close * places).max(axis=1, initial=0))
+        for one in np.split(on, 1 + np.flatnonzero(ends <= places)):
+            if len(one) > 1:
+                values, shapes = np.linalg.eig(np.diag(own[one] - own[one].mean()) + B[np.ix_(one, one)])
+                values, terms[one] = values.real + own[one].mean().real, terms[one].max()
+                grow = [(x > 10 * NOTHING * terms[one]).sum() for x in (values, growth[one])]
+                if self.vanishing and grow[0] != grow[1] and np.ptp(z[one].real) > GROWTH * most:
+                    raise InputError(
+                        f"two frequencies near {abs(1 / theta[one[0]]):.6g} at the load {P:.6g} are one but for "
+                        "rounding: what a vanishing damping does to them is not told; give small alpha and beta"
+                    )
+                growth[one], v[:, one] = values, v[:, one] @ shapes
+        return v, np.divide(growth, terms, out=np.zeros(len(z)), where=terms > 0)
 
     def _bad(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ, the motions and by how much each grows, positive where it does."""

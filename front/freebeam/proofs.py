@@ -559,6 +559,7 @@ def exact_load(
 
     Raises InputError for bad values, where no crossing is up to load_max, and where something could not be proven.
     """
+    is_column(column)
     given: dict[str, Any] = {"kappa": kappa, "load_max": load_max, "beam": beam, **parameters}
     if column.kernel.COLUMN.get("general") and not column.kernel.FIELDS:  # coordinates alone have no other modes
         with suppress(InputError):

@@ -420,8 +420,7 @@ def test_an_exact_load_is_asked_for_as_any(tmp_path: Path) -> None:
     assert dict(found.proof) == dict.fromkeys(("crossing", "kind", "first", "stable_below"), True)
     assert found.inputs["mu"] == "1.0 (default)"
     cracked = fb.exact_load(RuntimeColumn(of_literature("crack")[0]), digits=10, modes=12)
-    assert all(cracked.proof.values()) and cracked.unverified is None
-    assert "does not look at joints" in cracked.missing
+    assert all(cracked.proof.values()) and cracked.unverified is not None and not cracked.missing
 
 
 def test_the_command_line_proves_any_column(
@@ -490,18 +489,16 @@ def test_small_damping_tends_to_the_limit_by_its_square(tmp_path: Path) -> None:
     assert off[0] / off[1] == pytest.approx(4, rel=0.01)
 
 
-def test_a_divergence_is_the_first_loss_with_vanishing_damping_too() -> None:
+@pytest.mark.parametrize("vanishing", [False, True])
+def test_a_divergence_is_the_first_loss_with_vanishing_damping_too(vanishing: bool) -> None:
     """Of a spring without damping at a place without a mass; one of 35 takes four times as long."""
     column = beck(
         V=integral(y.diff(x, 2) ** 2) / 2 + 40 * at(y, 1) ** 2,
         dW_nc=FOLLOWER - integral(alpha * y.diff(x, 2, t) * delta(y.diff(x, 2))),
     )
-    kernel, first = emitted(column), []
-    for system in (ExactSystem(kernel), ExactSystem(kernel, None, Fraction(1), NONE, vanishing=True)):
-        crossing = beam_itself.divergence(system, 22.957325558921, 12)
-        found, _, missing = beam_stability.complete(system, crossing, NONE, NONE)
-        first.append((found.proof.first, found.proof.stable_below, missing.partition(":")[0]))
-    assert first == [(True, True, "")] * 2
+    system = ExactSystem(emitted(column), None, Fraction(int(vanishing)), NONE, vanishing=vanishing)
+    found, _, missing = beam_stability.complete(system, beam_itself.divergence(system, 22.957325558921, 12), NONE, NONE)
+    assert found.proof.first and found.proof.stable_below and not missing
 
 
 def test_a_damper_that_stays_has_no_limit() -> None:

@@ -246,7 +246,7 @@ def test_the_contract_of_critical_with_digits(capsys: pytest.CaptureFixture[str]
 
 def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFixture[str]) -> None:
     """π² is the divergence load of the pinned beam, and the first; at η = 1/2 ω² touches zero there, and the flutter is
-    the first loss; of a cracked column with damping nothing is proven below it."""
+    the first loss; of a cracked column with internal damping nothing is proven below it."""
     status, found, _ = run(capsys, "critical", "--digits", "15", "--exact", "--column", "euler-pinned", "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": True, "stable_below": True, "kind": True}
     assert found["missing"] is None and found["evidence"]["reach"] > found["load"]
@@ -257,7 +257,7 @@ def test_the_beam_itself_claims_no_more_than_it_proves(capsys: pytest.CaptureFix
     (touch,) = beyond["proven_touches"]
     assert all(beyond["proof"].values()) and beyond["load"] > 16 and touch["stability"] == "touched"
     assert Decimal(touch["load_lower"]) < squared < Decimal(touch["load_upper"])
-    asked = ["critical", "--digits", "15", "--exact", "--column", "crack", "--beta", "0.1"]
+    asked = ["critical", "--digits", "15", "--exact", "--column", "crack", "--alpha", "0.01"]
     status, found, _ = run(capsys, *asked, "--json")
     assert status == 0 and found["proof"] == {"crossing": True, "first": False, "stable_below": False, "kind": True}
     assert found["evidence"] is None and found["missing"] in " ".join(run(capsys, *asked)[1].split())

@@ -98,18 +98,18 @@ def test_dampings_are_those_of_eq_12() -> None:
     np.testing.assert_allclose(-modes.growth / np.hypot(modes.growth, modes.frequency), 0.02, rtol=1e-7)
 
 
-def test_the_loss_is_where_growth_begins_and_its_error_holds() -> None:
-    for damping, more in (({}, 3), ({"ratio": 0.01}, 1)):
-        vehicle = fb.vehicle(TAPERED, parts=PARTS, damping=damping, thrust=2e4)
-        loss = vehicle.loss
-        assert loss.load is not None and loss.error is not None and loss.error < 1e-4
-        for share, grows in ((1 - 1e-4, False), (1 + 1e-4, True)):
-            growth = vehicle.modes(loss.load * share, 6).growth
-            assert (growth.max() > 1e-9) == grows
-        finer = fb.critical_load(vehicle.column(), loss.degree + more, **vehicle.question().parameters).load
-        assert finer is not None
-        assert abs(loss.load / (finer * vehicle.units["load"]) - 1) <= loss.error
-        assert vehicle.factor == pytest.approx(loss.load / 2e4)
+@pytest.mark.parametrize(("damping", "more"), [({"ratio": 0.01}, 1), ({}, 3)])
+def test_the_loss_is_where_growth_begins_and_its_error_holds(damping: dict[str, float], more: int) -> None:
+    vehicle = fb.vehicle(TAPERED, parts=PARTS, damping=damping, thrust=2e4)
+    loss = vehicle.loss
+    assert loss.load is not None and loss.error is not None and loss.error < 1e-4
+    for share, grows in ((1 - 1e-4, False), (1 + 1e-4, True)):
+        growth = vehicle.modes(loss.load * share, 6).growth
+        assert (growth.max() > 1e-9) == grows
+    finer = fb.critical_load(vehicle.column(), loss.degree + more, **vehicle.question().parameters).load
+    assert finer is not None
+    assert abs(loss.load / (finer * vehicle.units["load"]) - 1) <= loss.error
+    assert vehicle.factor == pytest.approx(loss.load / 2e4)
 
 
 def test_the_error_holds_of_rough_tables() -> None:
