@@ -23,7 +23,7 @@ from hypothesis import strategies as st
 import freebeam as fb
 from freebeam import cli
 
-EXAMPLES = int(os.environ.get("FREEBEAM_FUZZ", "300"))
+EXAMPLES = int(os.environ.get("FREEBEAM_FUZZ", "200"))
 fuzz = settings(
     max_examples=EXAMPLES, deadline=None, derandomize="FREEBEAM_FUZZ" not in os.environ, database=None,
     suppress_health_check=[*HealthCheck],
