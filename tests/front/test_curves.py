@@ -49,6 +49,9 @@ def test_the_tangent_belongs_to_proportional_damping_alone() -> None:
     partly = general(dW_nc=LINE["dW_nc"] - alpha * integral(y.diff(x, 2, t) * delta(y.diff(x, 2)), 0, a))
     with pytest.raises(fb.InputError, match="not of the form C = c_M M"):
         curves.tangent(Question.of(partly, 8, kappa=0.0))
+    turned = general(dW_nc=LINE["dW_nc"] - alpha * integral((y.diff(x, 2, t) + P * y.diff(x, 2)) * delta(y.diff(x, 2))))
+    with pytest.raises(fb.InputError, match="not of the form C = c_M M"):
+        curves.tangent(Question.of(turned, 8, kappa=0.0))
     damped = general(dW_nc=LINE["dW_nc"] - at(y.diff(t), a) * at(delta(y), a))
     with pytest.raises(fb.InputError, match="dampers or gyroscopic forces of its own"):
         curves.coalescence(Question.of(damped, 8))

@@ -214,13 +214,13 @@ def tangent(question: Question, points: int = 240) -> Tangent:
     column, kappa = question.column, question.kappa or 0.0
     if not kappa < math.inf:
         raise InputError(f"kappa = {kappa}: must be finite (external damping alone leaves the coalescence where it is)")
+    c_M, c_E = _proportions(question, kappa)
+    if not c_E:
+        raise InputError(f"{column.name}: states no internal damping, so there is no limit of it to construct")
     curves = frequency_load(replace(question, kappa=None), points=points)
     limit = answer(question)
     if curves.critical is None or curves.critical.kind != "flutter" or limit.load is None or not limit.frequency:
         raise InputError(f"{column.name}: does not flutter, so there is no coalescence and no tangent to draw")
-    c_M, c_E = _proportions(question, kappa)
-    if not c_E:
-        raise InputError(f"{column.name}: states no internal damping, so there is no limit of it to construct")
     square = limit.frequency**2
     return Tangent(curves, limit, c_M / c_E, limit.load, square, (square + c_M / c_E) / limit.load)
 
@@ -233,7 +233,8 @@ def _proportions(question: Question, kappa: float) -> tuple[float, float]:
     dampings = {name: value for name, value in (("alpha", 1.0), ("beta", kappa)) if name in column.damping}
     terms = column.coefficients(question.modes, False, **dampings, **own)
     M, E = terms.M[0], terms.K[0]
-    if len(terms.M) == 1 and len(terms.K) == 2 and len(terms.C) == 1 and not undamped(question).C:
+    one = (len(terms.M), len(terms.C), len(terms.K)) == (1, 1, 2)
+    if one and not undamped(question).C and not column.kernel.COLUMN.get("circulatory"):
         scale = 1 / np.sqrt(np.outer(np.diag(E), np.diag(E)))  # entries of high functions are large
         basis = np.stack([(scale * X).ravel() for X in (M, E)], axis=1)
         C = (scale * terms.C[0]).ravel()
