@@ -87,7 +87,7 @@ def _one_plane(system: ExactSystem) -> ExactSystem:
     if len(planes) == 2:
         each = [[n for n, row in enumerate(rows) if {of[0] for of in row} & set(plane)] for plane in planes]
         one, other = (
-            _relabelled(tables, [rows[n] for n in own], plane) for own, plane in zip(each, planes, strict=True)
+            _relabelled(tables, [rows[n] for n in numbers], plane) for numbers, plane in zip(each, planes, strict=True)
         )
         if one == other and len(each[0]) == len(each[1]) and sum(map(len, each)) == len(rows):
             return system.of(planes[0], frozenset(each[0]))

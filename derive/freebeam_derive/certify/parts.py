@@ -197,12 +197,17 @@ def _in_balls(part: Part, letters: Letters, U: Any, V: Any, damped: bool) -> Par
     """U X V of the matrices X in balls, exactly nothing where its letters are; damped: or may be."""
     found = []
     for powers, of in zip((part.M, part.C, part.K), letters, strict=True):
-        count = len(of) // max(len(powers), 1)
         found.append([U @ X @ V for X in powers])
-        for k, X in enumerate(found[-1]):
-            X[~np.any([held(Y) for Y in of[k * count : k * count + count]], axis=0)] = fmpq(0)
+        for X, entries in zip(found[-1], _entries(of, len(powers)), strict=True):
+            X[~entries] = fmpq(0)
     known = None if damped else of_balls(found[0], found[1], found[2], is_even(*letters))
     return replace(part, M=found[0], C=found[1], K=found[2], letters=letters, known=known)
+
+
+def _entries(letters: Sequence[Any], powers: int) -> list[Any]:
+    """Of each power of the load the entries that not all letters say are nothing."""
+    count = len(letters) // max(powers, 1)
+    return [np.any([held(Y) for Y in letters[k * count : k * count + count]], axis=0) for k in range(powers)]
 
 
 def _root_in_balls(part: Part, letters: Letters, of: Split, k: int) -> Part:
@@ -210,9 +215,7 @@ def _root_in_balls(part: Part, letters: Letters, of: Split, k: int) -> Part:
     found = []
     for powers, own in zip((part.M, part.C, part.K), letters, strict=True):
         found.append([of.at(k, of.U @ X @ of.V) for X in powers])
-        count = len(own) // max(len(powers), 1)
-        for n, X in enumerate(found[-1]):
-            rows = np.any([held(Y) for Y in own[n * count : n * count + count]], axis=0)
+        for X, rows in zip(found[-1], _entries(own, len(powers)), strict=True):
             X[~np.any([rows[i : i + len(X), : len(X)] for i in range(0, len(rows), len(X))], axis=0)] = fmpq(0)
     known = of_balls(found[0], found[1], found[2], True)
     return replace(part, M=found[0], C=found[1], K=found[2], kind=of.kinds[k], known=known, letters=None, whole=())
