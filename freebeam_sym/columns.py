@@ -163,8 +163,8 @@ class Column:
 
     @property
     def load_unit(self) -> str:
-        """The load's SI unit: "N", of a torque "N m", of a force per length "N/m"; "" where it has none."""
-        return str(self.kernel.COLUMN.get("unit", "N"))
+        """The load's SI unit: "N", of a torque "N m", of a flow "m/s"; "" where the statement gives it none."""
+        return str(self.kernel.COLUMN.get("quantities", {}).get("load", {"unit": "N"})["unit"])
 
     @property
     def fields(self) -> tuple[str, ...]:
@@ -346,30 +346,30 @@ class Column:
         c_M, c_E = self.kernel.damping_factors(alpha, beta, **self.own_parameters(parameters))
         return float(c_M), float(c_E)
 
-    def scales(self, bending_stiffness: float, mass_per_length: float, length: float) -> dict[str, float]:
+    def scales(self, bending_stiffness: float, mass_per_length: float, length: float, **own: float) -> dict[str, float]:
         """SI size of one nondimensional unit of each quantity, for a beam in SI units (N m², kg/m, m). Eq. (5).
 
         Keys: length (m), time (s), load (`load_unit`), force (N), alpha (s), beta (kg/(m s)), frequency (rad/s),
-        velocity (m/s), acceleration (m/s²), energy (J). An SI value is the nondimensional one times its size.
+        velocity (m/s), acceleration (m/s²), energy (J), and by the names of the dimensional statement what it has for
+        parameters. An SI value is the nondimensional one times its size, at the column's own parameters.
 
         >>> beam = column("free-free").scales(bending_stiffness=2e6, mass_per_length=50, length=20)
         >>> beam["load"]  # newtons in one unit of P
         5000.0
 
-        Raises InputError where one is not positive and finite, a unit is beyond the range of a float, or the load has
-        none.
+        Raises InputError where one is not positive and finite, or a size beyond a float's range, and without any.
         """
         if not self.load_unit:
             raise InputError(
-                f"the load of {self.name} is no force: Eq. (5) has no unit for it, as for a flow's velocity or what "
-                "acts on coordinates; ask in nondimensional quantities"
+                f"the load of {self.name} has no SI unit: Eq. (5) has none for a flow's velocity or what acts on "
+                "coordinates; state the column in SI quantities too (dimensional=...), or ask in nondimensional ones"
             )
         EI = positive("bending_stiffness", bending_stiffness, "EI in N m²")
         m = positive("mass_per_length", mass_per_length, "m in kg/m")
         L = positive("length", length, "L in m")
-        sizes: dict[str, float] = {}
+        parameters, sizes = self.own_parameters(own), dict[str, float]()
         with suppress(ArithmeticError), np.errstate(all="ignore"):
-            sizes = self.kernel.scales(EI, m, L)
+            sizes = self.kernel.scales(EI, m, L, **(parameters if self.kernel.scales.__kwdefaults__ else {}))
         if not sizes or not all(1 / LARGEST < size < LARGEST for size in sizes.values()):
             raise InputError(
                 f"bending_stiffness = {EI:g}, mass_per_length = {m:g}, length = {L:g}: the units of Eq. (5) that they "

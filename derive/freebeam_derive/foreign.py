@@ -23,7 +23,6 @@ from numpy.typing import ArrayLike, NDArray
 
 from freebeam_derive.independent import VerificationError
 from freebeam_derive.kernel import BeamKernel, Kernel
-from freebeam_derive.scaling import SCALES
 from freebeam_derive.statement import StatementError
 
 Array = NDArray[np.float64]
@@ -271,6 +270,8 @@ class _Any:
     def __init__(self, runner: Runner, kernel: Kernel) -> None:
         self.runner, self.in_c = runner, isinstance(runner, _C)
         self.defaults = {p.name: float(p.default) for p in kernel.column.parameters}
+        self.sizes = kernel.column.scales
+        self.scaled = any(str(s) in self.defaults for size in self.sizes.values() for s in size.free_symbols)
 
     def _own(self, given: dict[str, float]) -> list[dict[str, float]]:
         return [self.defaults | {k: float(v) for k, v in given.items()}] if self.defaults else []
@@ -287,10 +288,9 @@ class _Any:
     def newmark_limit(self, xi: float, newmark: tuple[float, float]) -> float:
         return float(self.runner.call("newmark_limit", [float(xi), *map(float, newmark)], [])[0][0])
 
-    def scales(self, *beam: float) -> dict[str, float]:
-        return dict(
-            zip(SCALES, self.runner.call("scales", [*map(float, beam)], [len(SCALES)])[0].tolist(), strict=True)
-        )
+    def scales(self, *beam: float, **own: float) -> dict[str, float]:
+        given = [*map(float, beam), *(self._own(own) if self.scaled else [])]
+        return dict(zip(self.sizes, self.runner.call("scales", given, [len(self.sizes)])[0].tolist(), strict=True))
 
 
 class _Beam(_Any):

@@ -8,7 +8,7 @@ that uses nothing of them.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import ModuleType
 from typing import Any, ClassVar, Protocol
@@ -18,6 +18,7 @@ from sympy import Expr
 from freebeam_derive.newmark import Newmark
 from freebeam_derive.ritz import RitzSystem
 from freebeam_derive.statement import Column, Parameter
+from freebeam_derive.units import Quantity
 from freebeam_derive.variation import EquationOfMotion
 
 Progress = Callable[[str], None]
@@ -63,7 +64,9 @@ class Facts(Protocol):
     @property
     def damping(self) -> tuple[str, ...]: ...
     @property
-    def load_unit(self) -> str: ...
+    def quantities(self) -> Mapping[str, Quantity]: ...
+    @property
+    def scales(self) -> Mapping[str, Expr]: ...
     @property
     def source(self) -> str: ...
     @property

@@ -1,73 +1,63 @@
 """Nondimensional quantities and the substitution that makes them. Eq. (5).
 
-`SCALES` is what one nondimensional unit of each quantity is in terms of bending stiffness, mass per length and
-length; the runtime's SI input and output are emitted from it. `nondimensional` substitutes them into a
+`nondimensional` substitutes the sizes of `units.SCALES`, and those that a column gives to quantities of its own, into a
 dimensional statement; a column that gives both must agree with itself.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
+from typing import Any
 
-from sympy import Expr, Rational, S, expand, powdenest, sqrt, sympify
+from sympy import Expr, Rational, S, Symbol, expand, powdenest, simplify, sympify
 
 from freebeam_derive.jets import ALWAYS, beside, name_of, segment_of
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, x, x_F
 from freebeam_derive.record import Step
 from freebeam_derive.statement import Column, Functional, StatementError, display, jet, jets
-
-_time = sqrt(m * L**4 / EI)
-
-SCALES: dict[str, Expr] = {
-    "length": L,
-    "time": _time,
-    "load": EI / L**2,
-    "force": EI / L**2,
-    "alpha": _time,
-    "beta": m / _time,
-    "frequency": 1 / _time,
-    "velocity": L / _time,
-    "acceleration": L / _time**2,
-    "energy": EI / L,
-}
-
-UNITS: dict[str, str] = {
-    "length": "m",
-    "time": "s",
-    "load": "N",
-    "force": "N",
-    "alpha": "s",
-    "beta": "kg/(m s)",
-    "frequency": "rad/s",
-    "velocity": "m/s",
-    "acceleration": "m/s^2",
-    "energy": "J",
-}
+from freebeam_derive.units import SCALES
 
 
-def squares(bending_stiffness: Fraction, mass_per_length: Fraction, length: Fraction) -> dict[str, Fraction]:
-    """The squares of the sizes in SCALES for a beam in SI units (N m², kg/m, m): rational numbers, unlike the sizes."""
-    beam = {symbol: Rational(value) for symbol, value in ((EI, bending_stiffness), (m, mass_per_length), (L, length))}
-    values = {name: (size**2).subs(beam) for name, size in SCALES.items()}
-    return {name: Fraction(int(value.p), int(value.q)) for name, value in values.items()}
+def squares(
+    column: Mapping[str, Any],
+    beam: Sequence[Fraction],
+    own: Mapping[str, Fraction] | None = None,
+    names: Iterable[str] | None = None,
+) -> dict[str, Fraction]:
+    """The squares of a column's SI sizes for a beam (EI in N m², m in kg/m, L in m): rational, unlike the sizes.
+
+    column: what its module says of it. own: its parameters, on which the load's may depend. names: of the quantities,
+    all where None. Raises ValueError where a square is not rational.
+    """
+    letters = {str(symbol): symbol for symbol in (EI, m, L)} | {name: Symbol(name) for name in own or {}}
+    given = map(Fraction.as_integer_ratio, (*beam, *(own or {}).values()))
+    numbers = {symbol: Rational(*ratio) for symbol, ratio in zip(letters.values(), given, strict=True)}
+    sizes = SCALES | {name: told["size"] for name, told in column.get("quantities", {}).items()}
+    found = {}
+    for name in names or sizes:
+        value = simplify((sympify(sizes[name], letters) ** 2).subs(numbers))
+        if not value.is_Rational:
+            raise ValueError(f"{name}: the square of its size {sizes[name]} is no rational number")
+        found[name] = Fraction(int(value.p), int(value.q))
+    return found
 
 
 def nondimensional(functional: Functional, own: Mapping[Expr, Expr] | None = None) -> Functional:
     """A dimensional functional in nondimensional quantities, divided by EI / L. Eq. (5).
 
     Every length (x, y and places) is L times the nondimensional one, time and loads as `SCALES` has them. own: what
-    further quantities are in nondimensional ones, such as {m_tip: mu * m * L}, and further unknowns, such as
-    {q: L * q}; an unknown that is not among them is taken for an angle.
+    further quantities are in nondimensional ones, such as {m_tip: mu * m * L}, the load where it is no force in
+    EI / L², and further unknowns, such as {q: L * q}; an unknown that is not among them is taken for an angle.
     """
     given = {key: sympify(value) for key, value in (own or {}).items()}
     sizes = {str(getattr(key, "func", key)): value / key for key, value in given.items() if not key.is_Symbol}
     quantities = {
-        **{key: value for key, value in given.items() if key.is_Symbol},
         P: SCALES["load"] * P,
         F_0: SCALES["force"] * F_0,
         C_alpha: SCALES["alpha"] * alpha,
         C_beta: SCALES["beta"] * beta,
+        **{key: value for key, value in given.items() if key.is_Symbol},
     }
 
     def shorter(place: Expr) -> Expr:
@@ -90,11 +80,6 @@ def nondimensional(functional: Functional, own: Mapping[Expr, Expr] | None = Non
     return Functional(substitute(functional.density, L), substitute(functional.points, S.One))
 
 
-def scales(load_unit: str) -> dict[str, Expr]:
-    """`SCALES`, the load's in a unit of its own: "N", "N m" of a torque, "N/m" of a force per length."""
-    return {**SCALES, "load": SCALES["load"] * {"N m": L, "N/m": 1 / L}.get(load_unit, 1)}
-
-
 def derive_scaling(column: Column) -> tuple[Step, ...]:
     """Derive the nondimensional statement of a column from its dimensional one, term by term. Eqs. (1)-(5), (8).
 
@@ -102,10 +87,11 @@ def derive_scaling(column: Column) -> tuple[Step, ...]:
     """
     if column.dimensional is None:
         return ()
-    steps = []
+    sizes = "".join(f", {name} in {told.size}" for name, told in column.quantities.items())
+    steps, own = [], {P: column.scales["load"] * P, **column.dimensional.scaling}
     for name in ("T", "V", "W_c", "dW_nc"):
         given = column.dimensional.functional(name)
-        derived = nondimensional(given, column.dimensional.scaling)
+        derived = nondimensional(given, own)
         stated = column.energies.functional(name)
         if derived != stated:
             raise StatementError(
@@ -117,7 +103,7 @@ def derive_scaling(column: Column) -> tuple[Step, ...]:
             Step(
                 "scaling",
                 f"Write {name} in nondimensional quantities",
-                "lengths in L, time in (m L^4 / EI)^(1/2), forces in EI / L^2, energies in EI / L",
+                f"lengths in L, time in (m L^4 / EI)^(1/2), forces in EI / L^2, energies in EI / L{sizes}",
                 display(given, column.dimensional.length, column.dimensional.cuts),
                 display(derived, S.One, column.cuts),
                 "Eq. (5)",

@@ -68,8 +68,9 @@ from freebeam_derive.jets import (
     unknowns,
     varied,
 )
-from freebeam_derive.notation import F_0, NOTATION, P, alpha, beta, t, x, x_F
+from freebeam_derive.notation import EI, F_0, NOTATION, L, P, alpha, beta, m, t, x, x_F
 from freebeam_derive.references import Reference
+from freebeam_derive.units import SCALES, Quantity, unit_of
 
 __all__ = [
     "ALONG",
@@ -158,8 +159,8 @@ class Energies:
     length: Expr = S.One
     cuts: tuple[Expr, ...] = ()
     scaling: Mapping[Expr, Expr] = field(default_factory=dict)
-    """Of a dimensional statement: what its own quantities are in nondimensional ones, {m_tip: mu * m * L}, and
-    unknowns, {q: L * q}."""
+    """Of a dimensional statement: what its own quantities are in nondimensional ones, {m_tip: mu * m * L}, the load
+    where it is no force, {P: P * sqrt(EI / m) / L} of a velocity, and unknowns, {q: L * q}."""
 
     @property
     def beam(self) -> Beam:
@@ -292,8 +293,35 @@ class Column:
         return tuple(str(s) for s in (alpha, beta) if self.energies.dW_nc.has(s))
 
     @cached_property
-    def load_unit(self) -> str:
-        """The load's unit in SI, where Eq. (5) gives it one: "N", of a torque "N m", of a force per length "N/m"; ""
+    def quantities(self) -> dict[str, Quantity]:
+        """SI quantities of its own: "load" where that is no force in EI / L², and what the dimensional statement calls
+        the quantity of a parameter, such as "m_tip" of mu. Without a unit is a load to which nothing gives one.
+
+        Raises StatementError where a quantity of the dimensional statement has no unit, or the name of another.
+        """
+        given = self.dimensional.scaling if self.dimensional is not None else {}
+        own, found = set(self.defaults), {}
+        if P in given:
+            found["load"] = _quantity("load", sympify(given[P]) / P, own)
+        elif (unit := self._load_unit) != "N" and (unit or self.dimensional is None):
+            found["load"] = Quantity(SCALES["load"] * {"N m": L, "N/m": 1 / L}.get(unit, 1), unit)
+        for key, value in given.items():
+            of = sorted(sympify(value).free_symbols & own, key=str)
+            if key == P or not key.is_Symbol or len(of) != 1 or (sympify(value) / of[0]).has(of[0]) or key == of[0]:
+                continue
+            if str(key) in {*SCALES, *map(str, own)}:
+                raise StatementError(f"scaling: {key} is the name of another quantity; give it one of its own")
+            found[str(key)] = replace(_quantity(str(key), sympify(value) / of[0], set()), of=str(of[0]))
+        return found
+
+    @property
+    def scales(self) -> dict[str, Expr]:
+        """SI size of one nondimensional unit of each quantity, in EI, m, L and parameters. Eq. (5)."""
+        return SCALES | {name: quantity.size for name, quantity in self.quantities.items()}
+
+    @property
+    def _load_unit(self) -> str:
+        """The load's unit in SI, where its work tells it: "N", of a torque "N m", of a force per length "N/m"; ""
         where it does not, as of a flow's velocity and of what acts on coordinates.
 
         A field whose curvature the energy holds, and y, are lengths, others angles; x is a share of the length.
@@ -316,6 +344,15 @@ class Column:
     def forced(self) -> bool:
         """Whether the transversal force F_0 does work."""
         return bool(self.energies.dW_nc.has(F_0) or self.energies.W_c.has(F_0))
+
+
+def _quantity(name: str, size: Expr, parameters: set[Symbol]) -> Quantity:
+    try:
+        if unknown := size.free_symbols - {EI, m, L} - parameters:
+            raise ValueError(f"its size {size} holds {', '.join(sorted(map(str, unknown)))}")
+        return Quantity(size, unit_of(size))
+    except ValueError as error:
+        raise StatementError(f"scaling: {name}: {error}") from None
 
 
 def _refuse_off_the_beam(column: Column) -> None:

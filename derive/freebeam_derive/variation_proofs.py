@@ -18,7 +18,6 @@ from freebeam_derive.jets import ALWAYS, Beam, beside, varying
 from freebeam_derive.motions import Motion
 from freebeam_derive.notation import EI, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F
 from freebeam_derive.record import Step
-from freebeam_derive.scaling import SCALES
 from freebeam_derive.statement import Column, Functional, jet
 
 Either = Derivation | GeneralDerivation
@@ -53,9 +52,9 @@ def _scaling(d: Either, step: Step) -> Any:
     assert given is not None
     length = Integer(2)
     numbers = {m: 9, EI: 4, L: length}  # the unit of time, (m L^4 / EI)^(1/2), is then no root
-    unit = {key: size.subs(numbers) for key, size in SCALES.items()}
+    unit = {key: size.subs(numbers) for key, size in d.column.scales.items()}
     own = {key: sympify(value).subs(numbers) for key, value in given.scaling.items()}
-    quantities = {key: value for key, value in own.items() if key.is_Symbol}
+    quantities = {key: value for key, value in own.items() if key.is_Symbol and key != P}
     sizes = {str(key.func): value / key for key, value in own.items() if not key.is_Symbol} | {"y": length}
     scaled = {x: x / length, t: t / unit["time"]}
 

@@ -31,8 +31,6 @@ from freebeam_derive.independent import (
 from freebeam_derive.kernel import BeamKernel, Figure, Kernel, Progress
 from freebeam_derive.notation import EI, L, m
 from freebeam_derive.ritz import Form
-from freebeam_derive.scaling import SCALES
-from freebeam_derive.scaling import scales as scales_of
 
 __all__ = ["Figure", "VerificationError", "load", "verify"]
 
@@ -214,11 +212,12 @@ def _figures_rest(kernel: Kernel, module: ModuleType) -> Iterator[Figure]:
     beam = {"EI": 3.5, "m": 2.25, "L": 1.75}
     given = {symbol: Fraction(beam[str(symbol)]) for symbol in (EI, m, L)}
     scales = module.scales(beam["EI"], beam["m"], beam["L"])
+    given |= {p.symbol: Fraction(float(p.default)) for p in kernel.column.parameters}
     exact_scales = {
         n: mpmath.mpmathify(e.subs({s: v.numerator / v.denominator for s, v in given.items()}).evalf(40))
-        for n, e in scales_of(kernel.column.load_unit).items()
+        for n, e in kernel.column.scales.items()
     }
-    error = max(float(abs(mpmath.mpf(scales[n]) / exact_scales[n] - 1)) for n in SCALES)
+    error = max(float(abs(mpmath.mpf(scales[n]) / exact_scales[n] - 1)) for n in exact_scales)
     yield Figure("scales of the SI units", "one beam", error, BOUND)
 
 

@@ -220,7 +220,7 @@ class _Asked:
             inputs[p.name] = text if p.name in parameters else f"{text} (default)"
         squares: dict[str, Fraction] = {}
         if beam is not None:
-            squares = _squares(beam, inputs)
+            squares = _squares(column, beam, own, inputs)
             exact = _nondimensional(exact, squares)
         exact.setdefault("load_max", LOAD_MAX)
         floats: dict[str, Any] = {name: float(value) for name, value in (exact | own).items() if name != "load"}
@@ -305,7 +305,9 @@ class _Asked:
         return roots(low**2 * size.square, high**2 * size.square)
 
 
-def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dict[str, Fraction]:
+def _squares(
+    column: Column, beam: tuple[object, object, object], own: Mapping[str, Fraction], inputs: dict[str, str]
+) -> dict[str, Fraction]:
     """Squares of the SI sizes for a beam; what its three quantities were taken for is added to the inputs."""
     from freebeam_derive.scaling import squares
 
@@ -314,7 +316,11 @@ def _squares(beam: tuple[object, object, object], inputs: dict[str, str]) -> dic
         exact, inputs[name] = rational(name, value)
         positive(name, float(exact))
         values.append(exact)
-    return squares(*values)
+    column.scales(*map(float, values), **{name: float(value) for name, value in own.items()})  # refuses what has none
+    try:
+        return squares(column.kernel.COLUMN, values, own)
+    except ValueError as error:
+        raise InputError(f"{error}: nothing is proven in SI units; ask in nondimensional quantities") from None
 
 
 def _nondimensional(given: Mapping[str, Any], squares: Mapping[str, Fraction]) -> dict[str, Any]:

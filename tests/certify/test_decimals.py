@@ -19,6 +19,12 @@ def test_roots_of_an_interval_are_in_one_hardly_wider(size: F, width: F) -> None
     assert b**2 - a**2 < (high - low) * (1 + F(1, 10**6))
 
 
+@pytest.mark.parametrize("size", [F(1, 10**60), F(2), F(10**60)])
+def test_the_root_of_a_point_is_in_a_narrow_interval(size: F) -> None:
+    a, b = roots(size, size)
+    assert a**2 <= size < b**2 and b - a < a * F(1, 10**38) and roots(F(0), F(0)) == (0, 0)
+
+
 @pytest.mark.parametrize("value", [F(0), F(-7), F(22, 7), F(-1, 3 * 10**40), F(10**5000)])
 def test_what_is_written_is_read_as_it_was(value: F) -> None:
     assert read(written(value)) == value

@@ -6,19 +6,26 @@ import dataclasses
 import random
 import re
 from collections.abc import Callable
+from fractions import Fraction
+from importlib import import_module
 from types import ModuleType
 from typing import Any
 
 import pytest
 import sympy as sp
 
-from freebeam_derive import scaling
+from freebeam_derive import scaling, units
 from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
 from freebeam_derive.pipeline import Derived
 from freebeam_derive.statement import Column, Coordinate, Energies, Parameter, StatementError, at, delta, integral
 
 Derived = Callable[[str], Derived]
 DIMENSIONAL = ("free-free", "leipholz")
+
+
+def stated(name: str) -> Column:
+    module = import_module(f"freebeam_derive.columns.gallery.{name.replace('-', '_')}")
+    return module.column  # type: ignore[no-any-return]
 
 
 def beam(dice: random.Random) -> dict[Any, Any]:
@@ -61,7 +68,7 @@ def test_energies_in_si_are_the_nondimensional_ones_times_EI_over_L(
 def test_scales_have_the_dimensions_that_they_say() -> None:
     """Other units of mass, length and time change each scale as its SI unit says."""
     mass, length, time = sp.symbols("mass length time", positive=True)
-    units = {
+    si = {
         "m": length,
         "s": time,
         "kg": mass,
@@ -70,10 +77,22 @@ def test_scales_have_the_dimensions_that_they_say() -> None:
         "J": mass * length**2 / time**2,
     }
     changed = {EI: EI * mass * length**3 / time**2, m: m * mass / length, L: L * length}
-    assert set(scaling.SCALES) == set(scaling.UNITS)
-    for quantity, scale in scaling.SCALES.items():
-        unit = re.sub(r"[a-zA-Z]+", lambda name: f"U['{name[0]}']", scaling.UNITS[quantity].replace("^", "**"))
-        expected = eval(unit.replace("(", "((").replace(")", "))").replace("'] U[", "'] * U["), {"U": units})
+    assert set(units.SCALES) == set(units.UNITS)
+    own = [
+        q
+        for name in ("pipe", "ziegler", "absorber", "pflueger", "panel-pinned")
+        for q in stated(name).quantities.values()
+    ]
+    products = (EI**i * m**j * L**k for i in (-1, 0, 1) for j in (-1, 0, 1) for k in range(-4, 5))
+    made = [
+        units.Quantity(size, units.unit_of(size))
+        for size in (*products, sp.sqrt(EI / m), sp.sqrt(EI / m) / L**2, sp.sqrt(EI * m) / L)
+    ]
+    assert {"N", "N m", "N/m", "m/s", "rad/s", "kg", "kg/m", "N s/m", "1"} <= {q.unit for q in (*own, *made)}
+    sizes = [(name, units.UNITS[name], size) for name, size in units.SCALES.items()]
+    for quantity, told, scale in sizes + [(str(q.size), q.unit, q.size) for q in (*own, *made)]:
+        unit = re.sub(r"[a-zA-Z]+", lambda name: f"U['{name[0]}']", told.replace("^", "**"))
+        expected = eval(unit.replace("(", "((").replace(")", "))").replace(" U[", " * U["), {"U": si})
         assert sp.simplify(scale.subs(changed, simultaneous=True) / scale - expected) == 0, quantity
 
 
@@ -88,12 +107,12 @@ def test_scales_invert_equation_5() -> None:
         "length": 1 / L,
     }
     for quantity, factor in typed.items():
-        assert sp.simplify(scaling.SCALES[quantity] * factor) == 1, quantity
-    rate = scaling.SCALES["length"] / scaling.SCALES["time"]
-    assert sp.simplify(scaling.SCALES["velocity"] / rate) == 1
-    assert sp.simplify(scaling.SCALES["acceleration"] * scaling.SCALES["time"] / rate) == 1
-    assert sp.simplify(scaling.SCALES["frequency"] * scaling.SCALES["time"]) == 1
-    assert sp.simplify(scaling.SCALES["energy"] / (scaling.SCALES["load"] * scaling.SCALES["length"])) == 1
+        assert sp.simplify(units.SCALES[quantity] * factor) == 1, quantity
+    rate = units.SCALES["length"] / units.SCALES["time"]
+    assert sp.simplify(units.SCALES["velocity"] / rate) == 1
+    assert sp.simplify(units.SCALES["acceleration"] * units.SCALES["time"] / rate) == 1
+    assert sp.simplify(units.SCALES["frequency"] * units.SCALES["time"]) == 1
+    assert sp.simplify(units.SCALES["energy"] / (units.SCALES["load"] * units.SCALES["length"])) == 1
 
 
 def test_emitted_scales_there_and_back(module_of: Callable[[str], ModuleType]) -> None:
@@ -101,7 +120,7 @@ def test_emitted_scales_there_and_back(module_of: Callable[[str], ModuleType]) -
     bending, line, length = 210e9 * 1e-9, 7850 * 1.2e-4, 1.7
     scale = module_of("beck").scales(bending, line, length)
     numbers = {EI: bending, m: line, L: length}
-    assert scale == pytest.approx({name: float(e.subs(numbers)) for name, e in scaling.SCALES.items()}, rel=1e-14)
+    assert scale == pytest.approx({name: float(e.subs(numbers)) for name, e in units.SCALES.items()}, rel=1e-14)
     frequency = 1.8751040687119611**2 * (bending / (line * length**4)) ** 0.5  # textbook
     assert module_of("beck").basis(1).gamma[0] ** 2 * scale["frequency"] == pytest.approx(frequency, rel=1e-13)
 
@@ -175,3 +194,60 @@ def test_a_wrong_scale_of_its_own_is_refused() -> None:
     for wrong in (sp.Symbol("k", positive=True) * EI / L**2, sp.Symbol("k", positive=True) * EI / L**3 / 2):
         with pytest.raises(StatementError, match=r"^V: the dimensional statement gives"):
             scaling.derive_scaling(absorbed({key: wrong}))
+
+
+# --- quantities of a column's own -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("name", ["pipe", "ziegler", "pflueger", "absorber"])
+def test_columns_of_the_gallery_say_the_same_in_si(name: str) -> None:
+    assert len(scaling.derive_scaling(stated(name))) == 4
+
+
+def test_a_flow_is_a_velocity_that_the_fluids_share_makes_another() -> None:
+    """u = U L (M_f / EI)^½ with M_f = b m; the column says so of a wrong size."""
+    pipe = stated("pipe")
+    assert pipe.dimensional is not None
+    b, size = pipe.parameters[0].symbol, pipe.quantities["load"].size
+    assert sp.simplify(size.subs(b, sp.Symbol("M_f", positive=True) / m) * L / sp.sqrt(EI)).free_symbols == {
+        sp.Symbol("M_f", positive=True)
+    }
+    found = pipe.quantities
+    assert {n: (q.unit, q.of) for n, q in found.items()} == {
+        "load": ("m/s", ""),
+        "M_f": ("kg/m", "b"),
+        "k_f": ("N/m^2", "k"),
+    }
+    for wrong in ({P: P * sp.sqrt(EI / m) / L}, {P: P * EI / L**2}):
+        given = dataclasses.replace(pipe.dimensional, scaling={**pipe.dimensional.scaling, **wrong})
+        with pytest.raises(StatementError, match=r"^dW_nc: the dimensional statement gives"):
+            scaling.derive_scaling(dataclasses.replace(pipe, dimensional=given))
+
+
+@pytest.mark.parametrize(
+    ("size", "says"),
+    [
+        ({P: P * (1 + EI)}, "no product of powers"),
+        ({P: P * sp.cbrt(EI)}, "no product of powers"),
+        ({P: P * sp.Symbol("g")}, "holds g"),
+        ({sp.Symbol("length"): sp.Symbol("b", real=True) * L}, "name of another quantity"),
+    ],
+)
+def test_a_quantity_without_a_unit_or_with_the_name_of_another_is_refused(size: dict[Any, Any], says: str) -> None:
+    pipe = stated("pipe")
+    assert pipe.dimensional is not None
+    with pytest.raises(StatementError, match=says):
+        _ = dataclasses.replace(pipe, dimensional=dataclasses.replace(pipe.dimensional, scaling=size)).quantities
+
+
+def test_squares_of_sizes_are_those_of_the_statement() -> None:
+    """In fractions, from what a module says; a parameter may be in the load's."""
+    told = units.told(stated("pipe").quantities)
+    size = Fraction(3, 2), Fraction(5), Fraction(7, 3)
+    found = scaling.squares(told, size, {"b": Fraction(1, 8), "k": Fraction(0)})
+    bending, line, length = size
+    assert found["load"] == bending / (line / 8) / length**2 and found["M_f"] == line**2
+    assert found["force"] == (bending / length**2) ** 2 and found["time"] == line * length**4 / bending
+    assert scaling.squares({}, size)["load"] == found["force"]
+    with pytest.raises(ValueError, match="no rational number"):
+        scaling.squares({"quantities": {"load": {"size": "sqrt(sqrt(EI))"}}}, size)

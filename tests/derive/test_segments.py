@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from types import ModuleType
 from typing import Any
 
@@ -20,6 +20,7 @@ from freebeam_derive.bases.segments import kernel_of
 from freebeam_derive.forms import Along, BilinearForm, GeneralSystem, Space, Value
 from freebeam_derive.notation import alpha, beta, x, x_F
 from freebeam_derive.statement import Parameter, StatementError
+from freebeam_derive.units import SCALES, Quantity
 from freebeam_derive.verify import VerificationError
 from freebeam_sym.stability.pencil import diagonalise
 
@@ -42,7 +43,8 @@ class Facts:
     basis: str = "segments"
     modes: int = 12
     ends: Any = ("clamped", "free")
-    load_unit: str = "N"
+    quantities: Mapping[str, Quantity] = field(default_factory=dict)
+    scales: Mapping[str, sp.Expr] = field(default_factory=lambda: SCALES)
 
     def supports(self, name: str) -> tuple[str, str]:
         return self.ends

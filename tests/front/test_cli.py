@@ -294,6 +294,42 @@ def test_si_units_in_and_out(freebeam):
     assert " N" in freebeam("critical", *beam_options(BEAM)).out
 
 
+@pytest.mark.parametrize("name", ["panel-pinned", "pipe", "leipholz", "ziegler"])
+def test_what_is_proven_in_si_units_holds_the_float_in_si_units(freebeam, name):
+    """Of a load per length and of a velocity too, whose sizes are others than a force's."""
+    found = freebeam("critical", "--column", name, *beam_options(BEAM), "--digits", "9", "--json").json
+    assert float(found["load_lower"]) <= found["beam"]["load"] <= float(found["load_upper"])
+    column = fb.column(name)
+    bare = fb.critical_load(column)
+    assert found["beam"]["load"] == pytest.approx(bare.load * column.scales(*BEAM.values())["load"], rel=1e-11)
+
+
+def test_parameters_in_si_units(freebeam):
+    """By the names of the dimensional statement; a velocity that makes a pipe flutter is u (EI / M_f)^½ / L."""
+    beam = BEAM | {"mass-per-length": 41.0}
+    stiffness, line, length = beam.values()
+    found = freebeam("critical", "--column", "pipe", *beam_options(beam), "--set", "M_f=10", "--json").json
+    bare = freebeam("critical", "--column", "pipe", "--set", f"b={10 / line}", "--json").json
+    assert found["load"] == pytest.approx(bare["load"] * math.sqrt(stiffness / 10) / length, rel=1e-12)
+    assert found["parameters"]["b"] == 10 / line
+    given = {"m_q": 48.0, "k_q": 1e4, "c_q": 300.0, "a_q": 9.0}
+    own = {
+        "mu": 48 / (line * length),
+        "k": 1e4 * length**3 / stiffness,
+        "c": 300 * length / math.sqrt(stiffness * line),
+    }
+    sets = [word for name, value in given.items() for word in ("--set", f"{name}={value}")]
+    found = freebeam("critical", "--column", "absorber", *beam_options(beam), *sets, "--json").json
+    assert found["parameters"] == pytest.approx(own | {"a": 0.75}, rel=1e-15)
+    for words, says in (
+        (["--set", "M_f=10"], "M_f = 10: is what b is in kg/m; give the beam's three quantities"),
+        ([*beam_options(beam), "--set", "M_f=10", "--set", "b=0.1"], "and b is set too"),
+    ):
+        assert says in freebeam("critical", "--column", "pipe", *words).err
+    run = freebeam("critical", "--column", "absorber", *beam_options(beam), "--set", "c_q=300", "--digits", "9")
+    assert run.status == 2 and "c: 300 in SI units is no rational number of it" in run.err
+
+
 def test_si_map(freebeam, tmp_path):
     """The nondimensional map times Eq. (5): on standard output, in NetCDF and on the axes of a picture."""
     xarray = pytest.importorskip("xarray")

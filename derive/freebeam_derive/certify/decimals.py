@@ -54,10 +54,11 @@ def shown(low: Fraction, high: Fraction) -> tuple[str, str]:
 
 
 def roots(low: Fraction, high: Fraction) -> tuple[Fraction, Fraction]:
-    """An interval that holds the square roots of a positive one, and is not much wider; of 0 it is 0 alone."""
+    """An interval that holds the square roots of a positive one, and is not much wider; of 0 it is 0 alone, of another
+    point as narrow as 38 digits tell."""
     if high == 0 == low:
         return low, high
-    bits = 64 + int(high / (high - low)).bit_length() + max(0, int(1 / low).bit_length())
+    bits = 64 + (int(high / (high - low)).bit_length() if high > low else 64) + max(0, int(1 / low).bit_length())
     below, above = (math.isqrt(v.numerator * 4**bits // v.denominator) for v in (low, high))
     return Fraction(below, 2**bits), Fraction(above + 1, 2**bits)
 

@@ -26,8 +26,8 @@ from freebeam_derive.emit import braces, source
 from freebeam_derive.kernel import BeamKernel, Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
-from freebeam_derive.scaling import UNITS, scales
 from freebeam_derive.statement import GEOMETRIC, StatementError, jets
+from freebeam_derive.units import UNITS, told
 
 if TYPE_CHECKING:
     from jinja2 import Environment
@@ -117,8 +117,12 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "own": f", *{own}" if own else "",
         "own_any": f", *{own}".replace(": float = ", ": Any = ") if own else "",
         "passed": "".join(f", {p.name}={p.name}" for p in column.parameters),
-        "scales": scales(column.load_unit),
-        "units": {**UNITS, "load": column.load_unit or "none: the load is no force"},
+        "scales": column.scales,
+        "units": UNITS
+        | {name: told.unit or "none: nothing says what the load is" for name, told in column.quantities.items()},
+        "scaled": any(
+            told.size.free_symbols & {p.symbol for p in column.parameters} for told in column.quantities.values()
+        ),
     }
 
 
@@ -156,7 +160,7 @@ def _facts(kernel: BeamKernel) -> dict[str, Any]:
         "ends": column.ends,
         "rigid": len(kernel.rigid),
         "load": "P",
-        **({} if column.load_unit == "N" else {"unit": column.load_unit}),
+        **told(column.quantities),
         "damping": list(column.damping),
         "force": bool(kernel.system.forces),
         "parameters": parameters,

@@ -16,6 +16,7 @@ from freebeam.cli.options import (
     FileOptions,
     Number,
     Options,
+    Rounded,
     SearchOptions,
     argument,
     flag,
@@ -147,6 +148,10 @@ class Critical(ProofOptions, CaseOptions, SearchOptions):
         refuse(self.truncation and self.exact, "--truncation: is about the Ritz series; leave out --exact")
         listed = self.exact and self.every
         refuse(listed and self.load_max is None, "--exact --all: up to which load? give --load-max, such as 50")
+        if self.places is not None or self.truncation:
+            for name, value in self.assigned.items():
+                why = f"{name}: {value} in SI units is no rational number of it, of which nothing is proven"
+                refuse(isinstance(value, Rounded), f"{why}; set {name} nondimensional")
         self.check_free()
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
 

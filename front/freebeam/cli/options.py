@@ -55,6 +55,11 @@ def number(text: str | Number) -> Number:
 
 
 @dataclass(frozen=True, repr=False)
+class Rounded(Number):
+    """A number whose nondimensional value is not rational: a float's worth of it, of which nothing is proven."""
+
+
+@dataclass(frozen=True, repr=False)
 class Interval(Number):
     """A range as it was typed, such as 0.6..0.7; as a number it is the middle."""
 
@@ -105,7 +110,8 @@ class Units:
 
     def of(self, quantity: str) -> str:
         """The unit, for print; empty where nondimensional."""
-        return f" {self.load if quantity == 'load' else self.SYMBOLS[quantity]}" if self.sizes else ""
+        unit = self.load if quantity == "load" else self.SYMBOLS[quantity]
+        return f" {unit}" if self.sizes and unit != "1" else ""
 
     def say(self, quantity: str, value: float, digits: str) -> str:
         """A nondimensional value in the units of the output, for print; a rate is what grows or decays in a unit of
@@ -209,8 +215,8 @@ class ColumnOptions(BasisOptions):
     READ: ClassVar[Any] = staticmethod(number)
 
     @cached_property
-    def assigned(self) -> dict[str, Number]:
-        """The column's own parameters that are set, to a range where the command has such. Raises BadParameter."""
+    def typed(self) -> dict[str, Number]:
+        """What is set, by the names as they were typed. Raises BadParameter."""
         found: dict[str, Number] = {}
         for pair in self.own or ():
             name, equals, text = pair.partition("=")
@@ -224,6 +230,36 @@ class ColumnOptions(BasisOptions):
             except typer.BadParameter as error:
                 raise typer.BadParameter(f"{name}: {error}", param_hint="'--set'") from None
         return found
+
+    @cached_property
+    def assigned(self) -> dict[str, Number]:
+        """The column's own parameters that are set, to a range where the command has such; from SI quantities where the
+        column's dimensional statement has them. Raises BadParameter and InputError."""
+        from freebeam_sym.checks import positive
+
+        found, told = {**self.typed}, self.chosen.kernel.COLUMN.get("quantities", {})
+        for name in [name for name in self.typed if told.get(name, {}).get("of")]:
+            value, of = found.pop(name), told[name]["of"]
+            what = f"{name} = {value}: is what {of} is in {told[name]['unit']}"
+            refuse(
+                len(self.beam) < 3, f"{what}; give the beam's three quantities in SI units too, or {of} nondimensional"
+            )
+            refuse(of in found, f"{what}, and {of} is set too; leave one of them out")
+            refuse(isinstance(value, Interval), f"{what}; a range is nondimensional: give one of {of}")
+            for each, size in self.beam.items():
+                positive(f"--{each.replace('_', '-')}", size)
+            found[of] = self._share(name, value)
+        return found
+
+    def _share(self, name: str, value: Number) -> Number:
+        """An SI quantity in nondimensional ones: exact where its size is rational."""
+        from freebeam_derive.certify.balls import Root, root
+        from freebeam_derive.scaling import squares
+
+        size = root(squares(self.chosen.kernel.COLUMN, [x.exact for x in self.beam.values()], names=[name])[name])
+        if isinstance(size, Root):
+            return Rounded(value.text, Fraction(float(value) / float(size)))
+        return Number(value.text, value.exact / size)
 
     @property
     def beam(self) -> dict[str, Number]:
@@ -241,7 +277,8 @@ class ColumnOptions(BasisOptions):
             return Units()
         missing = [x for x in ("--bending-stiffness", "--mass-per-length", "--length") if x not in given]
         refuse(missing, f"SI units need three quantities of the beam: give {' and '.join(missing)} too")
-        sizes = self.chosen.scales(*(positive(name, value) for name, value in given.items()))
+        own = {name: float(value) for name, value in self.assigned.items()}
+        sizes = self.chosen.scales(*(positive(name, value) for name, value in given.items()), **own)
         return Units({**sizes, "kappa": sizes["beta"] / sizes["alpha"]}, self.chosen.load_unit)
 
     @property

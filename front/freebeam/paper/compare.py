@@ -25,6 +25,7 @@ from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta
 from freebeam_derive.notation import lambda_ as derived_lambda
 from freebeam_derive.ritz import phi_i, phi_j, q_j
 from freebeam_derive.statement import ALONG, Functional, jet, show
+from freebeam_derive.units import SCALES
 
 __all__ = ["Comparison", "NotShown", "compare"]
 
@@ -233,7 +234,7 @@ def _transversal(context: Context) -> Found:
 
 @_equation(5)
 def _scales(context: Context) -> Found:
-    size = scaling.SCALES
+    size = SCALES
     derived = tuple(
         _eq(p.bar[name], value / size[unit])
         for name, value, unit in (

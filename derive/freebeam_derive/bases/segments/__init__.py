@@ -26,6 +26,7 @@ from freebeam_derive.latex import letter
 from freebeam_derive.newmark import derive_newmark
 from freebeam_derive.notation import NOTATION, PRIMES, x
 from freebeam_derive.statement import StatementError
+from freebeam_derive.units import told
 from freebeam_derive.variation import EquationOfMotion
 from freebeam_derive.verify import BOUND
 
@@ -203,7 +204,7 @@ class SegmentsKernel(Kernel):
             "coordinates": [{"name": name, "latex": latex} for name, latex in system.coordinates],
             "rigid": len(system.rigid),
             "load": "P",
-            **({} if column.load_unit == "N" else {"unit": column.load_unit}),
+            **told(column.quantities),
             "damping": list(column.damping),
             "force": bool(system.force),
             "parameters": parameters,

@@ -2,11 +2,12 @@
 
 from sympy import Symbol, sqrt
 
-from freebeam_derive.notation import F_0, P, alpha, beta, t, x, x_F, y
+from freebeam_derive.notation import EI, F_0, C_alpha, C_beta, L, P, alpha, beta, m, t, x, x_F, y
 from freebeam_derive.references import TWO_ROUTES
-from freebeam_derive.statement import Column, Parameter, Reference, at, delta, integral
+from freebeam_derive.statement import Column, Energies, Parameter, Reference, at, delta, integral
 
 b, k = (Symbol(name, real=True) for name in ("b", "k"))
+M_f, k_f = (Symbol(name, real=True) for name in ("M_f", "k_f"))  # kg/m of fluid, N/m² of the foundation
 
 column = Column(
     name="pipe",
@@ -22,6 +23,16 @@ column = Column(
     parameters=(
         Parameter(b, "mass of the fluid, as a share of that of pipe and fluid", 0.1, 0.01, 0.9),
         Parameter(k, "stiffness of the foundation", 0.0, 0.0, 200.0),
+    ),
+    dimensional=Energies(
+        T=m * integral(y.diff(t) ** 2, L) / 2,
+        V=EI * integral(y.diff(x, 2) ** 2, L) / 2 + k_f * integral(y**2, L) / 2,
+        dW_nc=-integral(C_beta * y.diff(t) * delta(y) + C_alpha * EI * y.diff(x, 2, t) * delta(y.diff(x, 2)), L)
+        - M_f * P**2 * integral(y.diff(x, 2) * delta(y), L)
+        - 2 * M_f * P * integral(y.diff(x, t) * delta(y), L)
+        + F_0 * at(delta(y), x_F),
+        length=L,
+        scaling={P: P * sqrt(EI / (b * m)) / L, M_f: b * m, k_f: k * EI / L**4},
     ),
     source="Païdoussis, Fluid-Structure Interactions: Slender Structures and Axial Flow, vol. 1",
     references=(

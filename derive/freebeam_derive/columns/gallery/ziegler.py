@@ -2,11 +2,11 @@
 
 from sympy import Symbol
 
-from freebeam_derive.notation import P, alpha, t
+from freebeam_derive.notation import EI, C_alpha, L, P, alpha, m, t
 from freebeam_derive.references import CLOSED_FORM
-from freebeam_derive.statement import Column, Coordinate, Parameter, Reference, delta
+from freebeam_derive.statement import Column, Coordinate, Energies, Parameter, Reference, delta
 
-mu = Symbol("mu", real=True)
+mu, M_joint = Symbol("mu", real=True), Symbol("M_joint", real=True)
 p, q = Coordinate("p", r"\varphi_{1}"), Coordinate("q", r"\varphi_{2}")  # angles of the links
 
 column = Column(
@@ -18,6 +18,16 @@ column = Column(
     W_c=P * (p**2 + q**2) / 2,
     dW_nc=-alpha * (p.diff(t) * delta(p) + (q.diff(t) - p.diff(t)) * delta(q - p)) - P * q * delta(p + q),
     parameters=(Parameter(mu, "mass at the middle joint in units of that at the end", 2.0, 0.1, 10.0, r"\mu"),),
+    # links of length L, a mass m L at the end and springs EI / L, damped by C_alpha EI / L, at both joints
+    dimensional=Energies(
+        T=L**2 * (M_joint * p.diff(t) ** 2 + m * L * (p.diff(t) + q.diff(t)) ** 2) / 2,
+        V=EI / L * (p**2 + (q - p) ** 2) / 2,
+        W_c=P * L * (p**2 + q**2) / 2,
+        dW_nc=-C_alpha * EI / L * (p.diff(t) * delta(p) + (q.diff(t) - p.diff(t)) * delta(q - p))
+        - P * L * q * delta(p + q),
+        length=L,
+        scaling={M_joint: mu * m * L},
+    ),
     source="Kirillov, Structural optimization of the Ziegler's pendulum, arXiv:1101.0246",
     references=(
         Reference("2.08578643762690", "flutter", CLOSED_FORM),

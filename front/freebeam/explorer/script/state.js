@@ -20,7 +20,7 @@ function parametersOf(column) {
       ? [{ key, symbol, name, tip, start: start[key], low: 0, high: most, scale: "decades", decades: [low, high], quantity: key }]
       : [];
   const shown = [
-    { key: "P", symbol: "P", name: "load", tip: "The load on the column, in units of EI/L²", start: start.P, low: 0, high: column.load_max, scale: "load", quantity: "load" },
+    { key: "P", symbol: "P", name: "load", tip: "The load on the column, nondimensional", start: start.P, low: 0, high: column.load_max, scale: "load", quantity: "load" },
     ...damping("alpha", "α", "internal damping", "Damping of the material: it resists the rate of bending", -6, 0, 100),
     ...damping("beta", "β", "external damping", "Damping by the medium around: it resists the velocity", -3, 2, 1e4),
     ...(column.links ? [] : [{
