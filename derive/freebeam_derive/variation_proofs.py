@@ -10,7 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from sympy import Add, Expr, Integer, S, expand, nsimplify, sympify
+from sympy import Add, Expr, Integer, S, expand, nsimplify, powdenest, sympify
 
 from freebeam_derive import motions, variation
 from freebeam_derive.derivation import Derivation, GeneralDerivation
@@ -75,7 +75,8 @@ def _scaling(d: Either, step: Step) -> Any:
     found = motions.on(work, beam, longer(of), longer(virtual), unit["force"] * motions.force().subs(scaled))
     loads = {P: unit["load"] * P, C_alpha: unit["alpha"] * alpha, C_beta: unit["beta"] * beta, x_F: length * x_F}
     wanted = motions.on(d.column.energies.functional(name), d.motion.beam, of, virtual).subs(scaled)
-    return motions.settled(found.subs(loads, simultaneous=True) - unit["energy"] * wanted, own_values(d.column))
+    left = powdenest(expand(found.subs(loads, simultaneous=True)), force=True)  # roots of parameters
+    return motions.settled(left - unit["energy"] * wanted, own_values(d.column))
 
 
 def _works(d: Either) -> tuple[Functional, ...]:

@@ -6,6 +6,7 @@ import dataclasses
 import re
 from collections.abc import Mapping
 from functools import cache
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -221,6 +222,23 @@ def test_every_step_is_proven_by_another_route(case: str) -> None:
     """A column with segments is in the lesson below."""
     left = [step.residual() for step in derived(case).steps if step.stage != "newmark"]
     assert len(left) > 10 and max(left) == 0
+
+
+@pytest.mark.parametrize("name", ["pipe", "absorber", "ziegler"])
+def test_a_statement_in_si_is_shown_to_be_the_same_on_a_motion(name: str) -> None:
+    """Also where the size of the load holds the root of a parameter; another size leaves something."""
+    d = pipeline.general(import_module(f"freebeam_derive.columns.gallery.{name}").column)
+    steps = [step for step in d.steps if step.stage == "scaling"]
+    assert len(steps) == 4 and max(step.residual() for step in steps) == 0
+    given = d.column.dimensional
+    assert given is not None
+    bad = {**given.scaling, P: 2 * d.column.scales["load"] * P}
+    wrong = dataclasses.replace(
+        d, column=dataclasses.replace(d.column, dimensional=dataclasses.replace(given, scaling=bad))
+    )
+    (proven,) = step_proofs.attach(wrong, [dataclasses.replace(steps[-1], proof=None)])
+    with pytest.raises(AssertionError, match="leaves"):
+        proven.residual()
 
 
 def reproven(d: GeneralDerived, what: str) -> float:
