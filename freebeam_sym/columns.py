@@ -369,7 +369,7 @@ class Column:
         L = positive("length", length, "L in m")
         parameters, sizes = self.own_parameters(own), dict[str, float]()
         with suppress(ArithmeticError), np.errstate(all="ignore"):
-            sizes = self.kernel.scales(EI, m, L, **(parameters if self.kernel.scales.__kwdefaults__ else {}))
+            sizes = self.kernel.scales(EI, m, L, **{k: parameters[k] for k in self.kernel.scales.__kwdefaults__ or ()})
         if not sizes or not all(1 / LARGEST < size < LARGEST for size in sizes.values()):
             raise InputError(
                 f"bending_stiffness = {EI:g}, mass_per_length = {m:g}, length = {L:g}: the units of Eq. (5) that they "

@@ -326,6 +326,8 @@ def test_parameters_in_si_units(freebeam):
         ([*beam_options(beam), "--set", "M_f=10", "--set", "b=0.1"], "and b is set too"),
     ):
         assert says in freebeam("critical", "--column", "pipe", *words).err
+    share = ("map", "--column", "pipe", *beam_options(beam), "--axis", "b", "0.1", "0.5", "3")
+    assert "b: is an axis on which the size of the load depends" in freebeam(*share).err
     run = freebeam("critical", "--column", "absorber", *beam_options(beam), "--set", "c_q=300", "--digits", "9")
     assert run.status == 2 and "c: 300 in SI units is no rational number of it" in run.err
 

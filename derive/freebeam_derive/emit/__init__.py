@@ -16,6 +16,7 @@ import ast
 import re
 import subprocess
 import textwrap
+from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +27,7 @@ from freebeam_derive.emit import braces, source
 from freebeam_derive.kernel import BeamKernel, Kernel
 from freebeam_derive.latex import letter
 from freebeam_derive.notation import NOTATION, QUANTITIES, x
-from freebeam_derive.statement import GEOMETRIC, StatementError, jets
+from freebeam_derive.statement import GEOMETRIC, Parameter, StatementError, jets
 from freebeam_derive.units import UNITS, told
 
 if TYPE_CHECKING:
@@ -107,7 +108,8 @@ def _environment() -> Environment:
 def _context(kernel: Kernel) -> dict[str, Any]:
     """What every module is filled with."""
     column, newmark = kernel.column, kernel.newmark
-    own = "".join(f", {p.name}: float = {float(p.default)!r}" for p in column.parameters)
+    own, held = _typed(column.parameters), set().union(*(size.free_symbols for size in column.scales.values()))
+    sizing = [p for p in column.parameters if p.symbol in held]
     limit = newmark.inverse_limit.args if isinstance(newmark.inverse_limit, Max) else (newmark.inverse_limit,)
     return {
         "kernel": kernel,
@@ -120,10 +122,12 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "scales": column.scales,
         "units": UNITS
         | {name: told.unit or "none: nothing says what the load is" for name, told in column.quantities.items()},
-        "scaled": any(
-            told.size.free_symbols & {p.symbol for p in column.parameters} for told in column.quantities.values()
-        ),
+        "scaling": f", *{_typed(sizing)}" if sizing else "",
     }
+
+
+def _typed(parameters: Iterable[Parameter]) -> str:
+    return "".join(f", {p.name}: float = {float(p.default)!r}" for p in parameters)
 
 
 def _beam_context(kernel: BeamKernel) -> dict[str, Any]:

@@ -149,6 +149,9 @@ class Map(FileOptions, SearchOptions):
         for name in self.axes:
             given = f"--set {name}={self.assigned.get(name)}"
             refuse(name in self.assigned, f"{given}: {name} is an axis of this map; leave one of them out")
+            sized = bool(self.beam) and name in (self.chosen.kernel.scales.__kwdefaults__ or ())
+            why = f"{name}: is an axis on which the size of the load depends"
+            refuse(sized, f"{why}; leave out the beam in SI units")
         for name in ("workers", "store"):
             alone = self.chunks is None and getattr(self, name) is not None
             refuse(alone, f"--{name} needs --chunks K, such as --chunks 100")

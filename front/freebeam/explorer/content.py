@@ -61,7 +61,7 @@ def content(column: Column) -> dict[str, Any]:
         "reads": [*(_read(letter) for letter in fields), *(f"coordinate {letter}" for letter in coordinates)],
         "links": 0 if fields else len(coordinates),
         "drawn": drawn,
-        "si": bool(column.load_unit),
+        "si": bool(column.load_unit) and not column.kernel.scales.__kwdefaults__,
         "least": int(column.kernel.COLUMN.get("least", 1)),
         "modes": most,
         "load_range": span,

@@ -79,11 +79,11 @@ function change(view, values, typed) {
 
 function settle(view) {
   const { values, column, controls } = view;
-  const own = ownOf(view.parameters, values);
-  view.units = unitsOf(values, own);
+  view.units = unitsOf(values);
   if (view.units.isSI) view.part.units.open = true;
   for (const { key } of view.parameters) showValue(controls[key], values[key], view.range, view.units);
   showWhatActs(view);
+  const own = ownOf(view.parameters, values);
   const N = values.N ?? column.start.N;
   const question = { N, own, alpha: values.alpha ?? 0, beta: values.beta ?? 0, range: view.range };
   view.part.command.textContent = commandOf(column, question);

@@ -5,9 +5,9 @@ const SI = { length: "m", time: "s", load: "N", force: "N", alpha: "s", beta: "k
 const PREFIXES = [[1e9, "G"], [1e6, "M"], [1e3, "k"], [1, ""], [1e-3, "m"], [1e-6, "µ"]];
 const PREFIXED = ["load", "force", "length"];
 
-function unitsOf({ bending_stiffness: EI, mass_per_length: m, length: L }, own = {}) {
+function unitsOf({ bending_stiffness: EI, mass_per_length: m, length: L }) {
   const isSI = SI.load && [EI, m, L].every((x) => x > 0); // a load without a unit has none of the others
-  const sizes = isSI ? kernel.scales(EI, m, L, own) : QUANTITIES.map(() => 1);
+  const sizes = isSI ? kernel.scales(EI, m, L) : QUANTITIES.map(() => 1);
   const size = Object.fromEntries(QUANTITIES.map((name, k) => [name, sizes[k]]));
   size.rate = size.frequency;
   const sound = Object.values(size).every((x) => x > 1e-60 && x < 1e60);
