@@ -294,8 +294,9 @@ class Column:
 
     @cached_property
     def quantities(self) -> dict[str, Quantity]:
-        """SI quantities of its own: "load" where that is no force in EI / L², and what the dimensional statement calls
-        the quantity of a parameter, such as "m_tip" of mu. Without a unit is a load to which nothing gives one.
+        """SI quantities of its own: "load" where that is no force in EI / L², what the dimensional statement calls the
+        quantity of a parameter, such as "m_tip" of mu, and its coordinates. Without a unit is a load to which nothing
+        gives one.
 
         Raises StatementError where a quantity of the dimensional statement has no unit, or the name of another.
         """
@@ -312,6 +313,9 @@ class Column:
             if str(key) in {*SCALES, *map(str, own)}:
                 raise StatementError(f"scaling: {key} is the name of another quantity; give it one of its own")
             found[str(key)] = replace(_quantity(str(key), sympify(value) / of[0], set()), of=str(of[0]))
+        if self.dimensional is not None:
+            sizes = {str(key.func): sympify(value) / key for key, value in given.items() if not key.is_Symbol}
+            found |= {name: _quantity(name, sizes.get(name, S.One), set()) for name in self.coordinates}
         return found
 
     @property

@@ -2,6 +2,7 @@
 
 import csv
 import dataclasses
+import inspect
 import io
 import json
 import math
@@ -9,6 +10,7 @@ import os
 import re
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -330,6 +332,56 @@ def test_parameters_in_si_units(freebeam):
     assert "b: is an axis on which the size of the load depends" in freebeam(*share).err
     run = freebeam("critical", "--column", "absorber", *beam_options(beam), "--set", "c_q=300", "--digits", "9")
     assert run.status == 2 and "c: 300 in SI units is no rational number of it" in run.err
+
+
+@pytest.mark.parametrize(
+    ("column", "words", "power"),
+    [
+        ("beck", (), 1),
+        ("beck", ("--derivative", "2"), -1),
+        ("timoshenko", ("--field", "psi"), 0),
+        ("absorber", ("--field", "q"), 1),
+        ("ziegler", (), 0),
+    ],
+)
+def test_responses_in_si_units(freebeam, column, words, power):
+    """A length, its derivatives, an angle and coordinates: L^power over the time of their rates."""
+    (load, time), length = scales(BEAM), BEAM["length"]
+    asked = ("respond", "--column", column, *words, "--json")
+    bare = freebeam(*asked, "--load", "0.5", "--duration", "2", "--step", "0.1").json
+    span = ("--load", 0.5 * load, "--duration", 2 * time, "--step", 0.1 * time)
+    found = freebeam(*asked, *map(str, span), *beam_options(BEAM)).json
+    metre = {1: "m", 0: "rad", -1: "1/m"}[power]
+    assert found["unit"] == {
+        "t": "s",
+        "y": metre,
+        "dy": "1/(m s)" if power < 0 else f"{metre}/s",
+        "ddy": "1/(m s^2)" if power < 0 else f"{metre}/s^2",
+    }
+    for rate, name in enumerate(("y", "dy", "ddy")):
+        size = length**power / time**rate
+        largest = np.abs(bare[name]).max() * size
+        assert np.array(found[name]) == pytest.approx(np.array(bare[name]) * size, rel=1e-8, abs=1e-9 * largest)
+
+
+def test_a_coordinate_without_an_si_unit_is_not_read_in_one(freebeam, tmp_path):
+    stated = inspect.getsource(import_module("freebeam_derive.columns.gallery.absorber"))
+    (tmp_path / "own.py").write_text(stated.split("    dimensional=")[0] + ")\n")
+    asked = (
+        "respond",
+        "--column",
+        tmp_path / "own.py",
+        "--field",
+        "q",
+        "--load",
+        "1",
+        "--duration",
+        "2",
+        "--step",
+        "1",
+    )
+    assert freebeam(*asked).status == 0
+    assert "no dimensional statement gives this coordinate an SI unit" in freebeam(*asked, *beam_options(BEAM)).err
 
 
 def test_si_map(freebeam, tmp_path):

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from freebeam_sym.response.results import Response
 
 ROWS = 200  # a response of more is told by a summary and a plot
-QUANTITIES = {"y": "length", "dy": "velocity", "ddy": "acceleration"}
+QUANTITIES = ("y", "dy", "ddy")
 TYPED = {
     "force_amplitude": "force", "force_frequency": "frequency", "force_position": "length",
     "initial_amplitude": "length", "initial_velocity": "velocity",
@@ -110,10 +110,8 @@ class Respond(FileOptions, CaseOptions):
             refuse(not self.sensor, f"{word}: belongs to no option; positions of sensors follow --sensor")
         refuse(output and output.suffix not in (".csv", ".npz"), f"{output}: the name must end in .csv or .npz")
         refuse(self.plot and self.beam, "--plot: is nondimensional; leave out the beam in SI units")
-        read = self.read("y")
-        refuse(
-            read != "y" and self.units.sizes, f"{read}: is read in nondimensional units; leave the beam's SI values out"
-        )
+        told = f"{self.measured}: no dimensional statement gives this coordinate an SI unit"
+        refuse(self._length is None, f"{told}; leave the beam's SI values out")
         both = "--force-amplitude and --force-frequency"
         refuse(forced != (self.force_frequency is not None), f"a force needs both {both}")
         refuse(not forced and self.force_position, f"--force-position: there is no force; give {both}")
@@ -150,6 +148,29 @@ class Respond(FileOptions, CaseOptions):
     def measured(self) -> str:
         """The field or coordinate that sensors read."""
         return self.field or self.question.column.unknowns[0]
+
+    @property
+    def _length(self) -> int | None:
+        """The power of a length that is read, 0 of an angle; None of a coordinate of which that is not known."""
+        column, read = self.chosen, self.measured
+        if read in column.fields or read not in column.unknowns or not self.units.sizes:
+            joined = {field["name"]: field["joined"] for field in column.kernel.COLUMN.get("fields", ())}
+            return int(read == "y" or joined.get(read) == 2) - self.derivative
+        unit = column.kernel.COLUMN.get("quantities", {}).get(read, {}).get("unit")
+        return {"m": 1, "1": 0}.get(unit)
+
+    def out(self, name: str, value: Any) -> Any:
+        """What is read as y, dy or ddy, in the units of the output."""
+        length, time = self.units.out("length", 1.0), self.units.out("time", 1.0)
+        return value * length ** (self._length or 0) / time ** [*QUANTITIES].index(name)
+
+    def unit(self, name: str) -> str:
+        """Its unit, for print; empty where nondimensional."""
+        power, rate = self._length or 0, [*QUANTITIES].index(name)
+        above = {0: "rad", 1: "m"}.get(power, "1" if power < 0 else f"m^{power}")
+        below = [s + (f"^{n}" if n > 1 else "") for s, n in (("m", -power), ("s", rate)) if n > 0]
+        under = "" if not below else f"/{below[0]}" if len(below) == 1 else f"/({' '.join(below)})"
+        return f" {above}{under}" if self.units.sizes else ""
 
     def series_name(self, name: str, label: str) -> str:
         """What a column of numbers is called, such as y(0.1); a coordinate has no place."""
@@ -235,7 +256,7 @@ class Respond(FileOptions, CaseOptions):
 
         from freebeam_sym.response.inputs import moments
 
-        found = {name: self.units.out(QUANTITIES[name], getattr(part, name)) for name in self.names}
+        found = {name: self.out(name, getattr(part, name)) for name in self.names}
         self.outline.take(part.begin, np.stack([*found.values()], axis=-1).reshape(part.end - part.begin, -1))
         return {"t": moments(self.step.exact, part.begin, part.end), **found}
 
@@ -245,7 +266,7 @@ class Respond(FileOptions, CaseOptions):
             load=self.load, rigid=self.rigid, duration=self.duration, step=self.step, method=self.method,
             sensors=self.places or self.sensors, **{name: getattr(self, name) for name in TYPED},
             initial_mode=self.initial_mode, field=self.measured, derivative=self.derivative,
-            unit={name: self.units.of(kind).strip() for name, kind in {"t": "time", **QUANTITIES}.items()},
+            unit={"t": self.units.of("time").strip()} | {name: self.unit(name).strip() for name in QUANTITIES},
         )  # fmt: skip
 
     def facts(self, found: Response) -> dict[str, Any]:
@@ -302,7 +323,7 @@ class Respond(FileOptions, CaseOptions):
             rows.append(("written to", str(output)))
         for told in outline.record()["peaks"]:
             name = self.series_name(told["quantity"], told["sensor"])
-            unit, time = units.of(QUANTITIES[told["quantity"]]), units.of("time")
+            unit, time = self.unit(told["quantity"]), units.of("time")
             settled = "no" if told["settled"] is None else f"from t = {told['settled']:.6g}{time} on"
             rows.append(
                 (name, f"peak {told['peak']:.6g}{unit} at t = {told['t']:.6g}{time}; below 2 % of it: {settled}")
@@ -328,9 +349,8 @@ def write_csv(stream: IO[str], asked: Respond, series: Series) -> None:
 
     t, *quantities = series.values()
     if t[0] == 0:
-        units = asked.units
-        kinds = [("t", "time"), *((asked.series_name(name, x), QUANTITIES[name]) for name, x in asked.columns)]
-        heads = (name + (f" [{units.of(kind).strip()}]" if units.sizes else "") for name, kind in kinds)
+        named = [("t", asked.units.of("time")), *((asked.series_name(n, x), asked.unit(n)) for n, x in asked.columns)]
+        heads = (name + (f" [{unit.strip()}]" if unit else "") for name, unit in named)
         stream.write(",".join(heads) + "\n")
     table = np.stack(quantities, axis=-1).reshape(len(t), -1)
     for moment, row in zip(t.tolist(), table, strict=True):
