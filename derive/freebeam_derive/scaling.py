@@ -51,7 +51,7 @@ def nondimensional(functional: Functional, own: Mapping[Expr, Expr] | None = Non
     EI / L², and further unknowns, such as {q: L * q}; an unknown that is not among them is taken for an angle.
     """
     given = {key: sympify(value) for key, value in (own or {}).items()}
-    sizes = {str(getattr(key, "func", key)): value / key for key, value in given.items() if not key.is_Symbol}
+    sizes = {str(key.func): value / key for key, value in given.items() if not key.is_Symbol}
     quantities = {
         P: SCALES["load"] * P,
         F_0: SCALES["force"] * F_0,
@@ -88,10 +88,10 @@ def derive_scaling(column: Column) -> tuple[Step, ...]:
     if column.dimensional is None:
         return ()
     sizes = "".join(f", {name} in {told.size}" for name, told in column.quantities.items())
-    steps, own = [], {P: column.scales["load"] * P, **column.dimensional.scaling}
+    steps = []
     for name in ("T", "V", "W_c", "dW_nc"):
         given = column.dimensional.functional(name)
-        derived = nondimensional(given, own)
+        derived = nondimensional(given, column.scaling)
         stated = column.energies.functional(name)
         if derived != stated:
             raise StatementError(

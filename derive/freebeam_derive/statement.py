@@ -318,6 +318,18 @@ class Column:
             found |= {name: _quantity(name, sizes.get(name, S.One), set()) for name in self.coordinates}
         return found
 
+    @cached_property
+    def scaling(self) -> dict[Expr, Expr]:
+        """What quantities of the dimensional statement are in nondimensional ones, and fields and coordinates that are
+        no angles: those that it says, the load, and fields whose curvature the energy holds, which are lengths."""
+        given = self.dimensional.scaling if self.dimensional is not None else {}
+        lengths = {f(x, t): L * f(x, t) for f in self.unknowns if kind_of(f) == "field" and self._is_length(str(f))}
+        return {P: self.scales["load"] * P, **lengths, **given}
+
+    def _is_length(self, name: str) -> bool:
+        works = {work: self.energies.functional(work) for work in WORKS}
+        return name == "y" or joined(works, name) == 2
+
     @property
     def scales(self) -> dict[str, Expr]:
         """SI size of one nondimensional unit of each quantity, in EI, m, L and parameters. Eq. (5)."""
@@ -331,7 +343,7 @@ class Column:
         A field whose curvature the energy holds, and y, are lengths, others angles; x is a share of the length.
         """
         works, powers = {name: self.energies.functional(name) for name in WORKS}, set()
-        lengths = {name: int(name == "y" or joined(works, name) == 2) for name in self.fields}
+        lengths = {name: int(self._is_length(name)) for name in self.fields}
         for part, along in ((part, k) for work in works.values() for k, part in enumerate((work.points, work.density))):
             for term in Add.make_args(expand(part)):
                 held = [j for j in jets(term) for _ in range(int(degree(term, j)))]

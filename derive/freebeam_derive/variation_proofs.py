@@ -53,7 +53,7 @@ def _scaling(d: Either, step: Step) -> Any:
     length = Integer(2)
     numbers = {m: 9, EI: 4, L: length}  # the unit of time, (m L^4 / EI)^(1/2), is then no root
     unit = {key: size.subs(numbers) for key, size in d.column.scales.items()}
-    own = {key: sympify(value).subs(numbers) for key, value in given.scaling.items()}
+    own = {key: sympify(value).subs(numbers) for key, value in d.column.scaling.items()}
     quantities = {key: value for key, value in own.items() if key.is_Symbol and key != P}
     sizes = {str(key.func): value / key for key, value in own.items() if not key.is_Symbol} | {"y": length}
     scaled = {x: x / length, t: t / unit["time"]}

@@ -214,6 +214,47 @@ def test_a_chain_of_links_tends_to_becks_column(tmp_path: Path) -> None:
     assert 1.7 < math.log2(off[0] / off[1]) < 2
 
 
+SHAFT = """
+from sympy import sqrt
+from freebeam_derive.notation import EI, C_alpha, C_beta, L, P, alpha, beta, m, t, x, y
+from freebeam_derive.statement import Column, Energies, Field, delta, integral
+
+z = Field("z")
+
+
+def works(line, bending, internal, external, length):
+    one, other = y.diff(x, 2, t) + P * z.diff(x, 2), z.diff(x, 2, t) - P * y.diff(x, 2)
+    stretched = one * delta(y).diff(x, 2) + other * delta(z).diff(x, 2)
+    return {
+        "T": line * integral(y.diff(t) ** 2 + z.diff(t) ** 2, length) / 2,
+        "V": bending * integral(y.diff(x, 2) ** 2 + z.diff(x, 2) ** 2, length) / 2,
+        "dW_nc": -internal * bending * integral(stretched, length)
+        - external * integral(y.diff(t) * delta(y) + z.diff(t) * delta(z), length),
+    }
+
+
+pinned = ("pinned", "pinned")
+column = Column(
+    name="shaft",
+    title="Shaft with internal and external damping, seen from rest; the load is its speed",
+    **works(1, 1, alpha, beta, 1),
+    ends={y: pinned, z: pinned},
+    dimensional=Energies(**works(m, EI, C_alpha, C_beta, L), length=L, scaling={P: P * sqrt(EI / (m * L**4))}),
+)
+"""
+
+
+def test_a_speed_of_turning_is_in_radians_a_second(tmp_path: Path) -> None:
+    """Both planes are lengths. It is lost at ω + C_β / (m C_α ω), of ω² = π⁴ EI / (m L⁴)."""
+    (tmp_path / "shaft.py").write_text(SHAFT)
+    column, (EI, m, L), (internal, external) = fb.column(str(tmp_path / "shaft.py")), (6.0, 5.0, 3.0), (0.01, 0.1)
+    sizes = column.scales(EI, m, L)
+    found = fb.critical_load(column, 8, internal / sizes["alpha"], external / sizes["beta"])
+    omega = math.pi**2 * math.sqrt(EI / m) / L**2
+    assert column.load_unit == "rad/s" and found.load is not None
+    assert found.load * sizes["load"] == pytest.approx(omega + external / (m * internal * omega), rel=1e-9)
+
+
 def test_a_load_that_nothing_gives_a_unit_is_refused_in_si(tmp_path: Path) -> None:
     """Links alone are no beam of any length."""
     (tmp_path / "chain.py").write_text(CHAIN.format(links=2))
