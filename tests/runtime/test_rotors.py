@@ -283,9 +283,8 @@ def test_what_is_not_served_is_refused_in_one_line() -> None:
     without = fb.critical_load(column("held by alpha"), 10)
     held = fb.critical_load(column("held by alpha"), 10, kappa=0.0)  # a spring that vanishes
     assert held.load == pytest.approx(without.load, rel=held.rounding) and held.rounding < 1e-4
-    for name in ("shaft", "held by alpha"):
-        with pytest.raises(fb.InputError, match="acts on displacements"):
-            fb.certified_load(column(name), 3, kappa=1 if name == "shaft" else 0)
+    with pytest.raises(fb.InputError, match="acts on displacements alone"):
+        fb.certified_load(column("held by alpha"), 3, kappa=0)
     with pytest.raises(fb.InputError, match="acts on displacements"):
         fb.exact_range(column("held by alpha"), "alpha", "1", "2")
     assert not fb.exact_load(column("held by alpha"), alpha="1", digits=4).proof["first"]

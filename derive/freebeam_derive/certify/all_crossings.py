@@ -173,7 +173,7 @@ def _survey(
         bits *= 2
     more = max(bits, bits_for(functions, digits))
     with precision(more):
-        every = _refined(boundaries(kernel, question, more, rest), found, parts, digits, more)
+        every = _refined(boundaries(kernel, question, more, rest, load_max), found, parts, digits, more)
     return Crossings(every, load_max, parts, bits)
 
 
@@ -184,7 +184,7 @@ def _parts(
     frames are known to turn fast."""
     fast = True
     try:
-        parts = boundaries(kernel, question, bits, True)
+        parts = boundaries(kernel, question, bits, True, load_max)
         fast = all(turns_fast(of, load_max) for of in parts)
         if fast:
             return parts, True, True

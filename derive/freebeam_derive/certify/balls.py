@@ -12,6 +12,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache, reduce
+from itertools import zip_longest
 from types import ModuleType
 from typing import Any
 
@@ -24,6 +25,7 @@ from freebeam_derive.certify.decimals import read
 from freebeam_derive.certify.formal import Formal, Letters, letters, resting
 from freebeam_derive.certify.moments import enclosing
 from freebeam_derive.certify.numbers import Number, plain, reason
+from freebeam_derive.certify.structure import Beside, held, is_even
 
 
 class Unproven(ArithmeticError):
@@ -333,23 +335,40 @@ def named_matrices(
 ) -> tuple[list[Any], list[Any], list[Any], list[str], Letters | None]:
     """The same, and for each row the field or coordinate that it is of, but for rigid motions; of balls, where there
     are no rigid motions, their letters too, None where these are not known."""
+    M, C, K, names, exactly, beside = matrices_with_rates(kernel, modes, own, dampings, alone)
+    if beside:
+        what = "acts on displacements too" if beside.acts else "leaves rates of the column's own"
+        raise Unproven(f"{kernel.COLUMN['name']}: a damping that vanishes {what}")
+    return M, C, K, names, exactly
+
+
+def matrices_with_rates(
+    kernel: ModuleType, modes: int, own: Mapping[str, Fraction], dampings: tuple[Exact, Exact], alone: bool = False
+) -> tuple[list[Any], list[Any], list[Any], list[str], Letters | None, Beside | None]:
+    """The same, and with `alone` what there is beside the damping that vanishes, which leaves the determinant even."""
     name = kernel.COLUMN["name"]
     for damping, value in zip(("alpha", "beta"), dampings, strict=True):
         if value != 0 and damping in kernel.COLUMN["coupled"]:
             raise Unproven(f"{damping}: this damping couples the rigid motions of {name} to its bending")
     M, parts, R = _stated(kernel, modes, own)
-    C, K = _damped(parts, *map(_size, dampings))
-    whole = M, C, K
-    (M, C, K, own_damping), dropped = _elastic_terms((*whole, parts[0]), R)
-    if alone and not all(v == 0 for X in own_damping for v in X.flat):
-        raise Unproven(f"{name}: a damper or a gyroscopic term stays when alpha and beta vanish")
-    if alone and len(parts) > 4:
-        raise Unproven(f"{name}: a damping that vanishes acts on displacements too")
+    whole = M, *(_vanishing if alone else _damped)(parts, *map(_size, dampings))
+    (M, C, K, G, S), dropped = _elastic_terms(whole if alone else (*whole, [], []), R)
     inexact = any(isinstance(v, arb) for terms in (M, C, K) for X in terms for v in X.flat)
-    sums = _sums(kernel, modes, tuple(sorted(own.items())), dampings) if inexact else None
-    rest = resting(sums[2][0]) if sums and not _regular(K[0]) else None
+    sums = _sums(kernel, modes, tuple(sorted(own.items())), dampings, alone) if inexact else None
+    beside = None
+    if any(held(X).any() for X in (*G, *S)):
+        if R.shape[1]:
+            raise Unproven(
+                f"{name}: a damping that vanishes leaves rates of the column's own, or acts on displacements, beside "
+                "rigid motions"
+            )
+        if not (is_even(M, G, K) or (sums and is_even(*letters([sums[0], sums[3], sums[2]])))):
+            raise Unproven(f"{name}: a damper of its own stays when alpha and beta vanish")
+        *_, of_G, of_S = letters(sums) if sums else [None, None]
+        beside = Beside(G, S, (of_G, of_S) if of_G is not None and of_S is not None else None)
+    rest = resting(sums[2][0]) if sums and not beside and not _regular(K[0]) else None
     if rest is not None and (not R.shape[1] or rest.holds(R)):
-        turned = [[rest.left.T @ X @ rest.right for X in terms] for terms in whole]
+        turned = [[rest.left.T @ X @ rest.right for X in terms] for terms in whole[:3]]
         (M, C, K), dropped = _elastic_terms(turned, rest.seen(R))
         kept = [n for n in range(len(R)) if n not in dropped]
         K[0][[kept.index(n) for n in rest.rows if n in kept], :] = fmpq(0)
@@ -358,10 +377,13 @@ def named_matrices(
         rest = None
     exactly = None
     if sums and not R.shape[1]:
-        exactly = letters([[X if rest is None else rest.left.T @ X @ rest.right for X in of] for of in sums])
+        of_M, of_C, of_K = letters(
+            [[X if rest is None else rest.left.T @ X @ rest.right for X in of] for of in sums[:3]]
+        )
+        exactly = of_M, of_C, of_K
     numbers = kernel.basis(modes).numbers
     names = [next(of for of, table in numbers.items() if n in table) for n in range(len(R))]
-    return M, C, K, [of for n, of in enumerate(names) if n not in dropped], exactly
+    return M, C, K, [of for n, of in enumerate(names) if n not in dropped], exactly, beside
 
 
 def _regular(K: Any) -> bool:
@@ -370,10 +392,17 @@ def _regular(K: Any) -> bool:
 
 def _damped(parts: list[Any], alpha: Any, beta: Any) -> Any:
     """C and K at alpha and beta, of those without and with each alone."""
-    return (
-        [b + alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else of[0]
+    C, K, G, S = _vanishing(parts, alpha, beta)
+    return [x + y for x, y in zip(G, C, strict=True)], [x + y for x, y in zip_longest(K, S, fillvalue=0)]
+
+
+def _vanishing(parts: list[Any], alpha: Any, beta: Any) -> Any:
+    """Of the same what alpha and beta make of C, K without them, then C without them and what they make of K."""
+    C, S = (
+        [alpha * (x - b) + beta * (y - b) for b, x, y in zip(*of, strict=True)] if of[1:] else []
         for of in (parts[:3], parts[3:])
     )
+    return C, parts[3], parts[0], S
 
 
 def formal(value: Exact | int) -> Formal:
@@ -387,17 +416,18 @@ def formal(value: Exact | int) -> Formal:
 
 @lru_cache(maxsize=4)
 def _sums(
-    kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...], dampings: tuple[Exact, Exact]
+    kernel: ModuleType, modes: int, own: tuple[tuple[str, Fraction], ...], dampings: tuple[Exact, Exact], alone: bool
 ) -> list[list[Any]] | None:
-    """M, C and K, with rigid motions, of numbers that tell how they come about; None where that is not known."""
+    """M, C and K, with rigid motions, of numbers that tell how they come about, None where that is not known; alone:
+    and what is beside a damping that vanishes."""
     basis = kernel.complete(array([Formal(k) for k in range(modes + 2)]))
     given = {name: formal(value) for name, value in own}
     try:
         sizes = [*map(formal, dampings)]
         of = enclosing(kernel, formal=True)
-        C, K = _damped(_rates_and_stiffness(kernel, of, basis, given, Formal), *sizes)
+        terms = (_vanishing if alone else _damped)(_rates_and_stiffness(kernel, of, basis, given, Formal), *sizes)
         return [
-            [array_of(lambda v: v + Formal(0), X) for X in terms] for terms in (of.mass_terms(basis, **given), C, K)
+            [array_of(lambda v: v + Formal(0), X) for X in powers] for powers in (of.mass_terms(basis, **given), *terms)
         ]
     except (AttributeError, TypeError, ValueError):
         return None

@@ -5,9 +5,11 @@ On λ = iω, with x = ω²,
     det(λ² M + λ C + K) / det M = h(P, x) + iω g(P, x).
 
 Determinants are taken at real λ, as polynomials in P, and interpolated. In the limit of vanishing damping g is of the
-first order in C, tr(adj(K − x M) C) / det M. Without damping g stands for ∂h/∂x: h and g vanish together where two
-frequencies meet. So it does of a gyroscopic column whose determinant is even in λ. Where coordinates have no mass,
-det M is 0, and h and g are divided by another number; their degrees follow from that in λ (`structure.py`).
+first order in C, tr(adj(K − x M) C) / det M; beside rates G that stay, and where the damping acts on displacements by S
+too, what tr(adj(λ² M + λ G + K)(λ C + S)) has of odd powers of λ. Without damping g stands for ∂h/∂x: h and g vanish
+together where two frequencies meet. So it does of a gyroscopic column whose determinant is even in λ. Where coordinates
+have no mass, det M is 0, and h and g are divided by another number; their degrees follow from that in λ
+(`structure.py`).
 """
 
 from __future__ import annotations
@@ -28,7 +30,7 @@ from freebeam_derive.certify.balls import (
     Unproven,
     ball_matrices,
     matrices_of_any,
-    named_matrices,
+    matrices_with_rates,
     parameters,
     precision,
 )
@@ -36,7 +38,7 @@ from freebeam_derive.certify.balls import coefficients as coefficients_of
 from freebeam_derive.certify.bivariate import Bivariate
 from freebeam_derive.certify.one_load import zeros_twice
 from freebeam_derive.certify.parts import Part, split
-from freebeam_derive.certify.structure import Structure, null_space, of_balls, structure
+from freebeam_derive.certify.structure import Beside, Structure, held, null_space, of_balls, structure
 
 LARGE = 24
 """Rows from which on elimination takes less time than FLINT's characteristic polynomial."""
@@ -150,14 +152,16 @@ def expansion(
     K: Sequence[arb_mat],
     vanishing: bool = False,
     known: Structure | None = None,
+    beside: Beside | None = None,
 ) -> Boundary:
     """h and g of λ² M + λ C + K, each a polynomial in P, lists by its powers; regular at P = 0 for λ > 0.
 
     C: empty without damping; vanishing: only its direction counts. known: what holds exactly; without it M is regular
     and, without damping alone, odd powers of λ are none. Where C is nothing at P = 0, g is divided by the power of P
-    that it holds: what is said of its roots is then said of P > 0. Raises Unproven.
+    that it holds: what is said of its roots is then said of P > 0. beside: as of a part. Raises Unproven.
     """
     n, known = M[0].nrows(), known or Structure(2 * M[0].nrows(), not C)
+    G, S = _in_balls(beside.G if beside else []), _in_balls(beside.S if beside else [])
     N, damped = known.degree // 2, bool(C) and not (known.even and not vanishing)
     if N < 1:
         raise Unproven("no motion of it has a frequency: without mass there is none")
@@ -169,18 +173,31 @@ def expansion(
         whole = _through(places, [determinant(_at(p, M, K, C)) for p in places])
         even, odd = ([arb_poly([p[j] for j in range(k, p.degree() + 1, 2)]) for p in whole] for k in (0, 1))
     else:
-        still = [_at(step * k, M, K, () if vanishing else C) for k in range(1, N + 2)]
+        still = [_at(step * k, M, K, G if vanishing else C) for k in range(1, N + 2)]
         places = [(step * k) ** 2 for k in range(1, N + 2)]
         even = _through(places, [determinant(terms) for terms in still])
         if damped:
             count = N + known.degree % 2
-            odd = _through(places[:count], [_first_order(terms, C) for terms in still[:count]])
-    highest = [highest_power(a, n, len(M) - 1, len(C) - 1, len(K) - 1) for a in range(max(len(even), len(odd)))]
+            if beside:
+                each = [
+                    [_first_order(_at(p, M, K, G), _at(p, [], S, C)) for p in (step * k, -step * k)]
+                    for k in range(1, count + 1)
+                ]
+                rows = [
+                    [(v - w) / (2 * step * k) for v, w in zip(*both, strict=True)] for k, both in enumerate(each, 1)
+                ]
+            else:
+                rows = [_first_order(terms, C) for terms in still[:count]]
+            odd = _through(places[:count], rows)
+    of_C, of_K = max(len(C), len(G)) - 1, max(len(K), len(S)) - 1
+    highest = [highest_power(a, n, len(M) - 1, of_C, of_K) for a in range(max(len(even), len(odd)))]
     degrees = [min(power, known.degree) for power in highest]
     h = _in_square(even, [d // 2 + 1 for d in degrees], scale, known, 0)
     if not damped:
         return Boundary(N, h, h.by_x, False, False, known.rests)
-    none = next(k for k, X in enumerate(C) if any(not v == 0 for v in X.entries()))
+    none = next(
+        k for k, Xs in enumerate(zip_longest(C, S)) if any(not v == 0 for X in Xs if X is not None for v in X.entries())
+    )
     g = _in_square(odd, [(d + 1) // 2 for d in degrees], scale, known, 1)
     return Boundary(N, h, Bivariate(g.rows[none:]), True, bool(known.degree % 2), known.rests, none, known.tangent)
 
@@ -204,7 +221,7 @@ def _sizes(M: Sequence[arb_mat], C: Sequence[arb_mat], K: Sequence[arb_mat], deg
 def _at(p: arb, M: Sequence[arb_mat], K: Sequence[arb_mat], C: Sequence[arb_mat] = ()) -> list[arb_mat]:
     """p² M + p C + K by powers of P."""
     count = max(map(len, (M, K, C)))
-    none = arb_mat(M[0].nrows(), M[0].nrows())
+    none = 0 * (M or C or K)[0]
     return [sum((f * X[k] for f, X in ((p**2, M), (p, C), (arb(1), K)) if k < len(X)), none) for k in range(count)]
 
 
@@ -337,19 +354,20 @@ def boundary(kernel: ModuleType, question: Question, bits: int) -> Boundary:
         return expansion(*coefficients_of(kernel, question.modes, own, question.dampings, limit), limit)
 
 
-def boundaries(kernel: ModuleType, question: Question, bits: int, rest: bool | None = None) -> list[Boundary]:
+def boundaries(
+    kernel: ModuleType, question: Question, bits: int, rest: bool | None = None, top: Fraction = Fraction(0)
+) -> list[Boundary]:
     """The same of each part that leaves the others alone, as `parts.split` gives them. Raises Unproven."""
     if not kernel.COLUMN.get("general"):
         return [boundary(kernel, question, bits)]
     with precision(bits):
-        parts = _parts(kernel, question, rest)
+        parts = _parts(kernel, question, rest, top)
         limit = question.kappa is not None
         if limit and not any(p.damped(limit) for p in parts):
             raise Unproven("kappa: there is no damping that could vanish")
         words = [f"of {' and '.join(p.names)} " for p in parts]
         found = [
-            replace(_of_any(p.M, p.C, p.K, limit and p.damped(limit), p.known, of), part=p)
-            for p, of in zip(parts, words, strict=True)
+            replace(_of_part(p, limit and p.damped(limit), of), part=p) for p, of in zip(parts, words, strict=True)
         ]
     if any(of.rests for of, p in zip(found, parts, strict=True) if p.turn):
         raise Unproven("a frequency in a frame that turns is its rate, without load")
@@ -362,10 +380,33 @@ def from_rest(kernel: ModuleType, question: Question) -> bool:
     return any(part.turn and not part.whirls for part in parts)
 
 
-def _parts(kernel: ModuleType, question: Question, rest: bool | None) -> list[Part]:
+def _parts(kernel: ModuleType, question: Question, rest: bool | None, top: Fraction = Fraction(0)) -> list[Part]:
     limit = question.kappa is not None
     own = parameters(kernel, question.own)
-    return split(*named_matrices(kernel, question.modes, own, question.dampings, limit), limit, rest)
+    M, C, K, names, letters, beside = matrices_with_rates(kernel, question.modes, own, question.dampings, limit)
+    return split(M, C, K, names, letters, limit, rest, beside, top)
+
+
+def _of_part(part: Part, limit: bool, of: str) -> Boundary:
+    """h and g of a part; limit: of vanishing damping that acts on it. Raises Unproven."""
+    beside = part.beside
+    if not beside:
+        return _of_any(part.M, part.C, part.K, limit, part.known, of)
+    if not limit:
+        even = replace(structure(part.M, beside.G, part.K), even=True)
+        return _of_any(part.M, beside.G, part.K, False, even, of)
+    if not any(held(X).any() for X in part.C):
+        raise Unproven(f"the damping {of}that vanishes acts on displacements alone, and damps nothing to first order")
+    known = (of_balls if part.letters else structure)(part.M, [], part.K)
+    if known.degree != 2 * len(part.M[0]) or known.rests:
+        what = "rests without load" if known.rests else "has no mass"
+        raise Unproven(f"a motion {of}{what}, beside rates that stay or a vanishing damping on displacements")
+    known = replace(known, even=False)
+    return expansion(*ball_matrices(part.M, part.C, part.K), True, known, beside)
+
+
+def _in_balls(terms: list[Any]) -> list[arb_mat]:
+    return [arb_mat([[arb(v) for v in row] for row in X.tolist()]) for X in terms]
 
 
 def _of_any(

@@ -479,8 +479,8 @@ def _of_beam(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -
 
 
 def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) -> dict[str, Any]:
-    """Breaks, fields, coordinates, M, K with what alpha and beta add to it, the parts of C, and rigid motions of any
-    column."""
+    """Breaks, fields, coordinates, M, K with what alpha and beta add to it, or where these vanish its parts, the parts
+    of C, and rigid motions of any column."""
     given = {name: _quotient(value) for name, value in own.items()}
     try:
         bare, of_alpha, of_beta = (kernel.forms(fmpq(1), *map(fmpq, d), **given) for d in ((0, 0), (1, 0), (0, 1)))
@@ -488,6 +488,9 @@ def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) ->
     except (AttributeError, DomainError, TypeError, ValueError):
         name = kernel.COLUMN["name"]
         raise Unproven(f"{name} has a factor that is no fraction, which a certificate cannot hold") from None
+    less = {"C_alpha": (of_alpha, bare, "C"), "C_beta": (of_beta, bare, "C")}
+    acts = question.kappa is not None and bool(kernel.COLUMN.get("circulatory"))
+    less |= {"K_alpha": (of_alpha, bare, "K"), "K_beta": (of_beta, bare, "K")} if acts else {}
     segments = len(bare["breaks"]) - 1
     motions = []
     for motion in bare["rigid"]:
@@ -510,8 +513,10 @@ def _of_any(kernel: ModuleType, question: Question, own: dict[str, Fraction]) ->
         "forms": {
             "M": [_form(form) for form in bare["M"]],
             "C_1": [_form(form) for form in bare["C"]],
-            "C_alpha": [_form(*pair) for pair in zip(of_alpha["C"], bare["C"], strict=True)],
-            "C_beta": [_form(*pair) for pair in zip(of_beta["C"], bare["C"], strict=True)],
+            **{
+                name: [_form(*pair) for pair in zip(one[letter], other[letter], strict=True)]
+                for name, (one, other, letter) in less.items()
+            },
             "K": [_form(form) for form in damped["K"]],
         },
         "rigid": motions,

@@ -391,7 +391,9 @@ def _with_bits(
         with precision(bits):
             say(f"{bits} bits")
             try:
-                return certify_parts(boundaries(kernel, question, bits, rest), question, near, digits, bits, load_max)
+                top = load_max if near is None else Fraction(near[0])
+                parts = boundaries(kernel, question, bits, rest, top)
+                return certify_parts(parts, question, near, digits, bits, load_max)
             except Together:
                 raise
             except Unproven as error:

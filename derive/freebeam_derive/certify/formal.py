@@ -172,11 +172,10 @@ Letters = tuple[list[Any], list[Any], list[Any]]
 """M, C and K as sums over products of names, the same for all powers of the load: the fractions (n, n) of each."""
 
 
-def letters(terms: list[list[Any]]) -> Letters:
-    """Of M, C and K by powers of the load, arrays (n, n) of such numbers."""
+def letters(terms: list[list[Any]]) -> list[list[Any]]:
+    """Of M, C, K and others by powers of the load, arrays (n, n) of such numbers."""
     names = sorted({name for powers in terms for X in powers for name in _names(X)})
-    M, C, K = ([Y for X in powers for Y in _by_name(X, names)] for powers in terms)
-    return M, C, K
+    return [[Y for X in powers for Y in _by_name(X, names)] for powers in terms]
 
 
 def _names(X: Any) -> list[tuple[str, ...]]:

@@ -60,6 +60,8 @@ def undecided(parts: Sequence[tuple[Part, bool]], low: Fraction, high: Fraction)
 def obstacle(parts: Sequence[tuple[Part, bool]]) -> str:
     """Why critical loads of parts are not told to be one, in words; empty where nothing is in the way."""
     for part, flutter in parts:
+        if flutter and part.beside:
+            return "rates stay where damping vanishes, or that acts on displacements"
         every = [X for powers in part.together or (part.M, part.C, part.K) for X in powers]
         if any(isinstance(v, arb) for X in every for v in X.flat):
             return "a factor is no fraction, and no number of digits tells that two loads are one"
@@ -98,7 +100,7 @@ def zeros_twice(part: Part) -> list[arb]:
     Where K of all motions together is symmetric and falls, a root of det K is as many times one as motions rest there,
     and so it is of each part. Raises Unproven.
     """
-    still = vanishing(part, False, False)
+    still = None if part.beside else vanishing(part, False, False)
     if still is None or not still.coeffs() or part.turn or not all((X == X.T).all() for X in part.whole):
         return []
     double = still.gcd(still.derivative())

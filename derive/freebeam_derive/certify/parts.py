@@ -8,7 +8,8 @@ symmetrically, what is even and what is odd about the middle): exactly, in fract
 Of a part of two planes that are alike and that rates alone couple, M ÿ + B ż + K y = 0 and M z̈ − B ẏ + K z = 0, is
 w = y ± iz with w = e^(iωt) of det(K − ωB − ω² M) = 0, or of the same at −ω. Seen from a frame that turns at a rate c,
 with s = ω + c, that is A_0 + s A_1 − s² M, A_0 = K + cB − c² M, A_1 = 2cM − B. Where A_1 is nothing the theorem is one
-of s²; else one of s itself, with c so large that all s are positive.
+of s²; else one of s itself, with c so large that all s are positive. Damping that vanishes, ε C in each plane and ε S
+from one on displacements of the other, adds iε (ωC + S) to this to first order, and what makes no motion grow.
 """
 
 from __future__ import annotations
@@ -26,7 +27,7 @@ from flint import arb, arb_mat, fmpq, fmpq_mat
 from freebeam_derive.certify.commutant import Split, splits
 from freebeam_derive.certify.formal import Letters
 from freebeam_derive.certify.same_motions import scale_of
-from freebeam_derive.certify.structure import Structure, held, is_even, of_balls, structure
+from freebeam_derive.certify.structure import Beside, Structure, held, is_even, of_balls, structure
 
 Powers = list[Any]
 """A matrix of fractions by powers of the load, arrays (n, n)."""
@@ -42,7 +43,8 @@ class Part:
     are the same motions, −1 where that is not known. known: what holds exactly of matrices in balls. together: where it
     is one of those of the roots of a polynomial, M, C and K of all of these, of fractions; others: K of each of the
     other roots. whole: K of all motions of these names. before: seen from the frame
-    before it was taken apart from others. letters: of matrices in balls, what they are sums of."""
+    before it was taken apart from others. letters: of matrices in balls, what they are sums of. beside: rates that stay
+    where damping vanishes, and what that does on displacements."""
 
     names: tuple[str, ...]
     M: Powers
@@ -59,6 +61,7 @@ class Part:
     whole: Sequence[Any] = ()
     before: bool = False
     letters: Letters | None = None
+    beside: Beside | None = None
 
     @property
     def fractions(self) -> Letters | None:
@@ -71,7 +74,7 @@ class Part:
     def damped(self, limit: bool) -> bool:
         """Whether something damps it; limit: of damping that vanishes, and may be of any form."""
         if limit:
-            return any(held(X).any() for X in self.C)
+            return any(held(X).any() for X in (*self.C, *(self.beside.S if self.beside else ())))
         return not (is_even(self.M, self.C, self.K) or (self.letters is not None and is_even(*self.letters)))
 
     @property
@@ -88,7 +91,7 @@ class Part:
         `same_motions`."""
         if self.names == other.names and self.kind == other.kind >= 0:
             return fmpq(1)
-        if self.turn != other.turn:
+        if self.turn != other.turn or self.beside or other.beside:
             return None
         one, two = self.fractions, other.fractions
         if one is None or two is None:
@@ -104,16 +107,19 @@ def split(
     letters: Letters | None,
     limit: bool,
     rest: bool | None,
+    beside: Beside | None = None,
+    top: Fraction = Fraction(0),
 ) -> list[Part]:
     """The parts, in the order of their names, some damped and others not; one where a part had no mass. Where nothing
     is known in fractions parts are those of names alone.
 
     names: of the field or coordinate of each row. letters: of matrices in balls. limit: of vanishing damping, so that C
     is but a direction. rest: two planes that a turning frame couples are seen from rest; else from a frame that turns
-    fast, as any that whirl; None: as they are.
+    fast, as any that whirl; None: as they are. beside: what there is beside damping that vanishes.
+    top: the highest load of interest.
     """
-    every = [*M, *C, *K]
-    whole = Part(tuple(dict.fromkeys(names)), M, C, K, letters=letters)
+    every = [*M, *C, *K, *(beside.G + beside.S if beside else [])]
+    whole = Part(tuple(dict.fromkeys(names)), M, C, K, letters=letters, beside=beside)
     linked = np.any([held(X) | held(X).T for X in every], axis=0)
     groups: list[set[str]] = []
     for name in whole.names:
@@ -127,9 +133,15 @@ def split(
         of_M, of_C, of_K, *own_letters = ([X[own_rows] for X in terms] for terms in (M, C, K, *(letters or ())))
         part = Part(tuple(name for name in whole.names if name in group), of_M, of_C, of_K, whole=of_K)
         part = replace(part, letters=(own_letters[0], own_letters[1], own_letters[2]) if own_letters else None)
+        part = replace(part, beside=beside and beside.taken(own_rows))
         if not part.fractions:
             parts.append(part)
             continue
+        if limit and (part.beside or len(part.names) > 1):
+            seen = part if rest is None else _damped_in_frame(part, [names[int(i)] for i in rows], top)
+            if seen.turn or part.beside:
+                parts.append(seen)
+                continue
         of, damped = [names[int(i)] for i in rows], part.damped(limit)
         if part.fractions is part.letters and not damped:
             part = replace(part, known=of_balls(of_M, of_C, of_K, True))
@@ -137,9 +149,9 @@ def split(
         if damped or limit or rest is None:
             parts += [motion for motion, _ in motions]
         elif any(motion.together and held(X).any() for motion, _ in motions for X in motion.C):
-            parts += _of_frame(part, of, rest) or [motion for motion, _ in motions]
+            parts += _of_frame(part, of, rest, top) or [motion for motion, _ in motions]
         else:
-            parts += [_seen_from_frame(motion, each, rest) for motion, each in motions]
+            parts += [_seen_from_frame(motion, each, rest, top) for motion, each in motions]
     massless = any(not any(held(X).any() for X in part.M) for part in parts)
     return [whole] if massless else parts
 
@@ -240,32 +252,64 @@ def _compared(one: tuple[list[arb], Any, Any], other: tuple[list[arb], Any, Any]
 # --- two planes that rates couple -------------------------------------------------------------------------------------
 
 
-def _seen_from_frame(part: Part, names: Sequence[str], rest: bool) -> Part:
+def _seen_from_frame(part: Part, names: Sequence[str], rest: bool, top: Fraction) -> Part:
     """Of two planes that are alike and that rates alone couple, one as seen from a frame that turns; else the part.
-    names: of the rows."""
+    names: of the rows. top: the highest load of interest."""
     exactly = part.fractions
     if exactly is None or not held(part.M[0]).any() or not any(held(X).any() for X in part.C):
         return part
-    for planes in _pairs(list(dict.fromkeys(names))):
-        one, two = ([i for of in plane for i, name in enumerate(names) if name == of] for plane in planes)
-        if len(one) != len(two):
+    of_M, of_B, of_K = exactly
+    for planes, at in _planes(names):
+        if not (_alike(of_M, at) and _alike(of_K, at) and _across(of_B, at)):
             continue
-        M, B, K, *letters = (
-            [[X[np.ix_(r, c)] for r in (one, two) for c in (one, two)] for X in terms]
-            for terms in (part.M, part.C, part.K, *exactly)
-        )  # fmt: skip
-        of_M, of_B, of_K = letters
-        alike = all((a == d).all() and not (b != 0).any() and not (c != 0).any() for a, b, c, d in of_M + of_K)
-        if alike and all((b == -c).all() and not (a != 0).any() and not (d != 0).any() for a, b, c, d in of_B):
-            masses, stiff, rates = ([X[k] for X in terms] for terms, k in ((M, 0), (K, 0), (B, 1)))
-            return _turned(replace(part, planes=planes), masses, rates, stiff, rest)
+        M, B, K = ([X[at[k]] for X in terms] for terms, k in ((part.M, 0), (part.C, 1), (part.K, 0)))
+        return _turned(replace(part, planes=planes), M, B, K, rest, top)
     return part
 
 
-def _of_frame(part: Part, names: Sequence[str], rest: bool) -> list[Part]:
+def _damped_in_frame(part: Part, names: Sequence[str], top: Fraction) -> Part:
+    """The same in a limit of vanishing damping that is alike in both planes, and from one to the other but for the
+    sign."""
+    exactly, beside = part.fractions, part.beside or Beside([], [])
+    if exactly is None or (part.beside and part.letters and not beside.letters):
+        return part
+    (of_M, of_C, of_K), (of_G, of_S) = exactly, beside.letters or (beside.G, beside.S)
+    for planes, at in _planes(names):
+        if not (_alike(of_M, at) and _alike(of_K, at) and _across(of_G, at)):
+            continue
+        if all((X[at[0]] == X[at[3]]).all() and (X[at[1]] == -X[at[2]]).all() for X in (*of_C, *of_S)):
+            M, K, C = ([X[at[0]] for X in terms] for terms in (part.M, part.K, part.C))
+            B, S = ([X[at[1]] for X in terms] for terms in (beside.G, beside.S))
+            return _whirling(replace(part, planes=planes, beside=None), M, B or [fmpq(0) * M[0]], K, top, C, S)
+    return part
+
+
+def _planes(names: Sequence[str]) -> Iterator[tuple[Planes, list[Any]]]:
+    """All ways to say which rows are of one plane and which of the other, with where the four blocks of these are."""
+    for planes in _pairs(list(dict.fromkeys(names))):
+        one, two = ([i for of in plane for i, name in enumerate(names) if name == of] for plane in planes)
+        if len(one) == len(two):
+            yield planes, [np.ix_(r, c) for r in (one, two) for c in (one, two)]
+
+
+def _alike(terms: Powers, at: list[Any]) -> bool:
+    """Whether matrices are the same of both planes and couple them nowhere."""
+    return all(
+        (X[at[0]] == X[at[3]]).all() and not any((X[place] != 0).any() for place in at[1:3]) for X in terms
+    )  # fmt: skip
+
+
+def _across(terms: Powers, at: list[Any]) -> bool:
+    """Whether they couple the planes alone, one as the other but for the sign."""
+    return all(
+        (X[at[1]] == -X[at[2]]).all() and not any((X[place] != 0).any() for place in (at[0], at[3])) for X in terms
+    )  # fmt: skip
+
+
+def _of_frame(part: Part, names: Sequence[str], rest: bool, top: Fraction) -> list[Part]:
     """Where only roots tell motions apart that rates couple: those of one plane as seen from a frame; none where it is
     none of two such planes."""
-    seen = replace(_seen_from_frame(part, list(names), rest), before=True)
+    seen = replace(_seen_from_frame(part, list(names), rest, top), before=True)
     return [motion for motion, _ in _motions(seen, list(names), False)] if seen.turn else []
 
 
@@ -279,37 +323,45 @@ def _pairs(names: list[str]) -> Iterator[Planes]:
         yield from ((one, two) for two in permutations(name for name in names if name not in one))
 
 
-def _turned(part: Part, M: Powers, B: Powers, K: Powers, rest: bool) -> Part:
+def _turned(part: Part, M: Powers, B: Powers, K: Powers, rest: bool, top: Fraction) -> Part:
     mass = M[0]
     i, j = next(zip(*np.nonzero(held(mass)), strict=True))
     rate = B[0][i, j] / mass[i, j] / 2
     if rate < 0:  # of the other one
         one, two = part.planes or ((), ())
-        return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K, rest)
+        return _turned(replace(part, planes=(two, one)), M, [-b for b in B], K, rest, top)
     # from rest no rates are left, at any load: not so where they grow with it, of a frame that turns faster then
     left = [2 * rate * mass - B[0], *B[1:], *M[1:]]
-    whirls = not rest or rate == 0 or any(held(X).any() for X in left)
-    if whirls:
-        rate = fmpq(_fast(mass, B[0], K[0]))
-    turned = [
-        [rate * b - rate * rate * m + k, 2 * rate * m - b] for m, b, k in zip_longest(M, B, K, fillvalue=fmpq(0) * mass)
-    ]
-    part = replace(part, C=[], turn=Fraction(int(rate.p), int(rate.q)), whirls=whirls, known=None, letters=None)
-    if not whirls:
-        return replace(part, M=[mass], K=[A for A, _ in turned])
-    # (w, s w) has K − s M, with K = [[0, 1], [A_0, A_1]] and M = [[1, 0], [0, M]]
-    none = fmpq(0) * mass
-    one = none + np.array([[fmpq(int(i == j)) for j in range(len(mass))] for i in range(len(mass))])
+    if not rest or rate == 0 or any(held(X).any() for X in left):
+        return _whirling(part, M, B, K, top, [], [])
+    stiff = [rate * b - rate * rate * m + k for m, b, k in zip_longest(M, B, K, fillvalue=fmpq(0) * mass)]
+    return replace(_in_frame(part, rate), M=[mass], K=stiff)
+
+
+def _in_frame(part: Part, rate: fmpq) -> Part:
+    return replace(part, C=[], turn=Fraction(int(rate.p), int(rate.q)), known=None, letters=None)
+
+
+def _whirling(part: Part, M: Powers, B: Powers, K: Powers, top: Fraction, C: Powers, S: Powers) -> Part:
+    """(w, s w) has K − s M, with K = [[0, 1], [A_0, A_1]] and M = [[1, 0], [0, M]]; C, S: of damping that vanishes."""
+    rate, none = fmpq(_fast(M, B, K, float(top))), fmpq(0) * M[0]
+    one = none + np.array([[fmpq(int(i == j)) for j in range(len(none))] for i in range(len(none))])
+    turned = [[rate * b - rate * rate * m + k, 2 * rate * m - b] for m, b, k in zip_longest(M, B, K, fillvalue=none)]
     stiff = [np.block([[none, none if k else one], [A, R]]) for k, (A, R) in enumerate(turned)]
     masses = [np.block([[none if k else one, none], [none, m]]) for k, m in enumerate(M)]
-    return replace(part, M=masses, K=stiff)
+    rates = [np.block([[none, none], [s - rate * c, c]]) for c, s in zip_longest(C, S, fillvalue=none)]
+    return replace(_in_frame(part, rate), whirls=True, M=masses, C=rates, K=stiff)
 
 
-def _fast(M: Any, B: Any, K: Any) -> int:
-    """A rate from twice to four times all |ω| without load, about: ω + rate is positive then, and stays so under loads
-    that do not double a frequency."""
-    m, b, k = (np.array(X, dtype=float) for X in (M, B, K))
-    one = np.eye(len(m))
-    pencil = np.block([[k, -b], [0 * one, one]]), np.block([[0 * one, m], [one, 0 * one]])
-    inverse = np.abs(np.linalg.eigvals(np.linalg.pinv(pencil[0]) @ pencil[1]))  # 1/|ω|; of what has no mass nothing
-    return 1 << int(np.ceil(np.log2(2 / min([1.0, *(v for v in inverse if v > 1e-12)]))))
+def _fast(M: Powers, B: Powers, K: Powers, top: float) -> int:
+    """A rate from twice to four times all |ω| without load and at the highest, about: ω + rate is positive then, and
+    stays so under loads that do not double a frequency."""
+
+    def slowest(P: float) -> float:
+        m, b, k = (np.sum([P**a * np.array(X, dtype=float) for a, X in enumerate(of)], axis=0) for of in (M, B, K))
+        one = np.eye(len(m))
+        pencil = np.block([[k, -b], [0 * one, one]]), np.block([[0 * one, m], [one, 0 * one]])
+        inverse = np.abs(np.linalg.eigvals(np.linalg.pinv(pencil[0]) @ pencil[1]))  # 1/|ω|; of what has no mass nothing
+        return min([1.0, *(float(v) for v in inverse if v > 1e-12)])
+
+    return 1 << int(np.ceil(np.log2(2 / min(slowest(0.0), slowest(top)))))

@@ -49,6 +49,31 @@ class Structure:
         return 2 * a + power < 2 * self.rests if self.left_alone else a + power < self.rests
 
 
+@dataclass(frozen=True)
+class Beside:
+    """What there is beside damping ε C that vanishes, of det(λ² M + λ (G + ε C) + K + ε S), by powers of the load:
+    rates G that stay, and what the damping does on displacements, S. Without damping there are no odd powers of λ.
+
+    letters: G and S of matrices in balls, as fractions that stand with the same products of names.
+    """
+
+    G: list[Rational]
+    S: list[Rational]
+    letters: tuple[list[Rational], list[Rational]] | None = None
+
+    @property
+    def acts(self) -> bool:
+        """Whether the damping acts on displacements."""
+        return any(held(X).any() for X in self.S)
+
+    def taken(self, at: Any) -> Beside | None:
+        """Of some rows and columns; None where there is nothing in these."""
+        G, S, *others = ([X[at] for X in terms] for terms in (self.G, self.S, *(self.letters or ())))
+        if not any(held(X).any() for X in (*G, *S)):
+            return None
+        return Beside(G, S, (others[0], others[1]) if others else None)
+
+
 def structure(M: Sequence[Rational], C: Sequence[Rational], K: Sequence[Rational]) -> Structure:
     """Of matrices by powers of the load; C empty without damping."""
     C = [] if all(map(_is_nothing, C)) else list(C)

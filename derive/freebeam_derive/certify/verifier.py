@@ -66,7 +66,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cache, cached_property
 from itertools import pairwise, product, zip_longest
@@ -106,13 +106,14 @@ from freebeam_derive.certify.verifier_claims import (
 from freebeam_derive.certify.verifier_degrees import Degrees, degrees, kernel
 from freebeam_derive.certify.verifier_loads import check_one_load, check_pair_at_rest
 from freebeam_derive.certify.verifier_motions import Motion, in_other_coordinates, motions
-from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, taken
+from freebeam_derive.certify.verifier_parts import alike, rescaled, seen, seen_damped, taken
 
 FORMAT, GENERAL = "freebeam certificate 1", "freebeam certificate 2"
 CLAIM = {"format", "column", "parameters", "modes", "forms", "alpha", "beta", "kind", "load", "frequency_squared",
          "load_max", "proof", "stretches"}  # fmt: skip
 FIELDS = CLAIM | {"ends", "basis", "kappa", "damping"}
 GENERAL_FIELDS = CLAIM | {"breaks", "fields", "coordinates", "rigid", "kappa"}
+ACTS = {"K_alpha", "K_beta"}  # what a damping that vanishes does on displacements
 APART = {"parts", "beside"}  # of motions that leave each other alone
 Basis = tuple[Callable[..., arb], Callable[..., arb]]
 Line = tuple[Fraction, Fraction]
@@ -486,12 +487,13 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         alone = not others or nothing(*(Y for powers in terms for Y in taken(powers, own, others)))
         require(bool(own) and alone, f"{' and '.join(group)} and the others do not leave each other alone")
         mine = [k for k, each in enumerate(names) if each == group]
-        inner = [taken(powers, own, own) for powers in terms]
+        inner, stays = ([taken(powers, own, own) for powers in of] for of in (terms[:3], terms[3:]))
         frames = [parts[k]["frame"] for k in mine]
         frame = frames[0] if type(frames[0]) is dict and "before" in frames[0] else None
         turn, whirls = None, False
         if frame is not None:  # seen from a frame first, then taken apart
-            require(all(of == frame for of in frames), "parts of two planes are not seen from one frame")
+            alike = all(of == frame for of in frames) and not limit
+            require(alike, "parts of two planes are not seen from one frame")
             inner, turn, whirls = _seen(inner, frame, [held[n][-1] for n in own], limit)
         rates = [] if nothing(*inner[1]) else inner[1]
         damped = bool(rates) if limit else not degrees(inner[0], rates, inner[2]).even
@@ -501,9 +503,9 @@ def apart(space: Space, parts: Any, W: fmpq_mat, terms: list[list[fmpq_mat]], li
         for k in mine:
             motion = each[parts[k]["motion"]]
             if turn is None:
-                of_motion = Part.of(
-                    motion, limit, frames[mine.index(k)], [held[own[n]][-1] for n in motion.stands], group
-                )
+                require(len(mine) == 1 or nothing(*stays[0], *stays[1]), "rates that stay tell motions apart")
+                rows_of = [held[own[n]][-1] for n in motion.stands]
+                of_motion = Part.of(motion, limit, stays, frames[mine.index(k)], rows_of, group)
                 found[k] = replace(of_motion, whole=inner[2])
             else:
                 found[k] = replace(Part.of(motion, limit, names=group), turn=turn, whirls=whirls)
@@ -515,7 +517,11 @@ def of_forms(data: dict[str, Any]) -> Read:
     differ = ", ".join(sorted(GENERAL_FIELDS ^ (set(data) - APART)))[:100]
     require(set(data) in (GENERAL_FIELDS, GENERAL_FIELDS | APART), f"fields are missing, or not known: {differ}")
     claims, space, given = claims_of(data, at_zero=True), _space(data), data["forms"]
-    require(set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"}, "the forms are not M, C_1, C_alpha, C_beta and K")
+    kappa = ratio(data["kappa"])
+    acts = ACTS if kappa is not None and set(given) & ACTS else set()
+    require(
+        set(given) == {"M", "C_1", "C_alpha", "C_beta", "K"} | acts, "the forms are not M, C_1, C_alpha, C_beta and K"
+    )
     powers = [form for name in given for form in _list(given[name], MOST_POWERS)]
     terms = [term for form in powers for part in ("along", "points") for term in _list(form[part], MOST_PARTS)]
     degree = max((len(term[-1]) for term in terms if type(term[-1]) is list), default=0)
@@ -526,20 +532,26 @@ def of_forms(data: dict[str, Any]) -> Read:
     motions = [_motion(motion, space) for motion in _list(data["rigid"], MOST_MOTIONS)]
     require(bool(forms["M"] and forms["K"]), "there is no mass, or no stiffness")
     M, K = ([space.matrix((fmpq(1), form)) for form in forms[name]] for name in "MK")
-    kappa = ratio(data["kappa"])
     dampings = (claims["alpha"], claims["beta"]) if kappa is None else direction(kappa)
     if kappa is not None:
         fits = kappa >= 0 == claims["alpha"] == claims["beta"]
         require(fits, "kappa is negative, or alpha and beta are not 0 in its limit")
-        stays = [space.matrix((fmpq(1), form)) for form in forms["C_1"]]
-        require(nothing(*stays), "the damping C_1 stays where alpha and beta vanish")
-    sizes = {"C_1": fmpq(1), "C_alpha": exact(dampings[0]), "C_beta": exact(dampings[1])}
-    parts = [[(size, form) for form in forms[name]] for name, size in sizes.items()]
-    C = [space.matrix(*filter(None, each)) for each in zip_longest(*parts)]
+
+    def summed(**sizes: fmpq) -> list[fmpq_mat]:
+        each = [[(size, form) for form in forms.get(name, [])] for name, size in sizes.items()]
+        return [space.matrix(*filter(None, of)) for of in zip_longest(*each)]
+
+    split, limit, (one, other) = "parts" in data, kappa is not None, map(exact, dampings)
+    C = summed(**{} if limit else {"C_1": fmpq(1)}, C_alpha=one, C_beta=other)
     W, whole = reduced(space, motions, M, C, K)
-    split, limit, rates = "parts" in data, kappa is not None, whole[1]
-    require(bool(rates) or not limit, "there is no damping that could vanish")
-    each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(Motion(whole, []), limit)]
+    stays = [summed(C_1=fmpq(1)), summed(K_alpha=one, K_beta=other)] if limit else [[], []]
+    whole += [[W.transpose() * X * W for X in powers] for powers in stays]
+    rates = whole[3] if limit and not nothing(*whole[3]) else [] if limit else whole[1]
+    require(bool(whole[1]) or not limit, "there is no damping that could vanish")
+    if limit and not nothing(*whole[3], *whole[4]):
+        require(not motions, "a vanishing damping leaves rates, or acts on displacements, beside rigid motions")
+        require(degrees(whole[0], rates, whole[2]).even, "the damping C_1 stays where alpha and beta vanish")
+    each = apart(space, data["parts"], W, whole, limit) if split else [Part.of(Motion(whole[:3], []), limit, whole[3:])]
     beside = _list(data.get("beside", []), MOST_NAMES)
     require(len(beside) == len(each) - 1, "the stretches of each part are not there")
     first, damped = each[0], any(part.damped for part in each)
@@ -552,7 +564,7 @@ def of_forms(data: dict[str, Any]) -> Read:
     lost = [part.lost(data["load"], of) if type(of) is dict else None for part, of in others]
     stated = OfForms(
         **claims, kappa=kappa, breaks=space.breaks, unknowns=(*space.fields, *space.coordinates), size=W.ncols(),
-        motions=len(motions), damped=damped, lasting=lasting, gyroscopic=bool(rates) and not damped,
+        motions=len(motions), damped=damped, lasting=lasting, gyroscopic=bool(rates) and (limit or not damped),
         above_zero=any(part.above_zero for part in each),
         parts=tuple(tuple(part["names"]) for part in data.get("parts", [])),
         scales=(Fraction(1), *filter(None, scales)), turn=first.turn, whirls=first.whirls,
@@ -572,7 +584,8 @@ class Part:
     """Motions that leave all others alone: M, C and K by powers of the load, exact. motion: where they are those of all
     roots of a polynomial, which one is meant. limit: of vanishing damping. turn: the rate of a frame from which one of
     two planes is seen that rates couple; whirls: with ω + turn in place of ω². names: of fields and coordinates.
-    whole: K of all motions of these names."""
+    whole: K of all motions of these names. stays: rates that stay where damping vanishes, and what that does on
+    displacements."""
 
     M: list[fmpq_mat]
     C: list[fmpq_mat]
@@ -585,19 +598,34 @@ class Part:
     whirls: bool = False
     names: Sequence[str] = ()
     whole: Sequence[fmpq_mat] = ()
+    stays: Sequence[list[fmpq_mat]] = ()
 
     @staticmethod
-    def of(motion: Motion, limit: bool, frame: Any = None, rows: Sequence[str] = (), names: Sequence[str] = ()) -> Part:
+    def of(
+        motion: Motion,
+        limit: bool,
+        stays: Sequence[list[fmpq_mat]] = (),
+        frame: Any = None,
+        rows: Sequence[str] = (),
+        names: Sequence[str] = (),
+    ) -> Part:
         """frame: of a file, or none; rows: the field or coordinate that each row stands for."""
         M, C, K = motion.terms
         turn, whirls, fast = None, False, None
         C = [] if nothing(*C) else C
-        limit = limit and bool(C)
+        limit, stays = limit and bool(C), [] if nothing(*(X for powers in stays for X in powers)) else stays
+        if stays and not limit:
+            require(nothing(*stays[1]), "what vanishes acts on displacements alone")
+            C, stays = stays[0], []
         if frame is not None:
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
-            (M, C, K), turn, whirls = _seen([M, C, K], frame, rows, limit)
-        known = degrees(M, C, K)
-        if limit:
+            (M, C, K), turn, whirls = _seen([M, C, K, *stays], frame, rows, limit)
+            stays = []
+        known = degrees(M, [] if stays else C, K)
+        if stays:
+            regular = known.highest == 2 * M[0].nrows() and not known.resting
+            require(regular, "a motion has no mass, or rests without load, beside rates that stay")
+        elif limit:
             still = degrees(M, [], K).highest
             if known.highest > still:
                 require(motion.count == 1, "damping acts on what has no mass, where roots tell motions apart")
@@ -605,7 +633,7 @@ class Part:
             known = replace(known, highest=still + (fast is not None))
         known = known.each(motion.count, not limit and (not C or motion.even))
         require(known.highest > 1, "no motion has a frequency")
-        return Part(M, C, K, motion, limit, known, fast, turn, whirls, names, motion.terms[2])
+        return Part(M, C, K, motion, limit, known, fast, turn, whirls, names, motion.terms[2], stays)
 
     def scale(self, other: Part) -> Fraction | None:
         """λ² in it over those in another that it is again: 1 for the same motions, or the same matrices but for one
@@ -613,6 +641,8 @@ class Part:
         if self.names == other.names and self.motion.kind == other.motion.kind >= 0:
             return Fraction(1)
         if not self.motion.count == other.motion.count == 1 or (self.turn, self.whirls) != (other.turn, other.whirls):
+            return None
+        if self.stays or other.stays:
             return None
         if alike(self._terms, other._terms):
             return Fraction(1)
@@ -640,9 +670,10 @@ class Part:
         M, C, K = (
             [[arb_mat(X) for X in powers] for powers in terms] if self.motion.count == 1 else self.motion.matrices()
         )
+        G, S = ([arb_mat(X) for X in powers] for powers in self.stays or ([], []))
         C = C[: len(self.C)]
         known = self.known, self.fast, self.turn, self.whirls, self._pair_at_rest
-        return System(M, C if self.C else [], K, self.limit, *known)
+        return System(M, C if self.C else [], K, self.limit, *known, G, S)
 
     def _pair_at_rest(self, low: Fraction, high: Fraction) -> None:
         """At one load between two, two motions rest: exactly, of those of all roots of a polynomial together, and no
@@ -674,6 +705,7 @@ class Part:
 
         def check(series: Series) -> None:
             require(series.check_crossing(low, high, lost.square) > 0, "stability is not lost there")
+            require(not (first.stays or self.stays), "two loads are not known to be one beside rates that stay")
             both = [
                 (p._terms, bool(square and any(square))) for p, square in ((first, stated.square), (self, lost.square))
             ]
@@ -693,11 +725,13 @@ def _seen(
     """Two planes as seen from the frame of a file, its rate, and whether x is ω + turn; rows: of which field or
     coordinate each is."""
     keys = {"planes", "turn"} | ({"before"} if frame.get("before") is True else set())
-    require(set(frame) == keys and not limit and not nothing(*terms[1]), "a frame is none of rates")
+    require(set(frame) == keys and (limit or not nothing(*terms[1])), "a frame is none of rates")
     planes = [_list(plane, MOST_NAMES) for plane in _list(frame["planes"], 2)]
     turn = exact(number(frame["turn"]))
     require(len(planes) == 2 and turn > 0, "a frame is not two planes, or does not turn")
     each = [[n for name in plane for n, of in enumerate(rows) if of == name] for plane in planes]
+    if limit:
+        return seen_damped([*terms, *([[], []] if len(terms) == 3 else [])], each, turn), turn, True
     found, whirls = seen(terms, each, turn)
     return found, turn, whirls
 
@@ -715,11 +749,11 @@ def _space(data: dict[str, Any]) -> Space:
     known = all(type(name) is str and name.isidentifier() and len(name) <= 200 for name in names)
     require(known, "a field or coordinate has no name")
     fields = {}
-    for name, field in given.items():
-        require(set(field) == {"joined", "held", "opened"}, "a field is not joined, held and opened")
-        joined, last = _whole(field["joined"], 0, 2), len(breaks) - 2
-        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in _list(field["held"], 4)}
-        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in _list(field["opened"], 2 * last)}
+    for name, of in given.items():
+        require(set(of) == {"joined", "held", "opened"}, "a field is not joined, held and opened")
+        joined, last = _whole(of["joined"], 0, 2), len(breaks) - 2
+        held = {(_whole(end, 0, 1), _whole(order, 0, joined - 1)) for end, order in _list(of["held"], 4)}
+        opened = {(_whole(k, 1, last), _whole(order, 0, joined - 1)) for k, order in _list(of["opened"], 2 * last)}
         fields[name] = joined, held, opened
     space = Space(breaks, fields, coordinates, data["modes"] + 2)
     require(space.size <= MOST_UNKNOWNS, f"there are more than {MOST_UNKNOWNS} unknowns")
@@ -845,7 +879,8 @@ class Fast:
 class System:
     """M, C and K by powers of the load; C empty without damping. vanishing: C is nothing but a direction. known: what
     holds exactly of their determinant; of none M is regular, and K without load. turn, whirls: as of a `Part`.
-    pair_at_rest: checks that two λ are zero at one load between two."""
+    pair_at_rest: checks that two λ are zero at one load between two. G, S: rates that stay where damping vanishes, and
+    what that does on displacements."""
 
     M: list[arb_mat]
     C: list[arb_mat]
@@ -856,6 +891,8 @@ class System:
     turn: fmpq | None = None
     whirls: bool = False
     pair_at_rest: Callable[[Fraction, Fraction], None] | None = None
+    G: list[arb_mat] = field(default_factory=list)
+    S: list[arb_mat] = field(default_factory=list)
 
     @property
     def centre(self) -> arb:
@@ -880,7 +917,8 @@ class Series:
         self.damped = bool(system.C) and not (known.even and not system.vanishing)
         self.touching = self.damped and known.touching
         self.N, self.of_g = known.highest // 2, (known.highest - 1) // 2
-        self.power = next((k for k, X in enumerate(system.C) if any(not v == 0 for v in X.entries())), 0)
+        vanishing = ((k, X) for terms in (system.C, system.S) for k, X in enumerate(terms))
+        self.power = min((k for k, X in vanishing if any(not v == 0 for v in X.entries())), default=0)
         rows = system.M[0].nrows()
         count = max(1, sum(_powers_of_row(system, i) for i in range(rows)))
         loads = [end * (k + (self.resting > 0)) / count for k in range(count + 1)]  # where K is regular
@@ -893,7 +931,8 @@ class Series:
             require(separated, "the roots of h are not separated without load")
         for x, row in zip(places, values, strict=True):
             row += [self._determinant(ball(P), ball(x)) for P in loads[1:]]
-        powers = [max(len(terms) - 1, 0) for terms in (system.M, system.C, system.K)]
+        both = (system.M,), (system.C, system.G), (system.K, system.S)  # of as many λ in a row
+        powers = [max(max(map(len, of)) - 1, 0) for of in both]
         tops = [min(count, highest(b, rows, *powers)) for b in range(self.N + 1)]
         self.h = _interpolated(places, loads, [[h for h, _ in row] for row in values], tops)
         self.h = self._without(self.h, 0, 0)
@@ -942,8 +981,12 @@ class Series:
         ]  # fmt: skip
 
     def _determinant(self, P: arb, x: arb) -> tuple[arb, arb]:
-        M, C, K = (_at_load(terms, P) for terms in (self.system.M, self.system.C, self.system.K))
+        system = self.system
+        M, C, K, G, S = (_at_load(terms, P) for terms in (system.M, system.C, system.K, system.G, system.S))
         A = K - x * M
+        if system.G or system.S:
+            G, S = (X if X.nrows() else 0 * A for X in (G, S))
+            return _first_order(A, C, G, S, x)
         if not self.system.C:
             return A.det(), arb(0)
         if self.system.vanishing or x == 0:
@@ -1095,9 +1138,22 @@ def opposite(one: arb, other: arb) -> bool:
     return bool(one < 0 < other or other < 0 < one)
 
 
+def _first_order(A: arb_mat, C: arb_mat, G: arb_mat, S: arb_mat, x: arb) -> tuple[arb, arb]:
+    """h = det(A + λG), and the odd part of tr(adj(A + λG)(λC + S)) divided by λ, both at λ = i√x."""
+    if x == 0:
+        inverse, d = A.inv(), A.det()
+        of_G, of_S = inverse * G, inverse * S
+        return d, d * ((inverse * C).trace() + of_G.trace() * of_S.trace() - (of_G * of_S).trace())
+    rate = acb(0, 1) * x.sqrt()
+    whole = acb_mat(A) + rate * acb_mat(G)
+    first = whole.det() * (whole.inv() * (rate * acb_mat(C) + acb_mat(S))).trace()
+    return whole.det().real, first.imag / x.sqrt()
+
+
 def _powers_of_row(system: System, i: int) -> int:
     """The highest power of P with which row i of M, C or K holds anything."""
-    each = [(k, X) for terms in (system.M, system.C, system.K) for k, X in enumerate(terms)]
+    every = system.M, system.C, system.K, system.G, system.S
+    each = [(k, X) for terms in every for k, X in enumerate(terms)]
     return max((k for k, X in each if any(not X[i, j] == 0 for j in range(X.ncols()))), default=0)
 
 

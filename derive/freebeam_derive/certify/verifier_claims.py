@@ -267,7 +267,8 @@ class OfForms(Statement):
         of = f", alpha = {said(self.alpha)}, beta = {said(self.beta)}" if self.damped else ", undamped"
         of += " but for gyroscopic terms" if self.gyroscopic else ""
         if self.kappa is not None:
-            of = f", in the limit of vanishing damping, {vanishing(self.kappa)}"
+            of = f", in the limit of vanishing damping{' beside gyroscopic terms' * self.gyroscopic}"
+            of += f", {vanishing(self.kappa)}"
         if len(self.parts) > 1:
             of += f", {_motions(self.parts)} leaving each other alone"
         if self.lasting:

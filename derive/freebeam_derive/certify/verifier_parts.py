@@ -55,6 +55,31 @@ def seen(terms: Terms, planes: list[list[int]], turn: fmpq) -> tuple[Terms, bool
     det(A + s R − s² M) = 0 with A = K + turn B − turn² M, R = 2 turn M − B. Where R is nothing x is s². Else it is s:
     the determinant is that of the matrices [[0, 1], [A, R]] − s [[1, 0], [0, M]], but for its sign.
     """
+    M, B, K = _of_planes(terms, planes)
+    rates = [2 * turn * m - b for m, b in zip_longest(M, B, fillvalue=0 * M[0])]
+    if not _nothing(*rates):
+        return _pencil(M, B, K, turn, [], []), True
+    require(_nothing(*M[1:]), "a mass that comes with the load is not seen from a frame")
+    return [M[:1], [], [k + turn * b - turn * turn * m for m, b, k in zip_longest(M, B, K, fillvalue=0 * M[0])]], False
+
+
+def seen_damped(terms: Terms, planes: list[list[int]], turn: fmpq) -> Terms:
+    """The same of M, C, K, G and S, rates G that stay where damping C vanishes, which acts on displacements by S: the
+    matrices with ω + turn in place of ω².
+
+    With C = [[C, D], [−D, C]] and S = [[E, S], [−S, E]] the damping adds iε (ωC ± S) to what w has, and of real
+    matrices ε (E ± ωD), which no motion grows by to first order; [0, 1]ᵀ [S − turn C, C] is S + ωC of (w, s w).
+    """
+    M, C, K, G, S = terms
+    M, B, K = _of_planes([M, G, K], planes)
+    for X in C + S:
+        (a,), (b,), (c,), (d,) = (taken([X], i, j) for i in planes for j in planes)
+        require(a == d and b == -c, "what vanishes is not alike in two planes")
+    return _pencil(M, B or [0 * M[0]], K, turn, taken(C, planes[0], planes[0]), taken(S, planes[0], planes[1]))
+
+
+def _of_planes(terms: Terms, planes: list[list[int]]) -> Terms:
+    """M and K of each of two planes, and by what rates they are coupled; C of these alone."""
     one, two = planes
     require(len(one) == len(two) > 0, "two planes are not of as many motions")
     require(sorted(one + two) == list(range(terms[2][0].nrows())), "two planes are not all of the motions")
@@ -65,19 +90,24 @@ def seen(terms: Terms, planes: list[list[int]], turn: fmpq) -> tuple[Terms, bool
     for X in C:
         (a,), (b,), (c,), (d,) = (taken([X], i, j) for i in planes for j in planes)
         require(_nothing(a, d) and b == -c, "two planes are not coupled by rates alone")
-    M, B, K = taken(M, one, one), taken(C, one, two), taken(K, one, one)
-    n, none = len(one), 0 * M[0]
-    both = list(zip_longest(M, B, K, fillvalue=none))
-    still = [k + turn * b - turn * turn * m for m, b, k in both]
-    rates = [2 * turn * m - b for m, b, _ in both]
-    if _nothing(*rates):
-        require(_nothing(*M[1:]), "a mass that comes with the load is not seen from a frame")
-        return [M[:1], [], still], False
+    return [taken(M, one, one), taken(C, one, two), taken(K, one, one)]
+
+
+def _pencil(
+    M: list[fmpq_mat], B: list[fmpq_mat], K: list[fmpq_mat], turn: fmpq, C: list[fmpq_mat], S: list[fmpq_mat]
+) -> Terms:
+    """[[0, 1], [A, R]] − s [[1, 0], [0, M]], and [[0, 0], [S − turn C, C]]."""
+    n, none = M[0].nrows(), 0 * M[0]
+    one = fmpq_mat([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
 
     def joined(blocks: list[list[fmpq_mat]]) -> fmpq_mat:
         return fmpq_mat([[X[i, j] for X in row for j in range(n)] for row in blocks for i in range(n)])
 
-    one_ = fmpq_mat([[fmpq(int(i == j)) for j in range(n)] for i in range(n)])
-    stiff = [joined([[none, none if k else one_], [A, R]]) for k, (A, R) in enumerate(zip(still, rates, strict=True))]
-    masses = [joined([[none if k else one_, none], [none, m]]) for k, m in enumerate(M)]
-    return [masses, [], stiff], True
+    both = enumerate(zip_longest(M, B, K, fillvalue=none))
+    stiff = [
+        joined([[none, none if k else one], [x + turn * b - turn * turn * m, 2 * turn * m - b]])
+        for k, (m, b, x) in both
+    ]
+    masses = [joined([[none if k else one, none], [none, m]]) for k, m in enumerate(M)]
+    rates = [joined([[none, none], [s - turn * c, c]]) for c, s in zip_longest(C, S, fillvalue=none)]
+    return [masses, rates, stiff]
