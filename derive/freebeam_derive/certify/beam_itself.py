@@ -245,9 +245,8 @@ class Static(Onset):
     def __init__(self, beam: Itself) -> None:
         super().__init__(beam)
         R = self.order = beam.trivial()
-        self.next = R + (2 if isinstance(beam, ExactSystem) and beam.gyroscopic else 1)
         self.of_value = tuple((0, j) for j in range(R + 1))
-        self.of_slopes = (*((0, j) for j in range(self.next + 1)), *((1, j) for j in range(R + 1)))
+        self.of_slopes = (*((0, j) for j in range(R + 2)), *((1, j) for j in range(R + 1)))
 
     def place(self, x: list[arb]) -> tuple[arb, arb]:
         return x[0], arb(0)
@@ -259,16 +258,19 @@ class Static(Onset):
         return [[t[1, self.order]]]
 
     def onset(self, x: list[arb], t: Taylor) -> None:
-        """s passes from positive to negative: −F_p / F_s < 0. Of a gyroscopic column, F even in s, s² does, as −s² is
-        from negative to positive: −2 F_p / F_ss > 0."""
-        side = -1 if self.next > self.order + 1 else 1
-        slopes = side * t[1, self.order] * t[0, self.next]
-        if side > 0 and t[0, self.next].contains(0):
-            raise Unproven(
-                "the direction of the crossing is not known, for λ and −λ may be eigenvalues alike, as of a gyroscopic "
-                "column without damping; that is served where rates couple two planes alone, else prove it of a series"
-            )
-        _sign(slopes, "the eigenvalue comes from the right half plane with growing load there, a restabilisation")
+        """s passes from positive to negative: −F_p / F_s < 0. Where F_s may be zero, as of a gyroscopic column, whose λ
+        and −λ leave zero together: above the load F has other signs at λ = 0 and at λ = 1, and a zero between."""
+        slope, beam = t[1, self.order], self.beam
+        if not t[0, self.order + 1].contains(0) or not isinstance(beam, ExactSystem) or not beam.rated:
+            slopes = slope * t[0, self.order + 1]
+            _sign(slopes, "the eigenvalue comes from the right half plane with growing load there, a restabilisation")
+            return
+        beyond = beam.taylor(x[0], arb(-1), ((0, 0),))[0, 0] * (-1) ** self.order
+        _sign(
+            -slope * beyond,
+            "above it the number of real eigenvalues between 0 and 1 is even and below it odd, a restabilisation where "
+            "there are no others",
+        )
 
 
 class Eigenvalue(Problem):

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 from flint import acb, arb
 
+from freebeam_derive.certify import energy
 from freebeam_derive.certify.balls import Exact, Range, Unproven, exact, least, precision, rational
 from freebeam_derive.certify.beam import Beam
 from freebeam_derive.certify.beam_cells import Cells, OpenStep
@@ -95,6 +96,9 @@ def complete(
         try:
             if isinstance(beam, Beam):
                 evidence = _prove(beam, crossing, alpha, beta, kappa)
+            elif _prove_by_energy(beam, crossing):
+                proof = Proof(first=True, stable_below=True)
+                return replace(crossing, proof=proof), None, "no certificate holds a proof by the column's energy"
             else:
                 evidence = _prove_of_any(beam, crossing)
         except Unproven as error:
@@ -148,6 +152,15 @@ def damping_factors(beam: Beam, alpha: Exact, beta: Exact, kappa: Exact | None) 
 def growing(c_E: arb, c_M: arb) -> arb | None:
     """With internal damping, the s below which a motion at s is not damped by c_E s + c_M; None without it."""
     return (-c_M / c_E).upper().max(arb(0)) if c_E > 0 else None
+
+
+def _prove_by_energy(system: ExactSystem, crossing: ExactCrossing) -> bool:
+    """Whether a divergence is the first loss of a gyroscopic column whose energy is kept. Raises Unproven."""
+    rates = crossing.kind == "divergence" and system.rated and not system.rigid
+    if not rates or not energy.kept(system.kernel, system.own, system.dampings):
+        return False
+    energy.positive_below(system, +crossing.load)
+    return True
 
 
 def _prove_of_any(system: ExactSystem, crossing: ExactCrossing) -> Evidence:

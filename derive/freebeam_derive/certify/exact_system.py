@@ -13,7 +13,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from fractions import Fraction
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import flint
@@ -132,29 +131,10 @@ class ExactSystem:
             )
         return self._known[bits]
 
-    @cached_property
-    def gyroscopic(self) -> bool:
-        """Whether F is known to be even in λ though rates enter: with −λ for λ and the signs of some fields and
-        coordinates changed, equations and conditions are the same, as where rates couple two planes alone."""
-        if not self._damped:
-            return False
-        with precision(64):
-            equations, conditions = self._stated(self.dampings)
-        same: list[tuple[str, str, int]] = []  # two names, and the sign that they are to have relative to one another
-        for table in equations:
-            same += [(row, of, (-1) ** r) for (row, of, _, r, _), factor in table.items() if _some(factor)]
-        for condition in conditions:
-            terms = [(name, r) for (name, _, r, _, _), factor in condition.items() if _some(factor)]
-            same += [(terms[0][0], name, (-1) ** (r + terms[0][1])) for name, r in terms]
-        signs: dict[str, int] = {}
-        for first in (*self.sizes, *self.columns):
-            waiting = [(first, signs.get(first, 1))]
-            while waiting:
-                name, sign = waiting.pop()
-                if name not in signs:
-                    signs[name] = sign
-                    waiting += [(b if a == name else a, sign * side) for a, b, side in same if name in (a, b)]
-        return all(signs[a] * signs[b] == side for a, b, side in same)
+    @property
+    def rated(self) -> bool:
+        """Whether rates enter, so that F is a function of s = −λ."""
+        return self._damped
 
     def _power(self, r: int) -> int:
         """m of λ^r = (−s)^m, or of (−s)^m λ where damping vanishes."""
