@@ -604,7 +604,7 @@ def enclosed_load(
 def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, whole: bool = False) -> Certified:
     """The crossing of the beam itself near a candidate; whole: and whether it is the first. Raises InputError where
     there is no proof."""
-    from freebeam_derive.certify import beam_crossings, pair_at_rest
+    from freebeam_derive.certify import beam_crossings, beam_stability, pair_at_rest
     from freebeam_derive.certify import beam_itself as beams
     from freebeam_derive.certify.balls import Unproven, ends
     from freebeam_derive.certify.beam import NoSeries
@@ -616,7 +616,7 @@ def _enclosed(asked: _Asked, near: tuple[float, float], kind: str, digits: int, 
     try:
         beam = asked.by_gaps if whole else asked.itself
         alpha, beta, kappa = asked.dampings_of(beam)
-        if kind == "divergence":
+        if kind == "divergence" or beam_stability.keeps_energy(beam):
             crossing = beams.divergence(beam, near[0], digits + 2)
         elif kappa is not None:
             crossing = beams.flutter_limit(beam, kappa, near, digits + 2)

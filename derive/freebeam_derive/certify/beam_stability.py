@@ -154,10 +154,16 @@ def growing(c_E: arb, c_M: arb) -> arb | None:
     return (-c_M / c_E).upper().max(arb(0)) if c_E > 0 else None
 
 
+def keeps_energy(beam: Itself) -> bool:
+    """Whether it is a gyroscopic column whose energy is kept, which is first lost by divergence."""
+    if not isinstance(beam, ExactSystem) or not beam.rated or beam.rigid:
+        return False
+    return energy.kept(beam.kernel, beam.own, beam.dampings)
+
+
 def _prove_by_energy(system: ExactSystem, crossing: ExactCrossing) -> bool:
     """Whether a divergence is the first loss of a gyroscopic column whose energy is kept. Raises Unproven."""
-    rates = crossing.kind == "divergence" and system.rated and not system.rigid
-    if not rates or not energy.kept(system.kernel, system.own, system.dampings):
+    if crossing.kind != "divergence" or not keeps_energy(system):
         return False
     energy.positive_below(system, +crossing.load)
     return True
