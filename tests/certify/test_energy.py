@@ -12,7 +12,7 @@ from flint import arb, fmpq, fmpq_poly
 
 import freebeam as fb
 from freebeam import proofs
-from freebeam_derive.certify import energy
+from freebeam_derive.certify import beam_itself, energy
 from freebeam_derive.certify.balls import Unproven, precision
 from freebeam_derive.certify.exact_system import ExactSystem
 from freebeam_derive.certify.formal import Formal
@@ -28,6 +28,21 @@ column = Column(
     ends=("pinned", "pinned"), parameters=(Parameter(b, "mass ratio", 0.1, 0, 1),),
 )
 """
+
+
+STATED["sleeping top"] = """
+column = Column(
+    "sleeping-top", "a top", (q.diff(t) ** 2 + p.diff(t) ** 2) / 2, (q**2 + p**2) / 2, P * (q**2 + p**2) / 2,
+    p.diff(t) * delta(q) - q.diff(t) * delta(p),
+)
+"""
+
+
+def test_where_frequencies_of_a_gyroscopic_column_meet_it_is_said_what_is_proven() -> None:
+    """λ⁴ + (1 + 2 k) λ² + k² = 0, k = 1 − P: two are i/2 at P = 5/4."""
+    system = ExactSystem(column("sleeping top").kernel)
+    with pytest.raises(Unproven, match="as of a gyroscopic column without damping, a series is proven alone"):
+        beam_itself.flutter_damped(system, 0, 0, (1.25, 0.5), 8)
 
 
 def test_a_held_pipe_buckles_at_the_load_of_a_column_whatever_its_flow() -> None:

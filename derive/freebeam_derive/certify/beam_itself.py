@@ -443,7 +443,16 @@ def flutter_undamped(beam: Itself, near: tuple[float, float], digits: int) -> Ex
 
 def flutter_damped(beam: Itself, alpha: Exact, beta: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
     """Onset of flutter with damping, Eq. (12). near: load and frequency. Raises Unproven, NoOnset."""
-    return onset(Damped(beam, alpha, beta), near, digits)
+    try:
+        return onset(Damped(beam, alpha, beta), near, digits)
+    except NoOnset:
+        raise
+    except Unproven as error:
+        if alpha != 0 or beta != 0:
+            raise
+        raise type(error)(
+            f"{error}; where two frequencies meet, as of a gyroscopic column without damping, a series is proven alone"
+        ) from None
 
 
 def flutter_limit(beam: Itself, kappa: Exact, near: tuple[float, float], digits: int) -> ExactCrossing:
