@@ -273,6 +273,8 @@ def _damped_in_frame(part: Part, names: Sequence[str], top: Fraction) -> Part:
     exactly, beside = part.fractions, part.beside or Beside([], [])
     if exactly is None or (part.beside and part.letters and not beside.letters):
         return part
+    if arb_mat([[arb(v) for v in row] for row in part.M[0].tolist()]).det().contains(0):
+        return part
     (of_M, of_C, of_K), (of_G, of_S) = exactly, beside.letters or (beside.G, beside.S)
     for planes, at in _planes(names):
         if not (_alike(of_M, at) and _alike(of_K, at) and _across(of_G, at)):

@@ -620,6 +620,7 @@ class Part:
         if frame is not None:
             require(motion.count == 1, "two planes are not seen from a frame where roots tell motions apart")
             (M, C, K), turn, whirls = _seen([M, C, K, *stays], frame, rows, limit)
+            require(not limit or M[0].det() != 0, "a motion has no mass, beside damping that vanishes in a frame")
             stays = []
         known = degrees(M, [] if stays else C, K)
         if stays:
