@@ -22,7 +22,7 @@ from typing import Any
 import mpmath
 import numpy as np
 from flint import arb, arb_mat, fmpq, fmpq_poly
-from sympy import Expr, Poly, Rational, lambdify
+from sympy import Expr, Poly, Pow, Rational, lambdify
 
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.notation import x
@@ -316,9 +316,10 @@ def rational(form: Form, parameters: dict[str, float]) -> bool:
 
 
 def number_with_digits(factor: Expr, parameters: dict[str, float]) -> tuple[fmpq, bool]:
-    """A factor of a form at given parameters, and whether it is exact: an irrational one has 60 digits."""
-    given = {s: Rational(*parameters[str(s)].as_integer_ratio()) for s in factor.free_symbols}
-    value = factor.xreplace(given)
-    if value.is_Rational:
-        return fmpq(int(value.p), int(value.q)), True
+    """A factor of a form at given parameters, and whether it is exact: an irrational one has 60 digits, and no
+    fractions compute one with a root or another power that happens to be rational."""
+    if all(power.exp.is_Integer for power in factor.atoms(Pow)):
+        value = factor.xreplace({s: Rational(*parameters[str(s)].as_integer_ratio()) for s in factor.free_symbols})
+        if value.is_Rational:
+            return fmpq(int(value.p), int(value.q)), True
     return fmpq(int(mpmath.ldexp(number_of(factor, parameters), BITS)), 2**BITS), False

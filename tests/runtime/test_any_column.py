@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import inspect
 import math
+from importlib import import_module
 from pathlib import Path
 
 import numpy as np
@@ -289,3 +291,19 @@ def test_what_sensors_read_is_called_by_its_name(capsys: pytest.CaptureFixture[s
     assert few.splitlines()[0] == f"t,{first},d{first},dd{first}"
     assert f"\n{first}\n" in many and "y(" not in many
     assert first in fb.figures.history(found, "dy").get_ylabel()
+
+
+@pytest.mark.parametrize("place", ["1", "0.5"])
+def test_a_parameter_may_be_an_exponent(tmp_path: Path, place: str) -> None:
+    """A spring of the stiffness 2^k is one of 8 where k = 3; in fractions there is no such power, which proofs say."""
+    text = inspect.getsource(import_module("freebeam_derive.columns.gallery.tip_spring")).replace(
+        "at(y, 1)", f"at(y, {place})"
+    )
+    (tmp_path / "plain.py").write_text(text)
+    (tmp_path / "power.py").write_text(text.replace("k * at(y", "2**k * at(y"))
+    plain, power = (fb.column(str(tmp_path / name), "legendre") for name in ("plain.py", "power.py"))
+    load = fb.critical_load(plain, 8, k=8.0).load
+    assert load is not None and fb.critical_load(power, 8, k=3.0).load == pytest.approx(load, rel=1e-12)
+    if not power.general:  # a general column's matrices are balls then
+        with pytest.raises(fb.InputError, match="no fraction"):
+            fb.certified_load(power, 6, k=3)

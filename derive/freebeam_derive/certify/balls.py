@@ -297,7 +297,10 @@ def _rational_matrices(kernel: ModuleType, modes: int, own: tuple[tuple[str, Fra
     """M, E, H of trial polynomials, exact."""
     basis = basis_of(kernel, modes)
     given = {name: fmpq(value.numerator, value.denominator) for name, value in own}
-    return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))
+    try:
+        return tuple(f(basis, **given) for f in (kernel.mass, kernel.stiffness_elastic, kernel.stiffness_load))
+    except (AttributeError, TypeError):  # fractions have no powers of fractions
+        raise Unproven(f"{kernel.COLUMN['name']}: a factor of its forms is no fraction, but a power, say") from None
 
 
 Terms = list[arb_mat]
