@@ -1,0 +1,294 @@
+"""The verifier's equations, of functions F that are polynomials: their values, their slopes, and the tests on boxes."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import comb
+from types import SimpleNamespace
+from typing import Any
+
+import flint
+import numpy as np
+import pytest
+from flint import acb, arb
+
+from freebeam_derive.certify.verifier_boxes import Box, power
+from freebeam_derive.certify.verifier_equations import Equations, krawczyk, one_to_one
+from freebeam_derive.certify.verifier_rates import Powers, Rates, RatesOverDamping
+from freebeam_derive.certify.verifier_shooting import majorants
+
+BITS = 256
+STEP = arb(2) ** -60
+"""Of central differences: what they leave out is of the size of its square."""
+
+
+def polynomial(seed: int) -> Any:
+    """∂^{i+j+k} F / ∂p^i ∂s^j ∂q^k / (i! j! k!) of a polynomial F in p, s and q."""
+    c = np.random.default_rng(seed).integers(-4, 5, (4, 4, 3))
+
+    def f(p: Any, s: Any, i: int = 0, j: int = 0, q: Any = 0, k: int = 0) -> Any:
+        total = 0 * p + 0 * s
+        for (a, b, d), factor in np.ndenumerate(c):
+            if a >= i and b >= j and d >= k:
+                term = int(factor) * comb(a, i) * comb(b, j) * comb(d, k) * p ** (a - i) * s ** (b - j)
+                total = total + (term if d == k else term * q ** (d - k))
+        return total
+
+    return f
+
+
+def same(one: Any, other: Any, size: float = 1e-20) -> bool:
+    return all(bool(abs(a - b) < size) for a, b in zip(one, other, strict=True))
+
+
+def are_slopes(J: Any, values: Any, P: arb, x: arb) -> bool:
+    """Whether rows of a matrix are the slopes of two values by P and x."""
+    for k, (u, w) in enumerate(((STEP, 0), (0, STEP))):
+        up, down = values(P + u, x + w), values(P - u, x - w)
+        if not same([row[k] for row in J], [(a - b) / (2 * STEP) for a, b in zip(up, down, strict=True)]):
+            return False
+    return True
+
+
+def equations(of_E: Any, of_M: Any, limit: bool) -> Equations:
+    return Equations(SimpleNamespace(ranged=False), 0, of_E, of_M, limit)  # type: ignore[arg-type]
+
+
+def point() -> tuple[arb, arb]:
+    """P and x, at the precision in hand."""
+    return arb("1.3"), arb("0.7")
+
+
+def twice(value: str) -> tuple[Fraction, Fraction]:
+    return Fraction(value), Fraction(value)
+
+
+@pytest.mark.parametrize("which", ["undamped", "limit", "damped"])
+def test_the_equations_are_those_of_a_double_root_a_rate_and_an_axis(which: str) -> None:
+    f = polynomial(1)
+    E, M = (twice("0"), twice("0")) if which == "undamped" else (twice("0.3"), twice("0.2"))
+    it = equations(E, M, which == "limit")
+    with flint.ctx.workprec(BITS):
+        P, x = point()
+        a, b = arb("0.3"), arb("0.2")
+        if which == "undamped":
+            assert same(it.place(P, x), (P, x))
+            expected = [f(P, x), f(P, x, 0, 1)]
+        elif which == "limit":
+            assert same(it.place(P, x), (P, x))
+            expected = [f(P, x), P * f(P, x, 1, 0) + (x + b / a) * f(P, x, 0, 1)]
+        else:
+            lam = acb(0, x)
+            p, s = P / (1 + a * lam), -(lam**2 + b * lam) / (1 + a * lam)
+            assert same(it.place(P, x), (p, s))
+            expected = [f(p, s).real, f(p, s).imag]
+        values, J = it.system(f, P, x)
+        assert same(values, expected)
+        assert are_slopes(J, lambda P, x: it.system(f, P, x)[0], P, x)
+
+
+@pytest.mark.parametrize("limit", [False, True])
+def test_the_equations_with_what_damping_leaves_are_those_of_a_rate_and_an_axis(limit: bool) -> None:
+    f = polynomial(2)
+    it: Any = object.__new__(Rates)
+    Equations.__init__(it, SimpleNamespace(ranged=False), 0, twice("0.3"), twice("0.2"), limit)  # type: ignore[arg-type]
+    with flint.ctx.workprec(BITS):
+        P, x = point()
+        a, b, it.scale = arb("0.3"), arb("0.2"), arb("1.7")
+        if limit:
+            q = arb(0)
+            expected = [
+                f(P, x, 0, 0, q),
+                a * P * f(P, x, 1, 0, q) + (a * x + b) * f(P, x, 0, 1, q) - f(P, x, 0, 0, q, 1),
+            ]
+        else:
+            lam = acb(0, x)
+            p, s, q = P / (1 + a * lam), -(lam**2 + b * lam) / (1 + a * lam), it.scale * lam / (1 + a * lam)
+            expected = [f(p, s, 0, 0, q).real, f(p, s, 0, 0, q).imag]
+        values, J = it.system(f, P, x)
+        assert same(values, expected)
+        assert are_slopes(J, lambda P, x: it.system(f, P, x)[0], P, x)
+        # in the limit the slope of the rate along F = 0, over F_s: that of the real part, but for a positive factor
+        it.box = lambda p, s: SimpleNamespace(value=f)
+        found = it._direction([P, x])
+        if limit:
+            (F_p, F_s), (of_p, of_s) = J
+            assert bool(abs(found - (of_s * F_p / F_s - of_p) / F_s) < 1e-20)
+        else:
+            by_P, by_x = (acb(J[0][k], J[1][k]) for k in (0, 1))
+            assert bool(abs(found + (by_x * by_P.conjugate()).imag) < 1e-20)
+
+
+def test_over_a_range_of_damping_the_equations_grow_as_their_numbers_do() -> None:
+    """From the middle to the high end: the slope by each of c_E, c_M and what R is multiplied by."""
+    f = polynomial(3)
+    with flint.ctx.workprec(BITS):
+        P, x = point()
+
+        def at(share: arb) -> Any:
+            it: Any = object.__new__(Rates)
+            Equations.__init__(it, SimpleNamespace(ranged=False), 0, twice("0"), twice("0.1"), False)  # type: ignore[arg-type]
+            of: Any = SimpleNamespace(real=False, undamped=False, limit=False)
+            of.alpha, of.beta, of.scale = (
+                arb("0.3") + share * arb("0.1"),
+                arb("0.2") - share * arb("0.05"),
+                1 + share * arb("0.4"),
+            )
+            of.place = lambda P, x: Equations.place(of, P, x)
+            return Rates.system(of, f, P, x)[0]
+
+        it: Any = object.__new__(RatesOverDamping)
+        Equations.__init__(it, SimpleNamespace(ranged=False), 0, twice("0.3"), twice("0.2"), False)  # type: ignore[arg-type]
+        it.middle = SimpleNamespace(c_E=Fraction("0.3"), c_M=Fraction("0.2"))
+        it.grown, it.scale = (Fraction("0.1"), Fraction("-0.05"), Fraction("0.4")), arb(1)
+        (values, weight), (slope, unit) = it._from_middle(f, P, x)
+        assert weight == 1 and unit.contains(1) and unit.contains(-1) and not unit.contains(1.01)
+        assert same(values, at(arb(0)))
+        assert same(slope, [(a - b) / (2 * STEP) for a, b in zip(at(STEP), at(-STEP), strict=True)])
+
+
+@pytest.mark.parametrize("limit", [False, True])
+def test_over_a_range_of_damping_of_one_form_the_equations_grow_as_its_numbers_do(limit: bool) -> None:
+    f = polynomial(4)
+    E, M = (Fraction("0.2"), Fraction("0.4")), (Fraction("0.5"), Fraction("0.1"))
+    with flint.ctx.workprec(BITS):
+        P, x = point()
+
+        def at(share: Fraction) -> Any:
+            one = equations(twice("0.3"), twice("0.3"), limit)
+            one.of_E, one.of_M = (((of[0] + of[1]) / 2 + share * (of[1] - of[0]) / 2,) * 2 for of in (E, M))
+            return one.system(f, P, x)[0]
+
+        it, small = equations(E, M, limit), Fraction(1, 2**60)
+        near: Any = SimpleNamespace(value=f)
+        # on one value in the middle, where the range is that alone
+        middle = equations(twice("0.3"), twice("0.3"), limit)
+        middle.of_E, middle.of_M = (Fraction("0.3"),) * 2, (Fraction("0.3"),) * 2
+        ((slope, weight),) = Equations._by_damping(_narrow(it, middle), near, P, x)
+        by_share = [(a - b) / (2 * STEP) for a, b in zip(at(small), at(-small), strict=True)]
+        if limit:  # F_s times what the ratio is more or less by than in the middle, on all of the range
+            # b/a from 2.5 to 1/4, in the middle 1
+            ends = float(weight.mid()) - float(weight.rad()), float(weight.mid()) + float(weight.rad())
+            assert ends == pytest.approx((-0.75, 1.5), abs=1e-7)
+            assert same(slope, [arb(0), f(P, x, 0, 1)])
+        else:
+            assert same(slope, by_share) and weight.contains(1) and weight.contains(-1)
+
+
+def _narrow(it: Equations, middle: Equations) -> Any:
+    """The equations of a range whose places are those of its middle."""
+    return SimpleNamespace(
+        place=middle.place,
+        limit=it.limit,
+        of_E=it.of_E,
+        of_M=it.of_M,
+        alpha=middle.alpha,
+        ratio=it.ratio if it.limit else None,
+    )
+
+
+def test_motions_below_some_s_are_not_damped_where_external_damping_drives() -> None:
+    """alpha s + beta > 0 from −beta/alpha on, at either end."""
+    for E, M, expected in (
+        (("1", "1"), ("-2", "-3"), 3), (("1", "2"), ("-3", "-2"), 3), (("1", "1"), ("1", "2"), 0), (("0", "1"), ("-1", "-1"), 0),
+        (("1", "1"), ("-1/2", "1"), Fraction(1, 2)),
+    ):  # fmt: skip
+        it = equations(*(tuple(map(Fraction, of)) for of in (E, M)), False)
+        assert it.undamped_to == expected
+
+
+def test_krawczyks_image_is_that_of_its_formula() -> None:
+    """m − Y f(m) + (1 − Y J)(X − m), Y the inverse of J at its middle; more values add with their balls."""
+    with flint.ctx.workprec(BITS):
+        X, middle = [arb(1, 0.25), arb(2, 0.5)], [arb(1), arb(2)]
+        J = [[arb(3), arb(1)], [arb(-1), arb(2)]]
+        at = [([arb(7), arb(14)], arb(1)), ([arb(7), arb(0)], power(1))]
+        image = krawczyk(X, middle, at, J)
+        assert image is not None  # Y = [[2, -1], [1, 3]] / 7; Y (7, 14) = (0, 7), Y (7, 0) = (2, 1)
+        assert same([v.mid() for v in image], [1, 2 - 7]) and same([v.rad() for v in image], [2, 1], 1e-7)
+        J[0][0] = arb(3, 0.5)  # 1 − Y J is [[±1/7, 0], [±1/14, 0]]
+        image = krawczyk(X, middle, [([arb(0), arb(0)], arb(1))], J)
+        assert image is not None and same([v.rad() for v in image], [0.25 / 7, 0.25 / 14], 1e-7)
+        assert krawczyk(X, middle, at, [[arb(1), arb(2)], [arb(2), arb(4)]]) is None
+
+
+@pytest.mark.parametrize(("a", "b", "c", "d", "right"), [
+    (0.9, 0, 0, 0.9, True), (1.1, 0, 0, 0.1, False), (0.1, 0, 0, 1.1, False), (0.5, 0.49, 0.49, 0.5, True),
+    (0.5, 0.51, 0.51, 0.5, False), (0.2, 0.7, 1.1, 0.02, True), (1.5, 0.1, 0.1, 1.5, False), (0, 3, 0.3, 0, True),
+    (0, 3, 0.4, 0, False),
+])  # fmt: skip
+def test_two_points_have_no_equal_values_where_eigenvalues_are_below_one(
+    a: float, b: float, c: float, d: float, right: bool
+) -> None:
+    """Of |1 − Y J|, entry by entry: here J is 1 and as much as these on either side."""
+    largest = max(abs(np.linalg.eigvals([[a, b], [c, d]])))
+    assert bool(largest < 1) is right
+    with flint.ctx.workprec(BITS):
+        assert one_to_one([[arb(1, a), arb(0, b)], [arb(0, c), arb(1, d)]]) is right
+
+
+def test_the_rest_of_a_box_is_that_of_cauchys_estimate() -> None:
+    """r r' ρ/((r − 1)^(i+1) (r' − 1)^(j+1)) in units of the box, and the terms beyond the degree, derived."""
+    it: Any = object.__new__(Box)
+    with flint.ctx.workprec(BITS):
+        it._rest, it._room, it._units = arb("0.01"), [arb(4), arb(6)], (arb("0.5"), arb("0.2"))
+        it._beyond, it._left_out = [(9, 8, arb("0.03"))], {}
+        for i, j in ((0, 0), (1, 0), (0, 1), (2, 1), (1, 2)):
+            rest = 0.01 * 4 / 3 ** (i + 1) * 6 / 5 ** (j + 1)
+            assert float(it._of_rest(i, j)) == pytest.approx(rest, rel=1e-12)
+            assert float(it.rest(i, j)) == pytest.approx(rest / (0.5**i * 0.2**j), rel=1e-12)
+            for _ in "ab":
+                assert float(it._error(i, j)) == pytest.approx(rest + comb(9, i) * comb(8, j) * 0.03, rel=1e-12)
+
+
+def test_powers_of_t_are_in_their_balls() -> None:
+    for n, (low, high) in enumerate(((1, 1), (-1, 1), (0, 1), (-1, 1), (0, 1))):
+        found = power(n)
+        assert found.contains(low) and found.contains(high)
+        assert float(found.mid()) == (low + high) / 2 and float(found.rad()) == pytest.approx((high - low) / 2)
+
+
+def test_powers_of_q_are_summed_with_what_is_beyond_them() -> None:
+    """Σ F_n (q/Q)^n and its slope by q, in a ball that is the rest; with the slope what it is over Q − |q| at most."""
+    values = {(0, 0): (2, 3, 5), (1, 0): (7, 11, 13)}
+    it: Any = object.__new__(Powers)
+    with flint.ctx.workprec(BITS):
+        it.Q = arb(4)
+        it._boxes = [
+            SimpleNamespace(value=lambda p, s, i, j, n=n: arb(values[i, j][n]), rest=lambda i, j: arb("0.5") * (i + 1))
+            for n in range(3)
+        ]
+        for q, i in ((arb(1), 0), (arb(-2), 1), (acb(1, 2), 0)):
+            t = complex(q) / 4
+            a, b, c = values[i, 0]
+            value, slope = it.value(0, 0, i, 0, q), it.value(0, 0, i, 0, q, 1)
+            assert abs(complex(acb(value).mid()) - (a + b * t + c * t**2)) < 1e-12
+            assert abs(complex(acb(slope).mid()) - (b + 2 * c * t) / 4) < 1e-12
+            assert float(acb(value).real.rad()) < 1e-12
+            for part in (slope.real, slope.imag) if isinstance(slope, acb) else (slope,):
+                assert float(part.rad()) == pytest.approx(0.5 * (i + 1) / (1 - abs(t)) / 4, rel=1e-6)
+        it.value(0, 0, 0, 0, arb("2.99"))
+        with pytest.raises(ArithmeticError, match="outside of its box"):
+            it.value(0, 0, 0, 0, arb("3.01"))
+
+
+def test_coefficients_of_a_series_fall_as_those_that_bound_them_say() -> None:
+    """Of y'''' + 3 x y'' + 5 x² y = 0: |a_{n+4}| (n+4)!/n! = 3 (n + 1) n |a_{n+1}| + 5 |a_{n-2}|, up to where it is
+    nothing at a precision; what is beyond is T b^(N−n) from there on, with derivatives."""
+    norms = [(2, 1, arb(3)), (0, 2, arb(5))]
+    for base in (2, arb(5) / 4):
+        with flint.ctx.workprec(BITS):
+            sizes, rests = majorants(norms, 40, base)
+        b = float(base)
+        for r, found in enumerate(sizes):
+            a = [float(n == r) for n in range(4)]
+            for n in range(len(found) - 4):
+                total = (5 * a[n - 2] if n > 1 else 0) + 3 * (n + 1) * n * a[n + 1]
+                a.append(total / ((n + 4) * (n + 3) * (n + 2) * (n + 1)))
+            assert [*map(float, found)] == pytest.approx(a, rel=1e-12, abs=0)
+            last = len(a) - 1
+            top = max(a[last - i] * b**-i for i in range(6))
+            assert last > 20 and top < 2**-48
+            for d, rest in enumerate(rests[r]):
+                perm = np.prod([last + 1 - k for k in range(d)])
+                assert float(rest) == pytest.approx(top * perm / b / (1 - (last + 2) / (b * (last + 2 - d))), rel=1e-12)
