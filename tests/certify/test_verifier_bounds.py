@@ -5,20 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from fractions import Fraction
 from itertools import combinations_with_replacement, product
-from math import exp, hypot, log, pi, sqrt
+from math import asin, exp, hypot, log, pi, sqrt
 from types import SimpleNamespace
 from typing import Any
 
 import flint
 import numpy as np
 import pytest
-from flint import acb_poly, arb
+from flint import acb, acb_poly, arb, fmpq_poly
 
+from freebeam_derive.certify import verifier_load_size as load_size
 from freebeam_derive.certify import verifier_waves
 from freebeam_derive.certify.verifier_claims import Refused
-from freebeam_derive.certify.verifier_damping import Damped
+from freebeam_derive.certify.verifier_damping import Damped, DampedOver
 from freebeam_derive.certify.verifier_lines import Lines, Norms
 from freebeam_derive.certify.verifier_load_size import PARTS, Beside, LoadSize
+from freebeam_derive.certify.verifier_sections import Sections
 from freebeam_derive.certify.verifier_waves import Apart
 
 BITS = 128
@@ -111,6 +113,191 @@ def test_no_bound_is_known_of_waves_where_lemma_9_knows_none(which: str) -> None
         assert edge(known, at)
 
 
+def test_waves_are_along_the_two_minors_that_turn() -> None:
+    """Of v_1 ∧ v_{±i}, 2 v_λ = (1, λ, λ², λ³)."""
+    pairs = [(i, j) for i in range(4) for j in range(i + 1, 4)]
+    for sign in (1, -1):
+        v, w = ([complex(root) ** k / 2 for k in range(4)] for root in (1, 1j * sign))
+        unit = [complex(x) for x in verifier_waves.UNITS[sign]]
+        assert unit == pytest.approx([v[i] * w[j] - v[j] * w[i] for i, j in pairs])
+
+
+def test_gaps_are_looked_for_where_they_are_wide_enough() -> None:
+    """From G on, that is γ L = phase of the shortest part at least, π/(times L) is a gap that is wider than needed."""
+    them: Any = object.__new__(Apart)
+    asked: list[tuple[float, float]] = []
+    with flint.ctx.workprec(BITS):
+        them.lengths, them.whole = [arb(2), arb("0.5")], arb("2.5")
+        them._all_apart = lambda G, apart: asked.append((float(G), float(apart))) or len(asked) > 7
+        G, gap = them.gap(lambda low, high: arb(40))
+    expected = []
+    for times, phase in product(verifier_waves.TIMES, verifier_waves.SHORTEST):
+        apart = pi / (float(times) * 2.5)
+        start = max(float(phase) / 0.5, 40 * 1.001 / (2 * apart))
+        if apart * (2 * start + apart) > 40:
+            expected.append((start, apart))
+    assert asked == [pytest.approx(pair) for pair in sorted(expected)[:8]]
+    assert float(gap) == pytest.approx(asked[-1][1] * (2 * asked[-1][0] + asked[-1][1]), rel=SAME)
+    assert float(G) == asked[-1][0]
+    with flint.ctx.workprec(BITS):  # what rises with the upper frequency is asked for of it, and of G and the next
+        them._all_apart = lambda G, apart: True
+        G, gap = them.gap(lambda low, high: (high.sqrt() - low.sqrt()) * 12 + high.sqrt() / 2)
+        apart = float((gap + G**2).sqrt() - G)
+        assert float(gap) > 12 * apart + (float(G) + apart) / 2
+        with pytest.raises(Refused):
+            them.gap(lambda low, high: high)
+
+
+def test_all_of_the_high_frequencies_are_looked_at() -> None:
+    """In 1/γ from 0 to 1/G, in three halvings at most; a cell holds what is up to a gap further on."""
+    for halvings, right in ((0, True), (1, True), (3, True), (4, False)):
+        them: Any = object.__new__(Apart)
+        seen: list[tuple[float, float]] = []
+
+        def apart(epsilon: arb, G: arb, gap: arb, halvings: int = halvings, seen: Any = seen) -> bool:
+            low, high = (float(epsilon.mid()) + side * float(epsilon.rad()) for side in (-1, 1))
+            assert float(G) == pytest.approx(1 / high) and float(gap) == 3
+            begin = low / (1 - 3 * low)  # γ + 3 is beyond
+            if high - begin > 0.25 / 2**halvings * 1.001:
+                return False
+            seen.append((begin, high))
+            return True
+
+        them._cells_apart = apart
+        with flint.ctx.workprec(BITS):
+            assert them._all_apart(arb(4), arb(3)) is right
+        if right:
+            edges = np.linspace(0, 0.25, 2**halvings + 1)
+            assert np.array(sorted(seen)) == pytest.approx(np.array([edges[:-1], edges[1:]]).T, abs=1e-6)
+
+
+@pytest.mark.parametrize("L", [0.5, 2.0])
+def test_a_wave_and_its_slope_are_apart_up_to_a_quarter_of_its_length(L: float) -> None:
+    """cos θ and L sin θ, θ = γ L, in balls of r and of w over η = 1/L: π/2 less asin r and asin w."""
+    for r, w in ((0.0, 0.0), (0.1, 0.2)):
+        them: Any = object.__new__(Apart)
+
+        def rest(G: arb, eta: arb, r: float = r, w: float = w) -> arb:
+            assert (float(G), float(eta)) in ((5, 0), (5 - 1 / L, 1 / L))
+            return arb(w if eta > 0 else r)
+
+        them.rest, them.same, them.whole, them.lengths = rest, [0], arb(L), [arb(L)]
+        them.waves = lambda epsilon: [((1,), acb(1), acb(0, L))]
+        far = (pi / 2 - asin(r) - asin(w)) / L
+        with flint.ctx.workprec(BITS):
+            assert them._cells_apart(arb("0.1"), arb(5), arb(far * 0.999))
+            assert not them._cells_apart(arb("0.1"), arb(5), arb(far * 1.001))
+            them.rest = lambda G, eta: None
+            assert not them._cells_apart(arb("0.1"), arb(5), arb(far / 2))
+
+
+def test_parts_are_alike_that_are_uniform_and_of_one_length_and_kind() -> None:
+    """The second is longer, the third and fourth are the first again, the fifth and sixth are not uniform."""
+    breaks = tuple(Fraction(k, 8) for k in (0, 1, 3, 4, 5, 6, 7, 8))
+    two, three, line = fmpq_poly([2]), fmpq_poly([3]), fmpq_poly([2, 1])
+    of = column(breaks=breaks, m=[two] * 6 + [three], EI=[three] * 4 + [line, line, three], elastic=[{}] * 7)
+    assert [verifier_waves._first_alike(of, n) for n in range(7)] == [0, 1, 0, 0, 4, 5, 6]
+    of = column(
+        breaks=breaks, m=[two] * 7, EI=[three] * 7, elastic=[{}, {}, {1: two}, {0: two}, {1: two}, {}, {0: two}]
+    )
+    assert [verifier_waves._first_alike(of, n) for n in range(7)] == [0, 1, 2, 3, 2, 0, 3]
+
+
+def column(**given: Any) -> Sections:
+    """Of two parts, with a foundation and an axial force on the second."""
+    fixed: Any = {
+        "ends": ("clamped", "free"), "breaks": (Fraction(0), Fraction(2, 5), Fraction(1)),
+        "EI": [fmpq_poly([3, -1]), fmpq_poly([2, 1])], "m": [fmpq_poly([2, 1]), fmpq_poly([3, -2])],
+        "elastic": [{}, {0: fmpq_poly([5, 2]), 1: fmpq_poly([1, 1])}], "load": [{}, {}], "masses": {}, "springs": {},
+        "forces": {},
+    }  # fmt: skip
+    return Sections(**fixed | given)
+
+
+def test_a_segment_is_turned_at_its_own_ends() -> None:
+    """y = ρ w and ρ² = z'/m."""
+    with flint.ctx.workprec(BITS):
+        of = column()
+        for n in (0, 1):
+            for x, rows in zip(of.breaks[n : n + 2], verifier_waves.Segment(of, n).ends, strict=True):
+                m, EI = (
+                    float(np.polyval([float(c) for c in reversed(f[n].coeffs())], float(x))) for f in (of.m, of.EI)
+                )
+                assert float(rows[0][0]) == pytest.approx((m / EI) ** 0.125 / sqrt(m), rel=SAME)
+
+
+@pytest.mark.parametrize("place", [(1, 0), (1, 1), (2, 0), (2, 1)])
+@pytest.mark.parametrize("turns", [False, True])
+def test_a_motion_beside_a_mass_has_the_mass_and_the_energy_that_are_said(place: tuple[int, int], turns: bool) -> None:
+    """A cubic that is 1 with the derivative of the place, and nothing a length on: of a displacement at an end that may
+    turn freely, with no moment there."""
+    (node, order), spring = place, Fraction(7)
+    of = column(springs={place: spring}, masses={place: Fraction(1)} | ({} if turns else {(2, 1): Fraction(1)}))
+    it: Any = object.__new__(Damped)
+    object.__setattr__(it, "column", of)
+    free = turns and place == (2, 0)
+    cubic = np.polynomial.Polynomial({0: [1, -1.5, 0, 0.5] if free else [1, 0, -3, 2], 1: [0, 1, -2, 1]}[order])
+    t, weights = np.polynomial.legendre.leggauss(12)
+    t, weights = (t + 1) / 2, weights / 2
+    with flint.ctx.workprec(BITS):
+        found = it._bumps(place)
+    for part, (weight, energy) in zip(PARTS, found, strict=True):
+        length = float(part) * (0.4 if node == 1 else 0.6)
+        parts = [0.0, float(spring)]
+        for n, sign in ((node - 1, -1), (node, 1)):
+            if n > 1:
+                continue
+            x = float(of.breaks[node]) + sign * length * t
+            factors = [(0, 0, of.m[n]), (1, 2, of.EI[n]), *((1, p, f) for p, f in of.elastic[n].items())]
+            for which, p, f in factors:
+                v = length ** (order - p) * cubic.deriv(p)(t) if p else length**order * cubic(t)
+                at = np.polyval([float(c) for c in reversed(f.coeffs())], x)
+                parts[which] += length * float(weights @ (at * v**2))
+        assert [float(weight), float(energy)] == pytest.approx(parts, rel=1e-10)
+
+
+def test_bounds_serve_from_where_they_are_looked_for() -> None:
+    """Of a gap three times as wide as the load needs, from four times that on, and twice as far each time."""
+    for reached in (0, 3, 15, 16):
+        asked: list[list[float]] = []
+
+        def check(omega: arb, squares: Any, *given: arb, asked: Any = asked, reached: int = reached) -> None:
+            asked.append([*map(float, (omega, *given))])
+            if squares or len(asked) <= reached:
+                raise Refused("not yet")
+
+        it: Any = SimpleNamespace(_check_from=check)
+        if reached == 16:
+            with pytest.raises(Refused, match="takes too much"):
+                Damped.served_from(it, arb(5))
+        else:
+            assert float(Damped.served_from(it, arb(5))) == 20 * 2**reached
+            assert asked == [[20 * 2**k, 15, 5, 5] for k in range(reached + 1)]
+
+
+def test_between_two_dampings_numbers_are_between_theirs() -> None:
+    each = [
+        SimpleNamespace(
+            of_E=arb(a), of_M=arb(b), of_mass=c, turning=arb(a), density=(arb(b), arb(a)), at_masses=[arb(a)]
+        )
+        for a, b, c in ((1, 5, True), (3, 2, False))
+    ]
+    it: Any = object.__new__(DampedOver)
+    for both in (each, each[::-1]):
+        it.__dict__.clear()
+        object.__setattr__(it, "both", tuple(both))
+        hull = {"of_E": (1, 3), "of_M": (2, 5)}
+        for name, (low, high) in hull.items():
+            found = getattr(it, name)
+            assert (float(found.mid()), float(found.rad())) == pytest.approx(((low + high) / 2, (high - low) / 2))
+        assert float(it.turning) == pytest.approx(3) and [*map(float, it.density)] == [2, 3] and not it.of_mass
+        (at,) = it.at_masses
+        assert (float(at.mid()), float(at.rad())) == pytest.approx((2, 1))
+    it.__dict__.clear()
+    object.__setattr__(it, "both", (each[0], each[0]))
+    assert it.of_mass
+
+
 # --- Lemma 12 ------------------------------------------------------------------------------------------------------
 
 
@@ -136,6 +323,110 @@ def test_a_gap_is_as_wide_as_the_constant_and_all_places_ask_for() -> None:
             expected = 0.25 + float(v.most(high, arb(1)) * min(still, felt, key=float))
             expected += float(y.most(high, arb(1)) * v.most(arb(1), 1 / low))
             assert float(found) == pytest.approx(expected, rel=SAME)
+
+
+@pytest.mark.parametrize("order", [0, 1])
+def test_a_value_at_an_end_is_an_integral_of_its_cubic(order: int) -> None:
+    """±∫ y'' g − y g'': of g and g' all vanish at both ends but g' (of y), or g (of y'), at 0, which is 1."""
+    g = np.polynomial.Polynomial(load_size.KERNELS[order])
+    assert [g(0), g.deriv()(0), g(1), g.deriv()(1)] == [order, 1 - order, 0, 0]
+    y = np.polynomial.Polynomial([2.0, 3, -1, 5, 7])
+    whole = (y.deriv(2) * g - y * g.deriv(2)).integ()
+    assert abs(whole(1) - whole(0)) == pytest.approx(abs(y.deriv(order)(0) if order else y(0)))
+
+
+def test_a_value_is_bounded_from_either_side_of_a_place() -> None:
+    """c² ∫ g²/EI and c² ∫ g''²/m of each part, over lengths up to the shorter; of what does not jump also from one."""
+    with flint.ctx.workprec(BITS):
+        of = column(EI=[fmpq_poly([3]), fmpq_poly([5])], m=[fmpq_poly([2]), fmpq_poly([7])])
+        for order in (0, 1):
+            g = np.polynomial.Polynomial(load_size.KERNELS[order])
+            squares = [float((f * f).integ()(1)) for f in (g, g.deriv(2))]
+
+            def bounds(each: dict[int, float], order: int = order, squares: Any = squares) -> Any:
+                bend = sum(c**2 * squares[0] / (3, 5)[n] for n, c in each.items())
+                move = sum(c**2 * squares[1] / (2, 7)[n] for n, c in each.items())
+                return order, *(
+                    pytest.approx(v, rel=1e-9) for v in (sqrt(bend), sqrt(move), min((0.4, 0.6)[n] for n in each))
+                )
+
+            found = {
+                "right": (load_size.value(of, (1, order), {1: Fraction(3)}), [bounds({1: 3})]),
+                "left": (load_size.value(of, (1, order), {-1: Fraction(3)}), [bounds({0: 3})]),
+                "jump": (load_size.value(of, (1, order), {1: Fraction(3), -1: Fraction(-2)}), [bounds({0: 2, 1: 3})]),
+                "both": (load_size.value(of, (1, order), {0: Fraction(3)}), [*map(bounds, ({0: 3}, {1: 3}, {0: 1.5, 1: 1.5}))]),
+                "tip": (load_size.value(of, (2, order), {0: Fraction(3)}), [bounds({1: 3})]),
+            }  # fmt: skip
+            for listed, expected in found.values():
+                assert [(b.order, float(b.bend), float(b.move), float(b.length)) for b in listed] == expected
+
+
+def test_what_energy_lets_at_a_place_is_what_lemma_12_says() -> None:
+    """κ/√EI and 1/√k for each joint; of a jump itself 1/√k alone."""
+    with flint.ctx.workprec(BITS):
+        of = column(joints={(1, 1): Fraction(4)}, elastic=[{}, {}])
+        each = 1 / sqrt(2.4), 0.5
+        assert float(load_size._by_energy(of, arb(3))) == pytest.approx(3 * each[0] + each[1], rel=1e-9)
+        for table, expected in (
+            ({(2, 0, 0): 3}, 3 * (2 / 3 * each[0] + each[1])), ({(2, 1, 0): -3}, 3 * (each[0] + each[1])),
+            ({(1, 1, 1): 2, (1, 1, -1): -2}, 2 * 0.5), ({(1, 1, -1): -2}, 2 * (each[0] + each[1])),
+            ({(1, 1, 1): 2, (1, 1, -1): 1}, 2 * 0.5 + 3 * (each[0] + each[1])),
+        ):  # fmt: skip
+            given = {key: Fraction(f) for key, f in table.items()}
+            assert float(load_size._still(of, given)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_rows_of_a_load_are_one_where_both_sides_of_a_joint_are_loaded_by_opposite_forces() -> None:
+    one, f = {(2, 0, 0): Fraction(3)}, Fraction(1)
+    both = load_size._rows({(1, 1, 1): one, (1, 1, -1): {(2, 0, 0): Fraction(-3)}})
+    assert both == [({(1, 1, 1): f, (1, 1, -1): -f}, one)]
+    apart = {(1, 1, 1): one, (1, 1, -1): {(2, 0, 0): Fraction(-2)}, (2, 0, 0): {(1, 0, 0): Fraction(0)}}
+    assert load_size._rows(apart) == [({key: f}, apart[key]) for key in ((1, 1, 1), (1, 1, -1))]
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_load_along_the_beam_is_as_large_as_its_parts(turned: bool) -> None:
+    """∫ f y' v' + h y' v of f = a + b x is −∫ (f y'' + (b − h) y') v: √max f²/(m EI) and κ/√EI √max (b − h)²/m, and so
+    with y and v exchanged. What acts on what is held, or by it, is left out."""
+    a, b, h = 3, 2, 7
+    given = {(1, 1): fmpq_poly([a, b]), (1, 0) if turned else (0, 1): fmpq_poly([h])}
+    forces = {((2, 0), (0, 1)): Fraction(9), ((0, 0), (1, 0)): Fraction(9)}
+    with flint.ctx.workprec(BITS):
+        of = column(
+            ends=("clamped", "pinned"), EI=[fmpq_poly([3])] * 2, m=[fmpq_poly([2])] * 2, elastic=[{}, {}],
+            load=[dict(given), dict(given)], forces=forces,
+        )  # fmt: skip
+        found = load_size.size(of, turned)
+    slopes = abs(b - h) * 0.7072 / sqrt(3 * 2)
+    assert not found.places and float(found.constant) == pytest.approx((a + b) / sqrt(6) + slopes, rel=1e-6)
+
+
+def test_of_sizes_of_a_load_the_one_without_places_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the derivatives off either factor; over a range that of each end, and none with a place."""
+    none, place, two = ([], [1], [1, 2])
+
+    def found(*columns: Any) -> Any:
+        """columns: of each, the size and the places with the derivatives off one factor, and off the other."""
+
+        def size(of: Any, turned: bool) -> LoadSize:
+            if of[turned] is None:
+                raise Refused(f"turned {turned}")
+            return LoadSize(arb(of[turned][0]), of[turned][1])
+
+        monkeypatch.setattr(load_size, "size", size)
+        it = load_size.load_size(columns)
+        return float(it.constant), it.places
+
+    assert found(((3, none), (2, none))) == (3, none)
+    assert found(((3, place), (2, none))) == (2, none)
+    assert found(((3, two), (2, place))) == (2, place) and found(((3, place), (2, two))) == (3, place)
+    assert found((None, (2, place))) == (2, place) and found(((2, place), None)) == (2, place)
+    assert found(((3, none), (2, none)), ((5, none), (1, none))) == (5, none)
+    assert found(((3, place), (2, none)), ((5, none), (1, none))) == (2, none)
+    assert found((None, (2, none)), ((5, none), (4, none))) == (4, none)
+    for columns in (((None, None),), (((1, place), None), ((1, place), None))):
+        with pytest.raises(Refused, match="turned False" if len(columns) == 1 else "over a range"):
+            found(*columns)
 
 
 # --- Lemmas 11 and 13 ----------------------------------------------------------------------------------------------
@@ -238,6 +529,12 @@ def test_a_slope_that_is_damped_needs_internal_damping() -> None:
 
     assert right(turning=1, of_E=1) and right(turning=0, of_E=0) and not right(turning=1, of_E=0)
     assert right(turning=1, of_E=0, vanishing=True)
+    with flint.ctx.workprec(BITS):  # without a slope nothing of it is added
+        it: Any = Stand(size=0)
+        it._check_from = lambda omega, squares, gap, X, loaded: seen.append(float(X))
+        seen: list[float] = []
+        Damped.check(it, arb(1), arb(12), arb(30))
+    assert seen == [1]
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -10,11 +10,14 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb
+from flint import acb, arb, fmpq_poly
 
+from freebeam_derive.certify import verifier_rates
 from freebeam_derive.certify.verifier_boxes import Box, power
+from freebeam_derive.certify.verifier_claims import Refused
+from freebeam_derive.certify.verifier_damping import Damped
 from freebeam_derive.certify.verifier_equations import Equations, krawczyk, one_to_one
-from freebeam_derive.certify.verifier_rates import Powers, Rates, RatesOverDamping
+from freebeam_derive.certify.verifier_rates import Powers, Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_shooting import majorants
 
 BITS = 256
@@ -187,11 +190,64 @@ def _narrow(it: Equations, middle: Equations) -> Any:
     )
 
 
+def test_how_fast_an_eigenvalue_leaves_zero_is_told_with_what_damping_leaves(monkeypatch: pytest.MonkeyPatch) -> None:
+    """c_E P dF/dP + c_M F_s − F_q at P and s = q = 0, R as large as it is said to be; in the limit s = 0 is simple."""
+
+    def value(p: Any, s: Any, i: int, j: int, q: Any, k: int) -> arb:
+        assert (p, s, i, j, q, k) == (P, 0, 0, 0, 0, 1)
+        return arb(11)
+
+    P, whole = arb(5), object()
+    monkeypatch.setattr(verifier_rates, "Powers", lambda F, p, s: SimpleNamespace(value=value) if F is whole else None)
+    it: Any = object.__new__(Rates)
+    for limit in (False, True):
+        Equations.__init__(it, SimpleNamespace(ranged=False), 0, twice("0.5"), twice("0.25"), limit)  # type: ignore[arg-type]
+        it.whole, it.scale = whole, arb(2)
+        for by_s in (arb(3), arb(0, 1)):
+            box: Any = SimpleNamespace(
+                value=lambda p, s, i, j, by_s=by_s: by_s if (p, s, i, j) == (P, 0, 0, 1) else None
+            )
+            if limit and by_s.contains(0):
+                with pytest.raises(Refused, match="simple"):
+                    it.rate(box, P, arb(7))
+            else:
+                assert it.rate(box, P, arb(7)).overlaps(arb("0.5") * 5 * 7 + by_s / 4 - 22)
+                assert float(it.rate(box, P, arb(7)).mid()) == pytest.approx(17.5 + float(by_s.mid()) / 4 - 22)
+
+
+def test_between_two_columns_equations_are_over_both_of_their_dampings() -> None:
+    of: Any = [
+        SimpleNamespace(of_E=twice(a), of_M=twice(b), limit=True, rate=lambda *_, a=a: arb(a))
+        for a, b in (("1", "4"), ("2", "3"))
+    ]
+    for both in (of, of[::-1]):
+        it = RatesOver(SimpleNamespace(), *both)  # type: ignore[arg-type]
+        assert (it.of_E, it.of_M, it.R, it.limit) == ((1, 2), (3, 4), 0, True)
+        rate = it.rate(None, arb(1), arb(1))  # type: ignore[arg-type]
+        assert (float(rate.mid()), float(rate.rad())) == pytest.approx((1.5, 0.5))
+
+
+def test_a_range_of_damping_grows_from_its_middle() -> None:
+    """R of the low end is 2/3 of that in the middle."""
+    left = [[{0: fmpq_poly([c])}] for c in (2, 4)]
+    low, high = (
+        Damped(None, Fraction(E), Fraction(M), False, along, {(1, 0): Fraction(c)}, ([], {}))  # type: ignore[arg-type]
+        for E, M, along, c in zip((1, 4), (7, 5), left, (6, 12), strict=True)
+    )
+    it: Any = object.__new__(RatesOverDamping)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verifier_rates, "Pieces", lambda *_: None)
+        RatesOverDamping.__init__(it, SimpleNamespace(column=None), low, high)  # type: ignore[arg-type]
+    assert it.grown == (Fraction(3, 2), -1, Fraction(1, 3)) and (it.of_E, it.of_M) == ((1, 4), (5, 7))
+    assert (it.middle.c_E, it.middle.c_M, it.middle.points) == (Fraction(5, 2), 6, {(1, 0): 9})
+    assert (float(it.scale.mid()), float(it.scale.rad())) == pytest.approx((1, 1 / 3))
+
+
 def test_motions_below_some_s_are_not_damped_where_external_damping_drives() -> None:
     """alpha s + beta > 0 from −beta/alpha on, at either end."""
     for E, M, expected in (
-        (("1", "1"), ("-2", "-3"), 3), (("1", "2"), ("-3", "-2"), 3), (("1", "1"), ("1", "2"), 0), (("0", "1"), ("-1", "-1"), 0),
-        (("1", "1"), ("-1/2", "1"), Fraction(1, 2)),
+        (("1", "1"), ("-2", "-3"), 3), (("1", "2"), ("-3", "-2"), 3), (("1", "1"), ("1", "2"), 0),
+        (("0", "1"), ("-1", "-1"), 0), (("1", "1"), ("-1/2", "1"), Fraction(1, 2)),
     ):  # fmt: skip
         it = equations(*(tuple(map(Fraction, of)) for of in (E, M)), False)
         assert it.undamped_to == expected
