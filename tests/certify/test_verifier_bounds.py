@@ -354,7 +354,8 @@ def test_a_value_is_bounded_from_either_side_of_a_place() -> None:
                 "right": (load_size.value(of, (1, order), {1: Fraction(3)}), [bounds({1: 3})]),
                 "left": (load_size.value(of, (1, order), {-1: Fraction(3)}), [bounds({0: 3})]),
                 "jump": (load_size.value(of, (1, order), {1: Fraction(3), -1: Fraction(-2)}), [bounds({0: 2, 1: 3})]),
-                "both": (load_size.value(of, (1, order), {0: Fraction(3)}), [*map(bounds, ({0: 3}, {1: 3}, {0: 1.5, 1: 1.5}))]),
+                "both": (load_size.value(of, (1, order), {0: Fraction(3)}),
+                         [*map(bounds, ({0: 3}, {1: 3}, {0: 1.5, 1: 1.5}))]),
                 "tip": (load_size.value(of, (2, order), {0: Fraction(3)}), [bounds({1: 3})]),
             }  # fmt: skip
             for listed, expected in found.values():

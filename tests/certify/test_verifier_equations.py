@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 from math import comb
 from types import SimpleNamespace
 from typing import Any
@@ -12,11 +13,11 @@ import numpy as np
 import pytest
 from flint import acb, arb, fmpq_poly
 
-from freebeam_derive.certify import verifier_rates
+from freebeam_derive.certify import verifier_equations, verifier_rates
 from freebeam_derive.certify.verifier_boxes import Box, power
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_damping import Damped
-from freebeam_derive.certify.verifier_equations import Equations, krawczyk, one_to_one
+from freebeam_derive.certify.verifier_equations import Equations, _within, krawczyk, one_to_one
 from freebeam_derive.certify.verifier_rates import Powers, Rates, RatesOver, RatesOverDamping
 from freebeam_derive.certify.verifier_shooting import majorants
 
@@ -281,6 +282,188 @@ def test_two_points_have_no_equal_values_where_eigenvalues_are_below_one(
     assert bool(largest < 1) is right
     with flint.ctx.workprec(BITS):
         assert one_to_one([[arb(1, a), arb(0, b)], [arb(0, c), arb(1, d)]]) is right
+
+
+@pytest.mark.parametrize("which", ["undamped", "limit", "damped"])
+def test_which_way_eigenvalues_go_is_told_by_slopes(which: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """F_p F_ss of two that meet; −2 p (F_pp + F_ps σ + F_ss σ²)/F_s, σ = ds/dp, in the limit; else Im F_P F_x*."""
+    f = polynomial(5)
+    monkeypatch.setattr(verifier_equations, "Box", lambda F, p, s: SimpleNamespace(value=f))
+    E, M = (twice("0"), twice("0")) if which == "undamped" else (twice("0.3"), twice("0.2"))
+    it = equations(E, M, which == "limit")
+    with flint.ctx.workprec(BITS):
+        P, x = point()
+        found = it._direction([P, x])
+        if which == "undamped":
+            expected = f(P, x, 1, 0) * f(P, x, 0, 2)
+        elif which == "limit":
+            along = -f(P, x, 1, 0) / f(P, x, 0, 1)
+            bend = f(P, x, 2, 0) + f(P, x, 1, 1) * along + f(P, x, 0, 2) * along**2
+            expected = -2 * P * bend / f(P, x, 0, 1)
+        else:
+            ((a, b), (c, d)) = it.system(f, P, x)[1]
+            expected = c * b - a * d
+        assert same([found], [expected])
+
+
+@pytest.mark.parametrize("R", [0, 1])
+def test_a_divergence_is_a_zero_of_the_r_th_derivative_that_is_passed_at_a_speed(
+    R: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """F(P, 0)/s^R = c (P − 3), and F_s: the sign is that of c F_s without damping, else of c (alpha P c + beta F_s)."""
+    for slope, by_s, damped, at in (
+        (2, 3, False, 3), (2, -3, False, 3), (2, 3, True, 3), (-2, 3, True, 3), (2, 3, False, 9), (0, 3, False, 3),
+        (2, 0, False, 3), (2, 0, True, 3),
+    ):  # fmt: skip
+        asked: list[Any] = []
+
+        class Straight:
+            def __init__(self, F: Any, p: Any, s: Any, order: int) -> None:
+                asked.append((s == 0, order))  # noqa: B023
+
+            def value(
+                self, p: Any, s: Any, i: int = 0, j: int = 0, slope: int = slope, by_s: int = by_s, at: int = at
+            ) -> arb:
+                known = {(0, R): slope * (p - at), (1, R): arb(slope, 0.1), (0, R + 1): arb(by_s, 0.1)}
+                return arb(known[i, j])
+
+        monkeypatch.setattr(verifier_equations, "Box", Straight)
+        it = equations(*((twice("0.5"), twice("0.25")) if damped else (twice("0"), twice("0"))), False)
+        it.R = R
+        wrong = at == 9 or slope == 0 or (by_s == 0 and not damped)
+        with flint.ctx.workprec(64):
+            if wrong:
+                with pytest.raises(Refused):
+                    it.divergence((Fraction(2), Fraction(4)))
+            else:
+                found = it.divergence((Fraction(2), Fraction(4)))
+                expected = slope * ((0.5 * 3 * slope + 0.25 * by_s) if damped else by_s)
+                assert float(found.mid()) == pytest.approx(expected, abs=0.2)
+        assert asked == [(True, R + 1)]
+
+
+def test_equations_at_a_point_are_those_of_each_power_and_of_a_range_of_damping(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(verifier_equations, "Box", lambda F, p, s, of=None: SimpleNamespace(value=of))
+    monkeypatch.setattr(Equations, "system", lambda self, value, P, x: ((self.of_E, self.of_M, value), None))
+    monkeypatch.setattr(Equations, "_by_damping", lambda self, box, P, x: ["by damping", box.value])
+    for ranged, E, M in (
+        (False, (1, 1), (2, 2)), (False, (1, 1), (2, 4)), (False, (1, 5), (2, 2)), (True, (1, 1), (2, 2)),
+        (True, (1, 5), (2, 4)),
+    ):  # fmt: skip
+        it = Equations(SimpleNamespace(ranged=ranged), 0, *(tuple(map(Fraction, of)) for of in (E, M)), False)  # type: ignore[arg-type]
+        found: Any = it.at(arb(1), arb(1), (arb(1), arb(1)))
+        middle = ((E[0] + E[1]) / 2,) * 2, ((M[0] + M[1]) / 2,) * 2
+        count = 5 if ranged else 1
+        assert [values for values, _ in found[:count]] == [(*middle, n) for n in range(count)]
+        assert all(weight.rad() == power(n).rad() for n, (_, weight) in enumerate(found[:count]))
+        assert found[count:] == (["by damping", None] if E[0] != E[1] or M[0] != M[1] else [])
+
+
+def test_next_to_zero_f_without_its_rigid_zeros_is_on_all_of_the_way_there(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[Any] = []
+
+    def box(F: Any, p: Any, s: Any) -> Any:
+        asked.append(s)
+        return SimpleNamespace(value=lambda p, s, i, j: (s, i, j))
+
+    monkeypatch.setattr(verifier_equations, "Box", box)
+    it = equations(twice("0"), twice("0"), False)
+    it.R = 2
+    s, i, j = it.reduced(arb(1), arb(3, 1))(arb(1), arb(3), 4, 5)
+    assert s is asked[0] and s.contains(0) and s.contains(4) and not s.contains(4.1) and not s.contains(-0.1)
+    assert (i, j) == (4, 7)
+
+
+def test_a_value_is_within_an_interval_and_not_on_its_ends() -> None:
+    sides = Fraction(1), Fraction(3)
+    assert [_within(arb(v), sides) for v in (0, 1, 2, 3, 4)] == [False, False, True, False, False]
+
+
+# --- boxes -------------------------------------------------------------------------------------------------------
+
+
+def known(c: Any, P: Any, S: Any, s: Any = 0, rest: float = 0.0) -> Any:
+    """A function F for a box: for each power of t factors of (p/P)^j ((s − s₀)/S)^k, with what it was asked for."""
+    asked: list[Any] = []
+    levels = [flint.arb_mat([[int(v) for v in row] for row in of]) for of in c]
+    whole = SimpleNamespace(P=arb(P), s=arb(s), S=arb(S), levels=levels, rest=arb(rest), precision=BITS)
+
+    def given(*sides: Any) -> Any:
+        asked.append(sides)
+        return whole
+
+    return SimpleNamespace(on=given, at=given, asked=asked)
+
+
+def derived(c: Any, P: float, S: float, p: complex, s: complex, i: int, j: int) -> complex:
+    total = 0j
+    for (a, b), factor in np.ndenumerate(c):
+        if a >= i and b >= j:
+            total += int(factor) * comb(a, i) * comb(b, j) * (p / P) ** (a - i) * (s / S) ** (b - j) / P**i / S**j
+    return total
+
+
+@pytest.mark.parametrize("size", [(4, 3), (18, 17)])
+@pytest.mark.parametrize("complexes", [(False, False), (True, False), (False, True)])
+def test_a_polynomial_is_what_it_is_on_a_box(size: tuple[int, int], complexes: tuple[bool, bool]) -> None:
+    """And so its derivatives; beyond the degree it is in the ball of what these terms are at most."""
+    c = np.random.default_rng(1).integers(-9, 10, (2, *size))
+    F = known(c, 16, 64, s=2)
+    with flint.ctx.workprec(BITS):
+        p, s = (
+            acb(arb(v, 0.25), arb(v / 2, 0.25)) if of else arb(v, 0.25) for v, of in zip((3, 5), complexes, strict=True)
+        )
+        for of in (None, 0, 1, 2):
+            box = Box(F, p, s, of=of)
+            for (i, j), shift in product(((0, 0), (1, 0), (0, 1), (2, 1), (1, 2), (0, 4)), (0.0, 0.2)):
+                x, y = (v.mid() + shift for v in (p, s))
+                found = acb(box.value(x, y, i, j))
+                values = [derived(c[n], 16, 64, complex(x), complex(y) - 2, i, j) for n in (0, 1)]
+                expected = {None: values[0], 0: values[0], 1: values[1], 2: 0}[of]
+                off = abs(complex(found.mid()) - expected)
+                wide = float(found.real.rad())
+                # coefficients about the centre are in balls: there the sum is as wide as it must be
+                more = abs(values[1].real) if of is None else 0
+                if size == (4, 3):
+                    assert off < 1e-12 and (
+                        wide >= more * (1 - 1e-6) if shift else wide == pytest.approx(more, abs=1e-7)
+                    )
+                assert off <= wide + 1e-12 and (shift or wide <= more + 1e-2)
+        reach = [float(abs(side - side.mid()).upper()) for side in (p, s)]
+        sizes = [float(abs(side.mid()).upper()) for side in (p, s)]
+        assert [*map(float, F.asked[0])] == pytest.approx([a + 2 * r + 1 for a, r in zip(sizes, reach, strict=True)])
+
+
+def test_a_box_is_asked_for_no_more_than_is_known_of_it() -> None:
+    F = known([[[1, 2], [3, 4]]], 8, 8)
+    point, wide = Box(F, arb(1, 0.5), arb(2), 2), Box(F, arb(1, 0.5), arb(2, 0.5), 2)
+    assert [len(sides) for sides in F.asked] == [3, 2] and F.asked[0][2] == 2
+    for box, most in ((point, 2), (wide, 4)):
+        box.value(arb(1), arb(2), 0, most)
+        with pytest.raises(ArithmeticError, match="of a higher order"):
+            box.value(arb(1), arb(2), 0, most + 1)
+        for p, s in ((1.6, 2.0), (0.4, 2.0), (1.0, 2.6), (1.0, 1.4)):
+            with pytest.raises(ArithmeticError, match="outside"):
+                box.value(arb(p), arb(s))
+
+
+@pytest.mark.parametrize("axis", [0, 1])
+def test_a_box_is_not_larger_than_half_of_where_f_is_known(axis: int) -> None:
+    """P − |p| − 2 r > 1/2, and S − |s − s₀| − 2 r' > 1/2."""
+    for far, right in ((6.51, True), (6.49, False)):
+        F = known([[[1, 2], [3, 4]]], *((far, 100) if axis == 0 else (100, far)), s=0 if axis == 0 else -1)
+        sides = [arb(3, 1.5), arb(2, 1.5)]  # 3 + 3 + 1/2, and as much from s₀ = −1
+
+        def made(F: Any = F, sides: Any = sides) -> bool:
+            try:
+                Box(F, *sides)
+            except ArithmeticError:
+                return False
+            return True
+
+        assert made() is right
 
 
 def test_the_rest_of_a_box_is_that_of_cauchys_estimate() -> None:
