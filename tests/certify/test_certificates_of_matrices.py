@@ -72,6 +72,7 @@ def test_a_true_certificate_is_accepted_and_says_of_what_it_is(name: str, tmp_pa
     found, data = proven(name), written(name)
     said = check(data)
     assert said.load is not None and found.load is not None and data["format"].endswith("9")
+    assert said.record()["stable_at_zero_load"] is (None if said.above_zero else True)
     assert F(found.load[0]) < said.load[1] and said.load[0] < F(found.load[1])
     assert "of every M, C and K within those in this file" in str(said) and "is not checked" in str(said)
     assert said.damped == (name in ("damped", "in the limit")) and len(said.parts) == 1 + (name == "two planes")

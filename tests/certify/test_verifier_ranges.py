@@ -268,3 +268,9 @@ def test_an_entry_is_a_number_or_a_middle_and_a_radius() -> None:
     assert _entry("1/2") == (F(1, 2), 0) and _entry(["1/2", "1/8"]) == (F(1, 2), F(1, 8))
     for wrong in (["1/2", "0"], ["1/2", "-1/8"], ["1/2"], ["1", "2", "3"], 1):
         assert not served(lambda wrong=wrong: _entry(wrong))  # type: ignore[misc]
+
+
+def test_opposite_numbers_are_on_either_side_of_zero_and_not_zero() -> None:
+    values = {"-": arb(-1), "0": arb(0), "+": arb(1), "?": arb(0, 1)}
+    opposite = {a + b for a in values for b in values if verifier.opposite(values[a], values[b])}
+    assert opposite == {"-+", "+-"}

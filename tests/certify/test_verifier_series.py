@@ -34,7 +34,7 @@ def of_column() -> tuple[Sections, Any]:
         [{0: fmpq_poly([5, 2])}, {0: fmpq_poly([1]), 1: fmpq_poly([4, 3])}],
         [{(0, 1): fmpq_poly([2, 7])}, {(1, 1): fmpq_poly([-6, 5]), (1, 0): fmpq_poly([1, 2])}],
         {(1, 0): Fraction(3), (1, 1): Fraction(1, 3), (2, 0): Fraction(7)},
-        {(1, 0): Fraction(11), (2, 1): Fraction(13)},
+        {(0, 1): Fraction(37), (1, 0): Fraction(11), (2, 1): Fraction(13)},
         {((1, 0), (1, 1)): Fraction(17), ((2, 0), (2, 1)): Fraction(19), ((2, 1), (0, 0)): Fraction(23)},
     )  # fmt: skip
     left = SimpleNamespace(
