@@ -79,7 +79,8 @@ def test_a_frequency_of_what_whirls_is_less_by_the_turn_of_the_frame() -> None:
     assert OfForms(**given | {"turn": None}, whirls=True).frequency == (low, high)
     half = F(1, 2)
     for square, omega in (
-        ((3, 4), (2, 3)), ((F(1, 4), half), (half, F(3, 4))), ((half, 3), (0, 2)), ((1, 2), (0, 1)), ((half, 1), (0, half)),
+        ((3, 4), (2, 3)), ((F(1, 4), half), (half, F(3, 4))), ((half, 3), (0, 2)), ((1, 2), (0, 1)),
+        ((half, 1), (0, half)),
     ):  # fmt: skip
         assert v.whirl((F(square[0]), F(square[1])), fmpq(1)) == omega
 
@@ -287,3 +288,11 @@ def test_a_parameter_stands_linearly_in_forms_and_damping(monkeypatch: pytest.Mo
     stated.kappa = F(7)
     v.check_linear(stated, "kappa")
     assert [[int(c) for c in f.coeffs()] for f in seen[-1]] == [[1], [0, 1], [2]]
+
+
+def test_json_is_of_names_that_stand_once_short_integers_and_no_floats() -> None:
+    assert v.parsed(b'{"a": 123456789, "b": ["1.5", null, true]}') == {"a": 123456789, "b": ["1.5", None, True]}
+    for wrong in (b'{"a": 1234567890}', b'{"a": 1, "a": 2}', b'{"a": 1.5}', b'{"a": NaN}', b'{"a": 1e3}', b"{"):
+        assert not served(lambda wrong=wrong: v.parsed(wrong))  # type: ignore[misc]
+    text = b'"' + b"x" * (v.LARGEST_FILE - 2) + b'"'
+    assert served(lambda: v.parsed(text)) and not served(lambda: v.parsed(text + b" "))

@@ -208,8 +208,8 @@ def test_cells_are_all_of_a_rectangle() -> None:
 def test_a_part_is_cut_so_often_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
     for cuts, right in ((verifier_cells.MOST_CUTS, True), (verifier_cells.MOST_CUTS + 1, False)):
         it = Cells(Still(), F(4), [])  # type: ignore[arg-type]
-        monkeypatch.setattr(it, "_with_one_box", lambda P, x, cuts=cuts: P[1] - P[0] <= F(4, 2**cuts))
-        monkeypatch.setattr(verifier_cells, "MOST_BOXES", 4**9)
+        # only where both are least does it go so deep
+        monkeypatch.setattr(it, "_with_one_box", lambda P, x, cuts=cuts: P[0] + x[0] > 0 or P[1] <= F(4, 2**cuts))
         assert served(lambda it=it: it.tile((F(0), F(4)), (F(0), F(1)), 0)) is right  # type: ignore[misc]
         it.boxes, it.covered = 0, F(0)
     for most, right in ((5, True), (4, False)):

@@ -16,6 +16,7 @@ from flint import arb, arb_mat, fmpq, fmpq_mat, fmpq_poly
 from freebeam_derive.certify import verifier, verifier_over_sections
 from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_damping_forms import split
+from freebeam_derive.certify.verifier_degrees import of_entries
 from freebeam_derive.certify.verifier_of_matrices import _entry, _Part
 from freebeam_derive.certify.verifier_over_sections import Between, between, check_one_condition
 from freebeam_derive.certify.verifier_sections import Sections
@@ -274,3 +275,12 @@ def test_opposite_numbers_are_on_either_side_of_zero_and_not_zero() -> None:
     values = {"-": arb(-1), "0": arb(0), "+": arb(1), "?": arb(0, 1)}
     opposite = {a + b for a in values for b in values if verifier.opposite(values[a], values[b])}
     assert opposite == {"-+", "+-"}
+
+
+def test_what_entries_tell_of_rest_is_of_rates_without_load() -> None:
+    """A row of K without load that is nothing is a motion that rests, apart from rates where C has nothing there."""
+    M, K, some = [[True, False], [False, True]], [[False, False], [False, True]], [[True, False], [False, True]]
+    none, below = [[False, False], [False, False]], [[False, False], [False, True]]
+    for C, apart in (([below], True), ([some], False), ([below, some], True), ([none, some], True), ([], True)):
+        found = of_entries([M], C, [K, some])  # type: ignore[arg-type]
+        assert (found.resting, found.apart, found.highest, found.even) == (1, apart, 4, not C)
