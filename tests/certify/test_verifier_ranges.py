@@ -183,6 +183,40 @@ def test_a_piece_of_a_range_is_as_long_as_its_share() -> None:
             assert done == [("order", (0,)), ("order", (1,)), ("check", (0,)), ("check", (1,))]
 
 
+@pytest.mark.parametrize(("vanishing", "two", "kind"), [
+    (True, True, "RatesOver"), (True, False, "RatesOver"), (False, True, "RatesOver"),
+    (False, False, "RatesOverDamping"),
+])  # fmt: skip
+def test_dampings_of_a_piece_are_those_at_its_shares(vanishing: bool, two: bool, kind: str) -> None:
+    one = column()
+    columns = one, column(masses={(2, 0): F(9)}) if two else one
+    piece = verifier_over_sections.OfPiece(F(11), F(14), 9, 3, "flutter", (F(1), F(2)), None, (), F(50))
+    stated = SimpleNamespace(low=F(10), high=F(14), pieces=(piece,))
+    names = "Pieces", "OverPieces", "First", "Equations", "Rates", "RatesOver", "RatesOverDamping", "Gaps"
+    made: dict[str, list[Any]] = {name: [] for name in names}
+    with pytest.MonkeyPatch.context() as patch:
+        of = verifier_over_sections
+        for name in names:
+            patch.setattr(of, name, lambda *given, name=name, **_: made[name].append(given) or SimpleNamespace(
+                name=name, given=given, check_order=lambda _: None, check=lambda _: None))  # fmt: skip
+        patch.setattr(of, "read", lambda data: (stated, columns, ["low", "high"]))
+        patch.setattr(of.verifier_damping_forms, "between", lambda a, b, share: (f"{a}-{b}", share))
+        patch.setattr(of, "split", lambda form, share, vanishing, column: (form, share, vanishing, column))
+        patch.setattr(of, "DampedOver", SimpleNamespace(of=lambda *both: ("over", *both)))
+        of.verify_over_sections({"damping": [{"vanishing": vanishing}, {}]})
+    shares = F(1, 4), F(1)
+    each = [("low-high", share, vanishing, between(*columns, share)) for share in shares]
+    ((gaps, m, line, over),) = made["Gaps"]
+    assert over == ("over", *each) and (m, line, len(gaps)) == (3, 50, 1 + two)
+    ((given),) = made[kind]
+    assert len(made["RatesOver"]) + len(made["RatesOverDamping"]) == 1
+    if kind == "RatesOver":
+        assert given[0].name == "OverPieces" and [rates.given[1] for rates in given[1:]] == each
+        assert [rates.given[0].given[0] for rates in given[1:]] == [damping[3] for damping in each]
+    else:
+        assert given[0].name == "Pieces" and given[0].given == (one,) and [*given[1:]] == each
+
+
 # --- motions without mass, determinants, matrices in balls -----------------------------------------------------------
 
 
