@@ -16,7 +16,7 @@ from flint import arb, arb_poly, fmpq_poly
 from freebeam_derive.certify import verifier_lists, verifier_of_beam, verifier_of_sections, verifier_touches
 from freebeam_derive.certify.verifier_claims import Damping, Refused
 from freebeam_derive.certify.verifier_lists import WIDE
-from freebeam_derive.certify.verifier_of_beam import High
+from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_of_sections import Frequencies, Gaps, square
 from freebeam_derive.certify.verifier_plane import check_apart
 from freebeam_derive.certify.verifier_sections import PIECES, Sections
@@ -279,6 +279,64 @@ def test_beyond_a_frequency_no_low_mode_reaches_the_axis() -> None:
         assert top(alpha, beta, load) == pytest.approx(max(load * 0.3 / spare, 1 - 2 * min(alpha * beta, 0)) / alpha)
     it._softening = [SimpleNamespace(on=lambda k: arb("0.8"))]
     assert not served(lambda: top(0.2, 3, 9)) and top(0.01, 3, 9) == pytest.approx(sqrt(100 / 0.96))
+
+
+@pytest.mark.parametrize(("real", "undamped", "kind"), [
+    (True, True, "flutter"), (True, True, "divergence"), (True, False, "flutter"), (True, False, "divergence"),
+    (False, False, "flutter"), (False, False, "divergence"),
+])  # fmt: skip
+def test_of_a_first_crossing_all_is_asked_that_its_proof_needs(
+    real: bool, undamped: bool, kind: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Signs up to it where unknowns are real, else at P = 0 and of F(P, 0); with damping also below what it acts on,
+    and cells, with the crossing's box of a flutter."""
+    asked: list[Any] = []
+    box, stretches, flutter = [arb(2), arb(3)], ("stretch",), kind == "flutter"
+    load, square_of = (F(2), F(201, 100)), (F(4), F(5))
+
+    class Asked:
+        def __init__(self, *given: Any) -> None:
+            if len(given) == 3:
+                asked.append(("cells", *given[1:]))
+
+        def __getattr__(self, name: str) -> Any:
+            return lambda *given: asked.append((name, *given))
+
+    monkeypatch.setattr(verifier_of_beam, "Signs", Asked)
+    monkeypatch.setattr(verifier_of_beam, "Cells", Asked)
+    equations: Any = SimpleNamespace(
+        real=real, undamped=undamped, limit=real and not undamped, bits=77, undamped_to=F(9),
+        flutter=lambda load, square: asked.append(("flutter", load, square, flint.ctx.prec)) or (box, arb(1)),
+        divergence=lambda load: asked.append(("divergence", load, flint.ctx.prec)) or arb(1),
+    )  # fmt: skip
+    high: Any = SimpleNamespace(
+        top=arb(50),
+        check=lambda *given: asked.append(("high", *given)),
+        highest=lambda equations, top: ("highest", top),
+    )
+    claim: Any = SimpleNamespace(kind=kind, load=load, square=square_of if flutter else None)
+    for ranged, bits in ((False, 77 + 8), (True, 77)):
+        asked.clear()
+        First(equations, high, claim, ranged).check(stretches)  # type: ignore[arg-type]
+        names = {name: given for name, *given in asked}
+        assert names["high"] == [load[1], equations]
+        assert names[kind] == [load, square_of, bits] if flutter else [load, bits]
+        assert ("check_order" in names) is ("stable" in names) is real
+        if real:
+            assert names["check_order"] == [stretches, undamped or not flutter]
+            assert names["stable"][:2] == [stretches, load] and (names["stable"][2] is None) is (
+                flutter and not undamped
+            )
+        assert ("at_rest" in names) is ("static" in names) is not real
+        if not real:
+            assert names["at_rest"] == [[*stretches]] and names["static"] == [load[1], [] if flutter else [load]]
+        assert ("above" in names) is ("cells" in names) is not undamped
+        if not undamped:
+            assert names["above"] == [F(9), [*stretches]] and names["cells"] == [load[1], [box] if flutter else []]
+            assert names["check"] == [("highest", load[1])]
+    for change in (arb(-1), arb(0, 1), arb(0)):
+        equations.flutter, equations.divergence = (lambda *_, c=change: (box, c)), (lambda *_, c=change: c)
+        assert not served(lambda: First(equations, high, claim, False).check(stretches))  # type: ignore[arg-type]
 
 
 # --- touches ---------------------------------------------------------------------------------------------------------

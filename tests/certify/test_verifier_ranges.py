@@ -318,3 +318,19 @@ def test_what_entries_tell_of_rest_is_of_rates_without_load() -> None:
     for C, apart in (([below], True), ([some], False), ([below, some], True), ([none, some], True), ([], True)):
         found = of_entries([M], C, [K, some])  # type: ignore[arg-type]
         assert (found.resting, found.apart, found.highest, found.even) == (1, apart, 4, not C)
+
+
+def test_entries_tell_that_a_determinant_is_even_where_signs_can_be_given() -> None:
+    """M and K link coordinates of one sign, C those of different ones: along a chain, and not around three."""
+
+    def linked(*pairs: tuple[int, int]) -> list[list[bool]]:
+        return [[(i, j) in pairs or (j, i) in pairs or i == j for j in range(3)] for i in range(3)]
+
+    diagonal = linked()
+    for of_K, of_C, even in (
+        ((), ((0, 1), (1, 2)), True), (((0, 1),), ((1, 2),), True), (((0, 1),), ((0, 1),), False),
+        ((), ((0, 1), (1, 2), (0, 2)), False), (((0, 2),), ((0, 1), (1, 2)), True),
+        (((0, 2), (0, 1)), ((1, 2),), False),
+    ):  # fmt: skip
+        C = [[here and i != j for j, here in enumerate(row)] for i, row in enumerate(linked(*of_C))]
+        assert of_entries([diagonal], [C], [linked(*of_K)]).even is even  # type: ignore[arg-type]
