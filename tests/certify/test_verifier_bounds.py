@@ -610,6 +610,22 @@ def test_the_bound_of_all_lines_is_what_lemma_5_says() -> None:
             assert float(norms.on_all_from(k)) == pytest.approx(hypot(both[0], both[1]), rel=SAME)
 
 
+def test_all_lines_are_bounded_from_three_times_half_a_turn_on() -> None:
+    """Γ > 3 (π/2 + δ), above e t from which on the bounds fall."""
+    for away in (0.0, 0.5, 1.2):
+
+        def known(G: float, away: float = away) -> bool:
+            norms: Any = object.__new__(Norms)
+            with flint.ctx.workprec(BITS):
+                norms.lines = SimpleNamespace(
+                    start=arb(G) - arb.pi() * arb("2.5"), away=arb(away), steepest=arb(2), longest=arb(1)
+                )
+                norms._sides = [([arb(1)] * 3, [])]
+                return served(lambda: norms.on_all_from(2))
+
+        assert edge(known, 3 * (pi / 2 + away))
+
+
 def test_the_bound_of_a_line_is_what_lemma_4_says() -> None:
     """Entries between the first modes over D_i D_j, what is beyond for each, and what is beyond in both."""
     lines = lines_of()
