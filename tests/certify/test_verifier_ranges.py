@@ -334,3 +334,24 @@ def test_entries_tell_that_a_determinant_is_even_where_signs_can_be_given() -> N
     ):  # fmt: skip
         C = [[here and i != j for j, here in enumerate(row)] for i, row in enumerate(linked(*of_C))]
         assert of_entries([diagonal], [C], [linked(*of_K)]).even is even  # type: ignore[arg-type]
+
+
+def test_motions_of_gyroscopic_terms_have_determinants_that_are_even() -> None:
+    """Two pairs: with C skew, and M and K symmetric; not where C damps, or K is not symmetric, or damping vanishes."""
+
+    def of(C: list[int], K: list[int]) -> Any:
+        """Of each pair what is above and below the diagonal; K has more on it."""
+        found = []
+        for above, below, diagonal in ((0, 0, (1, 1, 1, 1)), (C[0], C[1], (0,) * 4), (K[0], K[1], (2, 5, 3, 7))):
+            rows = [[diagonal[i] * (i == j) for j in range(4)] for i in range(4)]
+            for n in (0, 2):
+                rows[n][n + 1], rows[n + 1][n] = above * (n + 1), below * (n + 1)
+            found.append([fmpq_mat(rows)])
+        return found
+
+    for C, K, limit, even in (
+        ([1, -1], [0, 0], False, True), ([1, 1], [0, 0], False, False), ([1, -1], [1, 2], False, False),
+        ([1, -1], [1, 1], False, True), ([1, 1], [0, 0], True, False), ([0, 0], [1, 1], False, False),
+    ):  # fmt: skip
+        each = verifier.motions(of(C, K), limit)
+        assert [motion.even for motion in each] == [even] * len(each) and len(each) >= 2

@@ -167,3 +167,15 @@ def test_roots_are_looked_for_from_nothing_on(monkeypatch: pytest.MonkeyPatch) -
     assert edges[0][0] <= 0 and all(a[1] >= b[0] for a, b in pairwise(edges))
     assert stretches[0][0] <= edges[-1][1] and stretches[0][0] == 0.5
     assert all(a[1] == b[0] for a, b in pairwise(stretches)) and len(stretches) == 6
+
+
+def test_a_space_has_as_many_unknowns_as_any_that_is_written() -> None:
+    field = {"joined": 2, "held": [], "opened": []}
+    data = {
+        "breaks": ["0", "1/2", "1"],
+        "fields": {"y": field},
+        "coordinates": [],
+        "modes": verifier.MOST_UNKNOWNS // 2 - 2,
+    }
+    assert verifier._space(data).size == verifier.MOST_UNKNOWNS
+    assert not served(lambda: verifier._space(data | {"coordinates": ["q"]}))
