@@ -314,8 +314,8 @@ def test_opposite_numbers_are_on_either_side_of_zero_and_not_zero() -> None:
 def test_what_entries_tell_of_rest_is_of_rates_without_load() -> None:
     """A row of K without load that is nothing is a motion that rests, apart from rates where C has nothing there."""
     M, K, some = [[True, False], [False, True]], [[False, False], [False, True]], [[True, False], [False, True]]
-    none, below = [[False, False], [False, False]], [[False, False], [False, True]]
-    for C, apart in (([below], True), ([some], False), ([below, some], True), ([none, some], True), ([], True)):
+    below = [[False, False], [False, True]]
+    for C, apart in (([below], True), ([some], False), ([below, some], True), ([some, below], False), ([], True)):
         found = of_entries([M], C, [K, some])  # type: ignore[arg-type]
         assert (found.resting, found.apart, found.highest, found.even) == (1, apart, 4, not C)
 
