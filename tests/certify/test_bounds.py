@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from fractions import Fraction
-from itertools import pairwise, product
+from itertools import product
 from types import SimpleNamespace
 from typing import Any
 
@@ -17,12 +16,11 @@ from numpy.polynomial.legendre import leggauss
 
 from freebeam_derive.certify import damped_gaps, variable_section
 from freebeam_derive.certify.balls import precision
-from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.comparison_form import ORDERS, Modes, _settled, bounds, characteristic
 from freebeam_derive.certify.damped_gaps import DampedGaps, LeftOver
 from freebeam_derive.certify.load_size import CUBICS, LoadSize, Value, load_size
 from freebeam_derive.certify.strips import Form, NoStrips, Strips
-from tests.certify.test_column_forms import HALF, ONE, F, along, at, kernel, read
+from tests.certify.test_column_forms import HALF, ONE, F, along, at, read
 
 PI = math.pi
 ENDS = [(a, b) for a in ORDERS for b in ORDERS]

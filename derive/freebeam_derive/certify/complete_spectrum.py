@@ -125,9 +125,7 @@ class _Circle:
         middle = ((low + high) / 2).mid()
         at, over = _on(radius, middle), _on(radius, low.union(high))
         centre, (_, slope) = self._value(series, at)[0], self._value(series, over)
-        if not (centre.is_finite() and slope.is_finite()) or centre.contains(0):
-            return None
-        if not (1 + slope * (over - at) / centre).real > 0:
+        if not centre.is_finite() or centre.contains(0) or not (1 + slope * (over - at) / centre).real > 0:
             return None
         ends = [(self._value(series, _on(radius, side))[0] / centre).arg() for side in (low, high)]
         return ends[1] - ends[0]

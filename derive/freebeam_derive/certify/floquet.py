@@ -133,7 +133,7 @@ class Motion:
         last = len(self.norms) - 1
         x = last * frequency * h
         J = 1
-        while not (x / (J + 2) < arb(1) / 2 and x ** (J + 1) / arb(J + 1).gamma() / (J + 1) < tolerance):
+        while not x ** (J + 1) / arb(J + 2).gamma() < tolerance:  # below 1, so that x < (J + 2) / 2
             J += 1
         left = sum(self.norms[1:], arb(0)) * 2 * x ** (J + 1) / arb(J + 2).gamma()
         of_cosine = h * left * ((total + left) * h).exp()

@@ -1,0 +1,332 @@
+"""What the prover decides, on data for which the answer is known: on both sides of each condition, and in the order in
+which things are told."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from itertools import pairwise
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from flint import arb, fmpq
+
+from freebeam_derive.certify import balls, beam_crossings, damped_gaps, frequency_gaps, one_load, ranges
+from freebeam_derive.certify.all_crossings import _interval, _scale, _told
+from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.beam_cells import OpenStep
+from freebeam_derive.certify.beam_crossings import Survey, _Passing
+from freebeam_derive.certify.beam_itself import NoOnset, VanishingDamping, VanishingRates
+from freebeam_derive.certify.boundary_polynomials import Boundary
+from freebeam_derive.certify.frequency_gaps import FrequencyGaps
+from freebeam_derive.certify.load_size import _together, _values
+from freebeam_derive.certify.same_motions import _in_other_coordinates
+from freebeam_derive.certify.strips import Form, NoStrips
+from tests.certify.test_column_forms import HALF, ONE, F, at, read
+
+# --- roots of the kernel's characteristic function -----------------------------------------------------------
+
+
+def test_a_root_is_in_the_image_of_newton_and_no_wider_than_the_slope_says(monkeypatch: pytest.MonkeyPatch) -> None:
+    """16 (δ − 1/3) known up to 2^−100: 2^−104 about 1/3; of which a value wider than the balls tried tells nothing."""
+    monkeypatch.setattr(balls, "_slope", lambda kernel, delta, quarter, sigma: arb(16))
+    with precision(128):
+        for rest, found in ((-100, True), (-40, False)):
+            blur = arb(0, float(2.0**rest))
+            monkeypatch.setattr(balls, "_value", lambda k, delta, q, s, b=blur: 16 * (delta - arb(1) / 3) + b)
+            if found:
+                root = balls._root(None, 1, 1, 0.3)  # type: ignore[arg-type]
+                assert root.contains(arb(1) / 3) and 2.0**-104 <= float(root.rad()) < 2.0**-103
+            else:
+                with pytest.raises(Unproven, match="could not be enclosed"):
+                    balls._root(None, 1, 1, 0.3)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(("sign", "fine"), [(1.0, True), (-1.0, True), (0.5, True), (-0.5, True), (None, False)])
+def test_there_is_no_root_before_the_first_where_one_coefficient_keeps_its_sign(
+    monkeypatch: pytest.MonkeyPatch, sign: float | None, fine: bool
+) -> None:
+    """Of all derivatives at γ = 0 the first that is not nothing, on all of the way to γ = 1, of any size."""
+    asked: list[tuple[float, float]] = []
+
+    def series(kernel: Any, delta: arb, quarter: int, sigma: int, order: int) -> list[arb]:
+        if order == 5:
+            return [arb(0), arb(0), arb(1), arb(0), arb(0), arb(0)]
+        assert order == 2
+        asked.append((float(delta.lower()), float(delta.upper())))
+        middle = float(delta.mid()) + 3 * math.pi / 4
+        return [arb(0), arb(0), arb(sign) if sign is not None else arb(1 if middle < 0.99 else -1)]
+
+    monkeypatch.setattr(balls, "_series", series)
+    monkeypatch.setattr(balls, "_no_zero", lambda kernel, low, high, *of: asked.append((float(low), float(high))))
+    with precision(64):
+        if fine:
+            balls._none_before(None, 3, 1)  # type: ignore[arg-type]
+        else:
+            with pytest.raises(Unproven, match="neighbourhood of γ = 0"):
+                balls._none_before(None, 3, 1)  # type: ignore[arg-type]
+    ends = sorted(asked)
+    assert ends[0][0] <= -3 * math.pi / 4 and ends[-1][1] >= -math.pi / 4 - 1e-12
+    assert all(a[1] >= b[0] for a, b in pairwise(ends))
+
+
+# --- crossings in their order -------------------------------------------------------------------------------
+
+
+def passing(low: float, high: float, change: int, flutter: bool = True, square: float = 4.0) -> _Passing:
+    return _Passing([arb(low).union(arb(high)), arb(square)], change, flutter, 64)
+
+
+def counted(found: list[_Passing], damped: bool = False) -> list[tuple[Any, ...]]:
+    them: Any = object.__new__(Survey)
+    them.found, them.load_max = found, F(10)
+    return [(c.kind, float(c.load[0]), c.square and float(c.square[0]), c.change, c.unstable)
+            for c in Survey._counted(them, damped)]  # fmt: skip
+
+
+def test_crossings_of_a_beam_are_told_in_their_order_with_what_is_unstable_below_each() -> None:
+    found = [passing(5, 5, -2), passing(1, 1, 1, False), passing(2, 2, 2, square=9), passing(11, 12, 2),
+             passing(3, 3, 0, False), passing(7, 7, -1, False)]  # fmt: skip
+    wanted = [("divergence", 1, None, 1, 0), ("flutter", 2, 9, 2, 1), ("touch", 3, None, 0, 3),
+              ("flutter", 5, 4, -2, 3), ("divergence", 7, None, -1, 1)]  # fmt: skip
+    assert counted(found) == wanted
+    assert counted([passing(2, 2, 2, square=3)], damped=True) == [("flutter", 2, 9, 2, 0)]
+    assert counted([passing(1, 2, 2), passing(2.5, 3, 2)])  # one after the other
+    for other in (passing(1.5, 2.5, 2), passing(1.5, 1.7, 2), passing(0.5, 1.5, 2), passing(2, 3, 2)):
+        with pytest.raises(OpenStep, match="which of two crossings"):
+            counted([passing(1, 2, 2), other])
+    with pytest.raises(OpenStep, match="fewer than no eigenvalue"):
+        counted([passing(1, 1, -1, False)])
+    for low, high in ((9, 10), (10, 10), (9, 11), (10, 11)):
+        with pytest.raises(beam_crossings.AtTheEnd, match="whether the crossing"):
+            counted([passing(low, high, 2)])
+
+
+def test_the_scale_of_two_parts_is_asked_of_both() -> None:
+    part: Any = SimpleNamespace(scale=lambda other: (part, other))
+    assert _scale(part, 7) == (part, 7) and _scale(None, part) is None and _scale(part, None) is None  # type: ignore[arg-type,comparison-overlap]
+
+
+@pytest.mark.parametrize("whirls", [False, True])
+def test_frequencies_of_a_crossing_are_those_of_all_parts_that_are_alike(whirls: bool) -> None:
+    scales = [fmpq(1), fmpq(3), fmpq(1)]
+    still: Any = SimpleNamespace(turn=Fraction(0), whirls=whirls)
+    turns: Any = SimpleNamespace(turn=Fraction(2), whirls=whirls)
+
+    def told(part: Any, places: list[arb]) -> list[tuple[float | None, int]]:
+        return [(None if square is None else float(square), times) for square, times in _told(part, places, scales)]
+
+    assert told(None, []) == told(still, []) == [(None, 3)] and told(turns, []) == [(4, 6)]
+    assert told(still, [arb(0)]) == [(0, 3)] and told(still, [arb(5)]) == [(5, 2), (15, 1)]
+    if whirls:  # x = ω + turn
+        assert told(turns, [arb(9)]) == [(49, 3)] and told(turns, [arb(0)]) == [(4, 3)]
+    else:
+        assert told(turns, [arb(9)]) == [(1, 3), (25, 3)] and told(turns, [arb(0)]) == [(4, 3), (4, 3)]
+
+
+def test_an_interval_of_so_many_digits_is_about_the_ball() -> None:
+    assert _interval(arb(0), 9) == (0, 0)
+    with precision(300):
+        for digits in (2, 20):
+            low, high = _interval(arb(2).sqrt(), digits)
+            assert exact(low) < arb(2).sqrt() < exact(high)
+            assert float((high - low) * 10**digits / low) == pytest.approx(0.02, rel=1e-3)
+            with pytest.raises(Unproven, match=f"to {digits} digits"):
+                _interval(arb(3, 10.0 ** -(digits + 1)), digits)
+
+
+# --- the direction of a crossing ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kappa", ["0", "1/3"])
+def test_a_growth_rate_rises_by_the_second_derivative_of_its_branch(kappa: str) -> None:
+    """F = (s − f(P)) g: s' and s'' of f from F's Taylor coefficients, for any factor g; and F_s = 0 tells nothing."""
+    them: Any = object.__new__(VanishingDamping)
+    draw = np.random.default_rng(3)
+    for _ in range(6):
+        slope, half, g0, gP, gs = draw.uniform(0.5, 2, 5) * draw.choice([-1, 1], 5)
+        # F = (v − slope u − half u²)(g0 + gP u + gs v)
+        t = {(1, 0): -slope * g0, (0, 1): g0, (2, 0): -half * g0 - slope * gP, (1, 1): gP - slope * gs, (0, 2): gs}
+        balls_of = {key: arb(value) for key, value in t.items()}
+        if half > 0:
+            them.onset([arb(1), arb(1)], balls_of)
+        else:
+            with pytest.raises(NoOnset):
+                them.onset([arb(1), arb(1)], balls_of)
+    with pytest.raises(Unproven, match="not known to be simple"):
+        them.onset([arb(1), arb(1)], balls_of | {(0, 1): arb(0, 1)})
+
+
+def test_a_growth_rate_of_any_column_rises_along_its_branch() -> None:
+    them: Any = object.__new__(VanishingRates)
+    for by_s in (2.0, -2.0):
+        for by_w in (1.0, -1.0):
+            # F = by_s (v − 3 u) + w (by_w u − 5 v): along v = 3 u the factor of w is (by_w − 15) u
+            t = {(1, 0, 0): arb(-3 * by_s), (0, 1, 0): arb(by_s), (1, 0, 1): arb(by_w * 20), (0, 1, 1): arb(-5)}
+            if (by_w * 20 - 15) / by_s > 0:
+                them.onset([], t)
+            else:
+                with pytest.raises(NoOnset):
+                    them.onset([], t)
+    with pytest.raises(Unproven, match="not known to be simple"):
+        them.onset([], t | {(0, 1, 0): arb(0, 1)})
+
+
+def test_two_eigenvalues_at_zero_leave_as_a_pair_where_their_form_is_definite() -> None:
+    """h_PP/2 + g_P μ − h_x μ²: no real μ where g_P² + 2 h_x h_PP < 0."""
+    for g_P, h_x, h_PP in ((1, 1, -1), (2, 1, -1), (1, -1, -1), (1, -0.25, 2), (1, -0.25, 1), (1.5, 1, -1),
+                           (-1.5, 1, -1), (-1, 1, -0.25), (0.5, 0.5, -0.5), (0.5, 0.5, -0.125)):  # fmt: skip
+        h: Any = SimpleNamespace(
+            by_x=lambda P, x, v=h_x: arb(v), by_P=SimpleNamespace(by_P=lambda P, x, v=h_PP: arb(v))
+        )
+        them: Any = object.__new__(Boundary)
+        object.__setattr__(them, "h", h)
+        object.__setattr__(them, "g", SimpleNamespace(by_P=lambda P, x, v=g_P: arb(v)))
+        assert Boundary.leaves_as_pair(them, arb(1), arb(0)) == (g_P**2 + 2 * h_x * h_PP < 0)
+
+
+# --- gaps ---------------------------------------------------------------------------------------------------
+
+
+def test_lines_are_free_from_the_last_gap_on_that_is_too_narrow(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of the frequencies 1, 3, 4, 7, 12 and gaps of 6 beyond, C = 1: a load of 2 is more than the gap from 3 to 4."""
+    monkeypatch.setattr(FrequencyGaps, "_of_parts", lambda self, at_ends, load: (known, arb(6), arb(5) + 0 * load))
+    known = [(arb(v), arb(v) + arb(2) ** -20) for v in (1, 3, 4, 7, 12)]
+    it = SimpleNamespace(kernel=None, own={}, undamped=lambda *of: False)
+    monkeypatch.setattr(frequency_gaps, "ColumnForms", lambda kernel, own: read())
+    with precision(128):
+        for load, lowest, reach in (("2", 3, 3), ("3.5", 4, 5), ("0.9", 1, 1)):
+            found = FrequencyGaps(it, arb(load))  # type: ignore[arg-type]
+            assert (found.lowest, found.count) == (lowest, 5) and found.lines == list(range(lowest, 5))
+            assert float(found.reach) == pytest.approx(reach, rel=1e-5)
+            values = [1, 3, 4, 7, 12]
+            for k in found.lines:
+                assert float(found.line(k)) == pytest.approx(values[k - 1] * values[k], rel=1e-5)
+                wanted = min(6, *(b - a for a, b in zip(values[k - 1 :], values[k:], strict=False)))
+                assert float(found.gap(k)) == pytest.approx(wanted, rel=1e-5)
+                assert float(found.frequency(k)) == pytest.approx(values[k - 1])
+                assert found.interval(k).contains(known[k - 1][0]) and found.interval(k).contains(known[k - 1][1])
+        with pytest.raises(NoStrips, match="too narrow"):
+            FrequencyGaps(it, arb("5.5"))  # type: ignore[arg-type]
+
+
+def test_a_sign_changes_where_both_are_known_and_opposite() -> None:
+    for one, other, changes in ((1, -1, True), (-2, 3, True), (1, 1, False), (-1, -1, False), (2, 0.5, False)):
+        asked = []
+
+        def taylor(P: arb, s: arb, orders: Any, values: Any = (one, other), asked: Any = asked) -> Any:
+            asked.append((P, s))
+            rad = 0.1 if len(asked) > 2 else 5  # wide at first
+            return {(0, 0): arb(values[int(s == 7)], rad)}
+
+        them: Any = object.__new__(FrequencyGaps)
+        them.system = SimpleNamespace(taylor=taylor)
+        assert FrequencyGaps._changes(them, F(3), F(7)) == changes and len(asked) == 4
+    them.system = SimpleNamespace(taylor=lambda P, s, orders: {(0, 0): arb(1 if s == 3 else -1, 1)})
+    assert not FrequencyGaps._changes(them, F(3), F(7))
+
+
+def test_no_more_than_all_of_the_mass_is_at_points() -> None:
+    with precision(64):
+        small = read(masses=[at(ONE, 0, F(1, 10**6))])
+        assert damped_gaps._share(small, arb(1)) == 1
+        assert damped_gaps._share(read(masses=[at(ONE, 0, 5)]), arb(10) ** 4) < 1
+
+
+def test_a_jump_is_told_from_two_values_at_its_sides() -> None:
+    """Values of v with the factors of what is seen of y: of one jump where both sides have opposite ones."""
+    place, seen = (HALF, 1), ((ONE, 0), 0)
+    two = {seen: F(3)}, {seen: F(-3)}
+    one, other = {(place, 1): F(1)}, {(place, -1): F(1)}
+    jump = {(place, 1): F(1), (place, -1): F(-1)}
+    assert _together({(place, 1): two[0], (place, -1): two[1]}) == [(jump, two[0])]
+    assert _together({(place, 1): two[1], (place, -1): two[0]}) == [(jump, two[1])]
+    assert _together({(place, 1): two[0], (place, -1): two[0]}) == [(other, two[0]), (one, two[0])]
+    assert _together({(place, 1): two[0]}) == [(one, two[0])]
+    assert _together({(place, 0): two[0]}) == [({(place, 0): F(1)}, two[0])]
+    with precision(64):
+        forms = read()
+        weigh = lambda table: [(v.order, float(v.weight), v.beside) for v in _values(forms, table)]  # noqa: E731
+        assert weigh({(place, 0): F(3)}) == [(1, pytest.approx(3 / math.sqrt(2)), (0, 1))]
+        assert weigh({((ONE, 0), 0): F(-3)}) == [(0, 3, (1,))] and weigh({((F(0), 1), 0): F(2)}) == [(1, 2, (0,))]
+        assert weigh({(place, 1): F(-2)}) == [(1, 2, (1,))] and weigh({(place, -1): F(2)}) == [(1, 2, (0,))]
+        assert weigh(jump) == [(1, pytest.approx(math.sqrt(2)), (0, 1))]
+
+
+def test_loads_on_curvatures_are_refused_along_the_beam_and_at_places() -> None:
+    modes: Any = SimpleNamespace(count=0)
+    for where in ({(0, 2, 0): 1}, {(0, 0, 2): 1}), ({}, {(1, 2, 1, 0): 1}, {(1, 0, 1, 2): 1}):
+        for form in where:
+            parts = (form, {}) if len(next(iter(form), (0, 0, 0))) == 3 else ({}, form)
+            if form:
+                with pytest.raises(NoStrips, match="acts on curvatures"):
+                    Form(modes, *parts)
+
+
+# --- motions that are the same, and loads that are one ------------------------------------------------------
+
+
+def square(values: Any) -> Any:
+    return np.array([[fmpq(v) for v in row] for row in values], dtype=object)
+
+
+def test_stiffness_times_a_number_in_other_coordinates_is_told() -> None:
+    """K by powers of the load, turned by T and times 3; without C alone, and of a number above zero."""
+    T = square([[1, 2], [0, 1]])
+    M, K, B = square([[2, 1], [1, 3]]), square([[5, 1], [1, 4]]), square([[1, 2], [0, 1]])
+    none = square([[0, 0], [0, 0]])
+
+    def turned(X: Any, times: int = 1) -> Any:
+        return T.T.dot(X).dot(T) * fmpq(times)
+
+    one = [M], [none], [K, B]
+    for scale in (3, 1, -2):
+        other = [turned(M)], [none], [turned(K, scale), turned(B, scale)]
+        wanted = None if scale < 0 else scale
+        assert _in_other_coordinates(one, other, True) == wanted
+        assert _in_other_coordinates(one, other, False) == (1 if scale == 1 else None)
+    assert _in_other_coordinates(one, ([turned(M)], [none], [turned(K, 3), turned(B, 2)]), True) is None
+    assert _in_other_coordinates(one, ([turned(M)], [turned(M)], [turned(K, 3), turned(B, 3)]), True) is None
+    zero = square([[0, 1], [1, 0]])  # of no trace
+    assert _in_other_coordinates(([square([[1, 0], [0, 1]])], [none], [zero]), ([M], [none], [K]), True) is None
+
+
+def test_two_roots_a_hair_apart_are_told_by_more_bits() -> None:
+    """P − 1 and P − 1 − 2^−900 on an interval that holds both: two loads; one of them alone and itself: one."""
+    gap = F(1, 2**900)
+
+    def part(root: Fraction) -> Any:
+        K = [np.array([[fmpq(root.numerator, root.denominator)]], dtype=object), np.array([[fmpq(-1)]], dtype=object)]
+        unit = [np.array([[fmpq(1)]], dtype=object)]
+        return SimpleNamespace(together=None, M=unit, C=[], K=K, names=("y",))
+
+    one, other = part(F(1)), part(1 + gap)
+    wide = F(1) - 4 * gap, F(1) + 4 * gap
+    assert not one_load.equal([(one, False), (other, False)], False, *wide)
+    assert one_load.equal([(one, False), (one, False)], False, *wide)
+    # far narrower than 500 bits tell from the root's rounding
+    assert one_load.equal([(one, False), (one, False), (part(F(3)), False)], False, 1 - F(1, 2**700), 1 + F(1, 2**700))
+
+
+def test_a_range_is_cut_where_it_is_not_shown_and_no_more(monkeypatch: pytest.MonkeyPatch) -> None:
+    them: Any = object.__new__(ranges.Line)
+    monkeypatch.setattr(ranges, "_Family", lambda line, a, b: (a, b))
+    shown = []
+
+    def show(family: Any) -> None:
+        a, b = family
+        if b - a > F(1, 4):
+            raise Unproven("wide")
+        shown.append(family)
+
+    assert ranges.Line._throughout(them, F(0), F(1), show) == 4 == len(shown)
+    assert sorted(shown) == [(F(k, 4), F(k + 1, 4)) for k in range(4)]
+    assert ranges.Line._throughout(them, F(0), F(1, 5), show) == 1
+
+    def never(family: Any) -> None:
+        raise Unproven("never")
+
+    with pytest.raises(Unproven, match="never"):
+        ranges.Line._throughout(them, F(0), F(1), never)
