@@ -4,27 +4,29 @@ which things are told."""
 from __future__ import annotations
 
 import math
+from contextlib import nullcontext
 from fractions import Fraction
 from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
+import flint
 import numpy as np
 import pytest
-from flint import arb, fmpq
+from flint import acb, arb, fmpq
 
-from freebeam_derive.certify import balls, beam_crossings, damped_gaps, frequency_gaps, one_load, ranges
+from freebeam_derive.certify import balls, beam_crossings, beam_itself, damped_gaps, frequency_gaps, one_load, ranges
 from freebeam_derive.certify.all_crossings import _interval, _scale, _told
 from freebeam_derive.certify.balls import Unproven, exact, precision
 from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_crossings import Survey, _Passing
-from freebeam_derive.certify.beam_itself import NoOnset, VanishingDamping, VanishingRates
+from freebeam_derive.certify.beam_itself import Coalescence, Damped, NoOnset, Static, VanishingDamping, VanishingRates
 from freebeam_derive.certify.boundary_polynomials import Boundary
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.load_size import _together, _values
 from freebeam_derive.certify.same_motions import _in_other_coordinates
 from freebeam_derive.certify.strips import Form, NoStrips
-from tests.certify.test_column_forms import HALF, ONE, F, at, read
+from tests.certify.test_column_forms import HALF, ONE, F, along, at, read
 
 # --- roots of the kernel's characteristic function -----------------------------------------------------------
 
@@ -42,6 +44,20 @@ def test_a_root_is_in_the_image_of_newton_and_no_wider_than_the_slope_says(monke
             else:
                 with pytest.raises(Unproven, match="could not be enclosed"):
                     balls._root(None, 1, 1, 0.3)  # type: ignore[arg-type]
+
+
+def test_the_image_of_newton_is_on_the_side_of_the_root(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A root that lies a little beside where Newton's steps end: at 1/3 + 2^−110."""
+    monkeypatch.setattr(balls, "_slope", lambda kernel, delta, quarter, sigma: arb(16))
+    with precision(128):
+        beside = arb(2) ** -110
+        monkeypatch.setattr(
+            balls,
+            "_value",
+            lambda k, delta, q, s: 16 * (delta - arb(1) / 3 - (beside if flint.ctx.prec == 128 else 0)),
+        )
+        root = balls._root(None, 1, 1, 0.3)  # type: ignore[arg-type]
+        assert root.overlaps(arb(1) / 3 + beside) and not root.overlaps(arb(1) / 3) and root.rad() < 2.0**-120
 
 
 @pytest.mark.parametrize(("sign", "fine"), [(1.0, True), (-1.0, True), (0.5, True), (-0.5, True), (None, False)])
@@ -140,38 +156,80 @@ def test_an_interval_of_so_many_digits_is_about_the_ball() -> None:
 # --- the direction of a crossing ----------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("kappa", ["0", "1/3"])
-def test_a_growth_rate_rises_by_the_second_derivative_of_its_branch(kappa: str) -> None:
-    """F = (s − f(P)) g: s' and s'' of f from F's Taylor coefficients, for any factor g; and F_s = 0 tells nothing."""
-    them: Any = object.__new__(VanishingDamping)
+def test_directions_of_crossings_are_derivatives_of_their_branches(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What the sign is asked of, from F's Taylor coefficients in u = P − P* and v = s − s*: of any factor of F."""
+    asked: list[Any] = []
+    monkeypatch.setattr(beam_itself, "_sign", lambda value, refusal: asked.append(value))
     draw = np.random.default_rng(3)
-    for _ in range(6):
+
+    def found(kind: Any, t: dict[Any, float], **known: Any) -> float:
+        them: Any = object.__new__(kind)
+        for name, value in known.items():
+            setattr(them, name, value)
+        them.onset([arb(2), arb(3)], {key: arb(float(value)) for key, value in t.items()})
+        return float(asked.pop())
+
+    for _ in range(3):
         slope, half, g0, gP, gs = draw.uniform(0.5, 2, 5) * draw.choice([-1, 1], 5)
-        # F = (v − slope u − half u²)(g0 + gP u + gs v)
-        t = {(1, 0): -slope * g0, (0, 1): g0, (2, 0): -half * g0 - slope * gP, (1, 1): gP - slope * gs, (0, 2): gs}
-        balls_of = {key: arb(value) for key, value in t.items()}
-        if half > 0:
-            them.onset([arb(1), arb(1)], balls_of)
-        else:
-            with pytest.raises(NoOnset):
-                them.onset([arb(1), arb(1)], balls_of)
+        # F = (v − slope u − half u²)(g0 + gP u + gs v): s'' = 2 half
+        F = {(1, 0): -slope * g0, (0, 1): g0, (2, 0): -half * g0 - slope * gP, (1, 1): gP - slope * gs, (0, 2): gs}
+        assert found(VanishingDamping, F) == pytest.approx(2 * half, rel=1e-12)
+        # F = g0 (v − slope u) + w (gP u + gs v): F_w / F_s along the branch grows by (gP + gs slope)/g0
+        F = {(1, 0, 0): -slope * g0, (0, 1, 0): g0, (1, 0, 1): gP, (0, 1, 1): gs}
+        assert found(VanishingRates, F) == pytest.approx((gP + gs * slope) / g0, rel=1e-12)
+        # s parts into a pair where F_ss F_p > 0
+        assert found(Coalescence, {(0, 2): g0, (1, 0): gP}) == pytest.approx(g0 * gP, rel=1e-12)
+        for R in (0, 2):  # s falls through zero by −F_p/F_s, or s² by 2 F_p/F_ss
+            F = {(1, R): gP, (0, R + 1): g0, (0, R + 2): gs}
+            assert found(Static, F, order=R, next=R + 1) == pytest.approx(gP * g0, rel=1e-12)
+            assert found(Static, F, order=R, next=R + 2) == pytest.approx(-gP * gs, rel=1e-12)
+        # dλ/dP = −i G_P/G_ω
+        of: Any = object.__new__(Damped)
+        by_load, by_frequency = complex(slope, half), complex(g0, gP)
+        of._chain = lambda x, t, c=(by_load, by_frequency): tuple(map(acb, c))
+        of.onset([], {})
+        assert float(asked.pop()) == pytest.approx((-1j * by_load / by_frequency).real * abs(by_frequency) ** 2)
+    simple = {(1, 0): 1.0, (0, 1): 1.0, (2, 0): 1.0, (1, 1): 1.0, (0, 2): 1.0}
+    double: Any = {key: arb(value) for key, value in simple.items()} | {(0, 1): arb(0.5, 1)}
     with pytest.raises(Unproven, match="not known to be simple"):
-        them.onset([arb(1), arb(1)], balls_of | {(0, 1): arb(0, 1)})
+        object.__new__(VanishingDamping).onset([arb(1), arb(1)], double)
+    with pytest.raises(Unproven, match="not known to be simple"):
+        object.__new__(VanishingRates).onset([], {(1, 0, 0): arb(1), (0, 1, 0): arb(0.5, 1)})
+    still: Any = object.__new__(Static)
+    still.order, still.next = 0, 1
+    with pytest.raises(Unproven, match="direction of the crossing"):
+        still.onset([], {(1, 0): arb(1), (0, 1): arb(0.5, 1)})
 
 
-def test_a_growth_rate_of_any_column_rises_along_its_branch() -> None:
-    them: Any = object.__new__(VanishingRates)
-    for by_s in (2.0, -2.0):
-        for by_w in (1.0, -1.0):
-            # F = by_s (v − 3 u) + w (by_w u − 5 v): along v = 3 u the factor of w is (by_w − 15) u
-            t = {(1, 0, 0): arb(-3 * by_s), (0, 1, 0): arb(by_s), (1, 0, 1): arb(by_w * 20), (0, 1, 1): arb(-5)}
-            if (by_w * 20 - 15) / by_s > 0:
-                them.onset([], t)
-            else:
-                with pytest.raises(NoOnset):
-                    them.onset([], t)
-    with pytest.raises(Unproven, match="not known to be simple"):
-        them.onset([], t | {(0, 1, 0): arb(0, 1)})
+def test_an_onset_is_asked_of_the_box_and_else_of_the_crossing(monkeypatch: pytest.MonkeyPatch) -> None:
+    box, crossing = [arb(2, 0.5), arb(9, 1)], [arb(2), arb(9)]
+    asked: list[Any] = []
+
+    def problem(outcomes: list[Any]) -> Any:
+        def onset(x: Any, t: Any) -> None:
+            asked.append((x, t))
+            if (outcome := outcomes.pop(0)) is not None:
+                raise outcome
+
+        return SimpleNamespace(
+            sought="flutter at", kind="flutter", onset=onset, frequency=lambda x: x[1].sqrt(),
+            slopes=lambda x: (None, None, "of the crossing"),
+        )  # fmt: skip
+
+    monkeypatch.setattr(beam_itself, "enclose", lambda p, near, digits: (crossing, (box, "of the box"), 70))
+    for outcomes, wide in (([None], True), ([Unproven("wide"), None], False)):
+        asked.clear()
+        told = beam_itself.onset(problem(outcomes), (2.0, 9.0), 12)
+        assert asked[-1] == ((box, "of the box") if wide else (crossing, "of the crossing"))
+        assert (told.load, told.frequency, told.kind, told.digits, told.bits) == (2, 3, "flutter", 12, 70)
+    with pytest.raises(NoOnset, match=r"flutter at 2 is a crossing, but it falls"):
+        beam_itself.onset(problem([NoOnset("it falls")]), (2.0, 9.0), 12)
+    for low in ([arb(0), arb(9)], [arb(2), arb(0, 1)], [arb(2), arb(-9)], [arb("0.5", 0.6), arb(9)]):
+        monkeypatch.setattr(beam_itself, "enclose", lambda p, near, digits, low=low: (low, (box, ""), 70))
+        with pytest.raises(Unproven, match="not known to be positive"):
+            beam_itself.onset(problem([None]), (2.0, 9.0), 12)
+    monkeypatch.setattr(beam_itself, "enclose", lambda p, near, digits: ([arb("0.5"), arb("0.25")], (box, ""), 70))
+    assert beam_itself.onset(problem([None]), (2.0, 9.0), 12).load == arb("0.5")
 
 
 def test_two_eigenvalues_at_zero_leave_as_a_pair_where_their_form_is_definite() -> None:
@@ -265,6 +323,99 @@ def test_loads_on_curvatures_are_refused_along_the_beam_and_at_places() -> None:
                     Form(modes, *parts)
 
 
+def test_the_least_line_that_stays_is_taken_with_its_reach(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Gaps that are as many times as wide are tried in turn, with twice the load; the reach of a line is the load times
+    its gap over X."""
+    tried = []
+
+    def gaps(still: Any, load: arb, beyond: int = 1) -> Any:
+        tried.append((float(load), beyond))
+        return SimpleNamespace(lines=[2, 3, 5], gap=lambda m: arb(m), beyond=beyond)
+
+    monkeypatch.setattr(damped_gaps, "FrequencyGaps", gaps)
+    monkeypatch.setattr(damped_gaps, "ColumnForms", lambda kernel, own: read())
+    monkeypatch.setattr(damped_gaps, "of_mass_alone", lambda *of: False)
+    monkeypatch.setattr(damped_gaps, "_load", lambda gaps, damping, m, load, vanishing: arb("0.25"))
+    left: Any = SimpleNamespace(c_E=arb(1), c_M=arb(0), low=arb(0), bare={}, forms=[read()])
+    monkeypatch.setattr(damped_gaps, "over_range", lambda each: left)
+    monkeypatch.setattr(damped_gaps, "LeftOver", lambda *of: None)
+    still: Any = SimpleNamespace(kernel=None, own={})
+    widths = damped_gaps.BEYOND
+    for least, times in ((2, widths[0]), (3, widths[0]), (5, widths[1])):
+        tried.clear()
+        monkeypatch.setattr(
+            damped_gaps, "_stays", lambda gaps, d, m, load, v, k=least, n=times: m == k and gaps.beyond == n
+        )
+        found = damped_gaps.damped_gaps(still, arb(7), F(1), F(0), False)
+        assert found.lowest == least and float(found.reach) == pytest.approx(7 * least / 0.25)
+        assert tried == [(14.0, n) for n in widths[: widths.index(times) + 1]]
+    for c_E, c_M, low, served in ((0, 1, -0.5, True), (0, 1, -1, False), (0, 1, -2, False), (0, 0, 0, False),
+                                  (1, 1, -2, True), (0.5, 0, -1, True), (0, 0.25, 0.5, True)):  # fmt: skip
+        left.c_E, left.c_M, left.low = arb(c_E), arb(c_M), arb(low)
+        monkeypatch.setattr(damped_gaps, "_stays", lambda *of: True)
+        if served:
+            assert damped_gaps.damped_gaps(still, arb(7), F(1), F(0), False).lowest == 2
+        else:
+            with pytest.raises(NoStrips, match="a part without damping"):
+                damped_gaps.damped_gaps(still, arb(7), F(1), F(0), False)
+
+
+def test_later_modes_are_asked_one_by_one_where_places_are_bare(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All from ω_m + g on; where that fails mode m + 1 alone, at its own frequency, and all from the next line on."""
+    asked: list[Any] = []
+    gaps: Any = SimpleNamespace(count=5, frequency=lambda m: arb(10 * m), gap=lambda m: arb(m))
+
+    def damped(g: Any, d: Any, m: int, omega: arb, load: Any, v: Any, mode: int | None = None) -> bool:
+        asked.append((m, float(omega), mode))
+        return (m, mode) in holds
+
+    holds: Any = {}
+    monkeypatch.setattr(damped_gaps, "_damped", damped)
+    bare: Any = SimpleNamespace(bare={1: 1})
+    for kept, fine, order in (
+        ({(3, None)}, True, [(3, 33, None)]),
+        ({(3, 4), (4, None)}, True, [(3, 33, None), (3, 40, 4), (4, 44, None)]),
+        ({(3, 4), (4, 5), (5, None)}, True, [(3, 33, None), (3, 40, 4), (4, 44, None), (4, 50, 5), (5, 55, None)]),
+        ({(3, 4), (4, 5)}, False, [(3, 33, None), (3, 40, 4), (4, 44, None), (4, 50, 5), (5, 55, None)]),
+        ({(4, None)}, False, [(3, 33, None), (3, 40, 4)]),
+    ):
+        asked.clear()
+        holds = kept
+        assert damped_gaps._stays(gaps, bare, 3, arb(1), False) == fine and asked == order
+    asked.clear()
+    assert not damped_gaps._stays(gaps, SimpleNamespace(bare={}), 3, arb(1), False) and len(asked) == 1  # type: ignore[arg-type]
+
+
+def test_gaps_of_one_segment_and_of_parts_are_asked_for_as_the_load_needs(monkeypatch: pytest.MonkeyPatch) -> None:
+    """C = 4: a gap of 4 times the load and times what is asked beyond; parts have the constant in what they need."""
+    asked: list[Any] = []
+    monkeypatch.setattr(FrequencyGaps, "_of_parts", lambda self, ends, load: (asked.append(float(load)), parts)[1])
+    monkeypatch.setattr(FrequencyGaps, "_first_far", lambda self, s, needed: (asked.append(float(needed)), far)[1])
+    monkeypatch.setattr(FrequencyGaps, "_enclosed", lambda self, K, top: [(F(1), F(1)), (F(49), F(49))])
+    far = (2, (arb(70), arb(18)))
+    parts = ([(arb(1), arb(1)), (arb(7), arb(7))], arb(18), arb("4.5"))
+    one = {"places": (F(0), ONE), "mass": [along(0, 0, F(1, 16), on=(0,))], "bending": [along(2, 2, 1, on=(0,))],
+           "load": [along(1, 1, -1, on=(0,))], "forces": [at(ONE, 0, 1, (ONE, 1))]}  # fmt: skip
+    two = {"mass": [along(0, 0, F(1, 16))]}
+    with precision(128):
+        for undamped, changes, needed in (
+            (True, one, 3 * 0.5 * 4), (False, one, 1.5), (True, two, 1.5), (True, one | {"masses": [at(ONE, 0, 1)]}, 6),
+        ):  # fmt: skip
+            asked.clear()
+            monkeypatch.setattr(frequency_gaps, "ColumnForms", lambda kernel, own, c=changes: read(**c))
+            still: Any = SimpleNamespace(kernel=None, own={}, undamped=lambda a, b, u=undamped: u and a == b == 0)
+            found = FrequencyGaps(still, arb("0.5"), 3)
+            assert asked == [needed] and float(found.size) == pytest.approx(4)
+            assert found.lowest == 1 and float(found.reach) == pytest.approx(1.5)
+            assert float(found.gap(1)) == pytest.approx(6) and float(found.line(1)) == pytest.approx(7)
+            assert found.lines == ([1, 2] if needed == 6 else [1])
+            asked.clear()
+            FrequencyGaps(still, arb("0.5"))
+            assert asked == [needed / 3]
+            with pytest.raises(NoStrips, match="too narrow") if needed != 6 else nullcontext():
+                assert FrequencyGaps(still, arb("1.5")).lowest == 2
+
+
 # --- motions that are the same, and loads that are one ------------------------------------------------------
 
 
@@ -289,6 +440,22 @@ def test_stiffness_times_a_number_in_other_coordinates_is_told() -> None:
         assert _in_other_coordinates(one, other, False) == (1 if scale == 1 else None)
     assert _in_other_coordinates(one, ([turned(M)], [none], [turned(K, 3), turned(B, 2)]), True) is None
     assert _in_other_coordinates(one, ([turned(M)], [turned(M)], [turned(K, 3), turned(B, 3)]), True) is None
+    # mirrored, and matrices that are no mirror of each other
+    other = [turned(M)], [none], [turned(K, 3).T, turned(B, 3).T]
+    assert _in_other_coordinates(one, other, True) == 3
+    assert _in_other_coordinates(one, ([turned(M)], [none], [turned(K).T, turned(B).T]), True) == 1
+    assert _in_other_coordinates(one, ([turned(M)], [none], [turned(K, 3)]), True) is None
+    assert (
+        _in_other_coordinates(([M], [none], [K, B, K]), ([turned(M)], [none], [turned(X, 5) for X in (K, B, K)]), True)
+        == 5
+    )
+    assert _in_other_coordinates(([M, B], [none], [K]), ([turned(M), turned(B)], [none], [turned(K, 5)]), True) == 5
+    unit = square([[1, 0], [0, 1]])  # of determinant one
+    assert _in_other_coordinates(
+        ([unit], [none], [K, B]), ([unit], [none], [K * fmpq(1, 3), B * fmpq(1, 3)]), True
+    ) == fmpq(1, 3)
+    wide = square([[1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    assert _in_other_coordinates(one, ([wide], [wide * 0], [wide, wide]), True) is None
     zero = square([[0, 1], [1, 0]])  # of no trace
     assert _in_other_coordinates(([square([[1, 0], [0, 1]])], [none], [zero]), ([M], [none], [K]), True) is None
 

@@ -40,7 +40,7 @@ def _in_other_coordinates(first: Letters, second: Letters, still: bool) -> fmpq 
     if any(held(X).any() for X in (*first[1], *second[1])) or not still or not (one[0].det() != 0 != two[0].det()):
         return None
     count = len(first[2])
-    traces = [_trace(M.solve(sum(of[-count + 1 :], of[-count]))) for M, *of in (one, two)]
+    traces = [_trace(M.solve(sum(of[-count:], 0 * M))) for M, *of in (one, two)]
     if traces[0] == 0 or not traces[1] / traces[0] > 0:
         return None
     scale = traces[1] / traces[0]
