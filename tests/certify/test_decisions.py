@@ -13,19 +13,22 @@ from typing import Any
 import flint
 import numpy as np
 import pytest
-from flint import acb, arb, fmpq
+from flint import acb, arb, arb_poly, fmpq
 
 from freebeam_derive.certify import balls, beam_crossings, beam_itself, damped_gaps, frequency_gaps, one_load, ranges
-from freebeam_derive.certify.all_crossings import _interval, _scale, _told
+from freebeam_derive.certify.all_crossings import _interval, _scale, _told, turns_fast
 from freebeam_derive.certify.balls import Unproven, exact, precision
+from freebeam_derive.certify.beam import Beam, Coefficient
 from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_crossings import Survey, _Passing
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, NoOnset, Static, VanishingDamping, VanishingRates
 from freebeam_derive.certify.boundary_polynomials import Boundary
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.load_size import _together, _values
+from freebeam_derive.certify.parameter_series import _Linear
 from freebeam_derive.certify.same_motions import _in_other_coordinates
 from freebeam_derive.certify.strips import Form, NoStrips
+from tests.certify.test_beam import column
 from tests.certify.test_column_forms import HALF, ONE, F, along, at, read
 
 # --- roots of the kernel's characteristic function -----------------------------------------------------------
@@ -497,3 +500,70 @@ def test_a_range_is_cut_where_it_is_not_shown_and_no_more(monkeypatch: pytest.Mo
 
     with pytest.raises(Unproven, match="never"):
         ranges.Line._throughout(them, F(0), F(1), never)
+
+
+# --- the power series ---------------------------------------------------------------------------------------
+
+
+def test_conditions_at_the_left_end_may_be_combined_and_scaled() -> None:
+    """y''' + 2 y − P y' = 0 and y'' − 3 y' + y = 0 there, or these in other combinations: F is the same."""
+
+    def kernel(mixed: Any) -> Any:
+        def ends(P: Any, a: Any, b: Any) -> Any:
+            rows: Any = {(3, 0): 1, (0, 0): 2, (1, 0): -P}, {(2, 0): 1, (1, 0): -3, (0, 0): 1}
+            left = tuple(
+                {
+                    key: sum(f * row.get(key, 0) for f, row in zip(of, rows, strict=True))
+                    for key in {**rows[0], **rows[1]}
+                }
+                for of in mixed
+            )
+            return left, ({(3, 0): -1}, {(2, 0): 1})
+
+        return column(lambda P, a, b: {(0, 2): (1,), (2, 0): (P,), (4, 0): (1,)}, ends)
+
+    with precision(128):
+        plain, *others = (Beam(kernel(mixed)) for mixed in (((1, 0), (0, 1)), ((2, 1), (1, -1)), ((0, 3), (5, 7))))
+        orders = ((0, 0), (1, 0), (0, 1))
+        for p, s in ((arb(3), arb(5)), (arb(-2), arb(70))):
+            wanted = plain.taylor(p, s, orders)
+            for other in others:
+                found = other.taylor(p, s, orders)
+                assert all(abs(found[order] - wanted[order]) < 1e-20 * (1 + abs(wanted[order])) for order in orders)
+
+
+def test_coefficients_between_those_of_two_beams_are_linear_and_nothing_where_one_has_none() -> None:
+    two: Any = object.__new__(_Linear)
+    low, high = (Coefficient(*map(arb, v)) for v in ((2, 3, 7), (4, 9, 7)))
+    nothing = Coefficient(arb(0), arb(0), arb(7))
+    for whole in (False, True):
+        two._whole = whole
+        both, without, only = (
+            two._between(*pair)["k"]
+            for pair in (({"k": low}, {"k": high}), ({"k": low}, {}), ({}, {"k": high}))
+        )  # fmt: skip
+        for found, (a, b) in ((both, (low, high)), (without, (low, nothing)), (only, (nothing, high))):
+            for value, slope, one, other in zip(found[:2], found[3:5], a[:2], b[:2], strict=True):
+                assert float(slope) == (float(other) - float(one)) / 2
+                if whole:
+                    assert value.contains(one) and value.contains(other)
+                else:
+                    assert float(value) == (float(one) + float(other)) / 2 and value.is_exact()
+
+
+@pytest.mark.parametrize("whirls", [True, False])
+def test_planes_turn_fast_where_signs_alternate_at_all_loads(whirls: bool) -> None:
+    """(−1)^k times the factor of x^k is of one sign for all k up to N, and for all loads."""
+    for rows, fast in (
+        ([[1, -2, 3]], True), ([[-1, 2, -3]], True), ([[1, -2, -3]], False), ([[1, 2, 3]], False),
+        ([[-1, -2, 3]], False), ([[1, -2, 3], [0, 0, "-0.5"]], False), ([[1, -2, 3], [0, 0, "-0.25"]], True),
+        ([[1, -2, 3], ["0.5", "-0.5", "0.5"]], True),
+    ):  # fmt: skip
+        of: Any = SimpleNamespace(
+            part=SimpleNamespace(whirls=whirls),
+            N=2,
+            h=SimpleNamespace(rows=[arb_poly([arb(v) for v in row]) for row in rows]),
+        )
+        with precision(64):
+            assert turns_fast(of, F(10)) == (fast or not whirls)
+    assert turns_fast(SimpleNamespace(part=None), F(10))  # type: ignore[arg-type]
