@@ -15,16 +15,27 @@ import numpy as np
 import pytest
 from flint import acb, arb, arb_poly, fmpq
 
-from freebeam_derive.certify import balls, beam_crossings, beam_itself, damped_gaps, frequency_gaps, one_load, ranges
+from freebeam_derive.certify import (
+    balls,
+    beam_crossings,
+    beam_itself,
+    beam_stability,
+    certificate,
+    damped_gaps,
+    frequency_gaps,
+    one_load,
+    ranges,
+)
 from freebeam_derive.certify.all_crossings import _interval, _scale, _told, turns_fast
 from freebeam_derive.certify.balls import Unproven, exact, precision
-from freebeam_derive.certify.beam import Beam, Coefficient
+from freebeam_derive.certify.beam import Beam, Coefficient, NoSeries
 from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_crossings import Survey, _Passing
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, NoOnset, Static, VanishingDamping, VanishingRates
 from freebeam_derive.certify.boundary_polynomials import Boundary
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.load_size import _together, _values
+from freebeam_derive.certify.local_series import _orders, _shifts
 from freebeam_derive.certify.parameter_series import _Linear
 from freebeam_derive.certify.same_motions import _in_other_coordinates
 from freebeam_derive.certify.strips import Form, NoStrips
@@ -567,3 +578,56 @@ def test_planes_turn_fast_where_signs_alternate_at_all_loads(whirls: bool) -> No
         with precision(64):
             assert turns_fast(of, F(10)) == (fast or not whirls)
     assert turns_fast(SimpleNamespace(part=None), F(10))  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("part", ["h", "m"])
+def test_a_stiffness_that_the_load_or_the_acceleration_changes_is_refused(part: str) -> None:
+    changed = {"h": {(4, 0): lambda P: 1 + P}, "m": {(4, 0): lambda P: 1, (4, 2): lambda P: 1}}[part]
+    equation = lambda P, a, b: {(0, 2): (1,), (2, 0): (P,)} | {key: (f(P),) for key, f in changed.items()}  # noqa: E731
+    with precision(64), pytest.raises(NoSeries, match="bending stiffness must be constant"):
+        Beam(column(equation, lambda P, a, b: (({(0, 0): 1}, {(1, 0): 1}), ({(3, 0): -1}, {(2, 0): 1}))))
+
+
+def test_products_by_a_variable_are_gathered_from_the_power_below() -> None:
+    for degree in (1, 3):
+        orders = _orders(degree)
+        assert sorted(orders) == [(i, j) for i in range(degree + 1) for j in range(degree + 1) if i + j <= degree]
+        for n, shifts in enumerate(_shifts(degree)):
+            for (i, j), source in zip(orders, shifts, strict=True):
+                below = (i - 1, j) if n == 0 else (i, j - 1)
+                assert source == (orders.index(below) if min(below) >= 0 else -1)
+
+
+@pytest.mark.parametrize("bits", [30, 200])
+def test_entries_in_balls_are_written_to_their_bits_and_hold_them(bits: int) -> None:
+    with precision(bits + 60):
+        values = [arb(1) / 3, -arb(2).sqrt() * 100, arb(3, 0.25), arb(0), fmpq(2, 7)]
+        middle = certificate._entries(np.array([values], dtype=object), bits)[0]
+        assert middle[3:] == ["0", "2/7"]
+        for value, entry in zip(values[:3], middle, strict=False):
+            m, r = map(Fraction, entry)
+            low, high = balls.ends(value)
+            assert m - r <= low and high <= m + r
+            assert 0 < r <= (high - low) / 2 + Fraction(2, 10 ** (0.302 * bits).__ceil__())
+            assert (m * 10 ** (math.floor(0.302 * bits) + 1)).denominator == 1
+
+
+def test_a_line_that_moves_stays_between_its_neighbours() -> None:
+    """From its start to the crossing, at both ends, between 2 and 9; F falls along it where it was positive."""
+    asked: list[Any] = []
+
+    def falls(low: arb, high: arb, point: arb, slope: arb) -> int:
+        asked.append((float(low), float(high), float(point), float(slope)))
+        return -1
+
+    for slope, inside in ((1, True), (3, True), (4.5, False), (-1, True), (-3, False)):
+        asked.clear()
+        them: Any = object.__new__(beam_stability.Below)
+        them.m, them.load = 2, arb(5)
+        them._separators = lambda *of: ["any"]
+        them._estimates = lambda load, v=slope: np.array([6 - v - 6, 6 - v + 6])  # on both sides of 6, their mean 6 − v
+        them._fixed = lambda *of: [F(2), F(6), F(9)]
+        them._alternate = lambda *of: {1: 1}
+        them._rising = falls
+        assert (beam_stability.Below._towards(them, F(4), F(5), arb(6)) is not None) == inside
+        assert asked == ([(4, 5, 6, slope)] if inside else [])
