@@ -39,6 +39,7 @@ from freebeam_derive.certify.local_series import _orders, _shifts
 from freebeam_derive.certify.parameter_series import _Linear
 from freebeam_derive.certify.same_motions import _in_other_coordinates
 from freebeam_derive.certify.strips import Form, NoStrips
+from freebeam_derive.certify.structure import of_balls, structure
 from tests.certify.test_beam import column
 from tests.certify.test_column_forms import HALF, ONE, F, along, at, read
 
@@ -631,3 +632,19 @@ def test_a_line_that_moves_stays_between_its_neighbours() -> None:
         them._rising = falls
         assert (beam_stability.Below._towards(them, F(4), F(5), arb(6)) is not None) == inside
         assert asked == ([(4, 5, 6, slope)] if inside else [])
+
+
+def test_what_entries_tell_of_a_determinant_is_what_fractions_do() -> None:
+    """Of diagonal matrices, whose degree, motions at rest and damping of these are read off: both ways alike."""
+    for mass, damping, stiffness, wanted in (
+        ((1, 1), (0, 0), (1, 1), (4, True, 0, True)), ((1, 0), (0, 0), (1, 1), (2, True, 0, True)),
+        ((1, 1), (2, 0), (1, 0), (4, False, 1, True)), ((1, 1), (2, 3), (1, 0), (4, False, 1, False)),
+        ((1, 0), (0, 3), (1, 1), (3, False, 0, True)), ((0, 0), (2, 3), (0, 1), (2, False, 1, False)),
+        ((1, 1), (0, 0), (0, 0), (4, True, 2, True)),
+    ):  # fmt: skip
+        M, C, K = ([square(np.diag(v).tolist())] for v in (mass, damping, stiffness))
+        for found in (structure(M, C, K), of_balls(M, C, K)):
+            assert (found.degree, found.even, found.rests, found.left_alone) == wanted
+        assert of_balls(M, [], K).left_alone and structure(M, [], K).left_alone
+    assert not of_balls(*([square(np.diag(v).tolist())] for v in ((1, 1), (2, 3), (1, 1)))).even
+    assert of_balls(*([square(np.diag(v).tolist())] for v in ((1, 0), (2, 3), (1, 1))), True).degree == 2

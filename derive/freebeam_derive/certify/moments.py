@@ -86,8 +86,8 @@ def enclosing(kernel: ModuleType, formal: bool = False) -> Any:
             raise Inexact("a place is no fraction")
         return places
 
-    def at(basis: Any, breaks: Any, name: str, order: int = 0, place: Any = None, side: int = 0) -> Any:
-        return kernel._at(basis, breaks, name, order, *checked([place]), side)
+    def at(basis: Any, breaks: Any, name: str, order: int = 0, place: Any = None, *side: int) -> Any:
+        return kernel._at(basis, breaks, name, order, *checked([place]), *side)
 
     def places(one: Any, **own: Any) -> Any:
         return checked(kernel.places(one, **own))
