@@ -25,6 +25,7 @@ from freebeam_derive.certify import (
     frequency_gaps,
     one_load,
     ranges,
+    strips,
 )
 from freebeam_derive.certify.all_crossings import _interval, _scale, _told, turns_fast
 from freebeam_derive.certify.balls import Unproven, exact, precision
@@ -33,15 +34,17 @@ from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_crossings import Survey, _Passing
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, NoOnset, Static, VanishingDamping, VanishingRates
 from freebeam_derive.certify.boundary_polynomials import Boundary
+from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
 from freebeam_derive.certify.load_size import _together, _values
 from freebeam_derive.certify.local_series import _orders, _shifts
 from freebeam_derive.certify.parameter_series import _Linear
 from freebeam_derive.certify.same_motions import _in_other_coordinates
+from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import Form, NoStrips
 from freebeam_derive.certify.structure import of_balls, structure
 from tests.certify.test_beam import column
-from tests.certify.test_column_forms import HALF, ONE, F, along, at, read
+from tests.certify.test_column_forms import HALF, ONE, F, along, at, kernel, read
 
 # --- roots of the kernel's characteristic function -----------------------------------------------------------
 
@@ -648,3 +651,84 @@ def test_what_entries_tell_of_a_determinant_is_what_fractions_do() -> None:
         assert of_balls(M, [], K).left_alone and structure(M, [], K).left_alone
     assert not of_balls(*([square(np.diag(v).tolist())] for v in ((1, 1), (2, 3), (1, 1)))).even
     assert of_balls(*([square(np.diag(v).tolist())] for v in ((1, 0), (2, 3), (1, 1))), True).degree == 2
+
+
+def test_of_an_elastic_energy_what_is_not_known_to_be_positive_softens(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All terms but squares of one displacement or slope with a factor that is not negative."""
+    monkeypatch.setattr(strips, "Form", lambda modes, along, points: (along, points))
+    them: Any = object.__new__(strips.Strips)
+    them.modes = None
+    kept = (
+        {(0, 0, 0): F(-1), (1, 0, 1): F(2), (0, 1, 0): F(3)},
+        {(0, 0, 1, 0): F(2), (1, 0, 1, 1): F(1), (1, 1, 1, 1): F(-4)},
+    )
+    them._elastic = [{**kept[0], (2, 0, 0): F(5), (0, 1, 1): F(1)}, {**kept[1], (0, 0, 0, 0): F(7), (1, 0, 1, 0): F(1)}]
+    along_it, points = strips.Strips.softening.func(them)
+    assert ({key: F(float(f)) for key, f in along_it.items()}, {key: F(float(f)) for key, f in points.items()}) == kept
+
+
+def test_what_internal_damping_leaves_over_of_a_foundation_is_less_than_external_damping() -> None:
+    """c_E a is EI y'' and its share of the foundation: (5 − 6/2)/2 of the mass, where the mass is 2."""
+    column = kernel(mass=[along(0, 0, 2)], bending=[along(2, 2, 1), along(0, 0, 6)],
+                    damping=[along(2, 2, HALF), along(0, 0, 5)])  # fmt: skip
+    with precision(64):
+        found = damped_gaps.LeftOver(ColumnForms(column, {}), column, {}, ONE, ONE)
+        assert (found.c_E, found.c_M, found.low, found.high, found.size) == (0.5, 1, 0, 0, 0)
+        # without external damping what is left is negative, and c_M at least nothing
+        column = kernel(mass=[along(0, 0, 2)], bending=[along(2, 2, 1), along(0, 0, 6, 2)], damping=[along(2, 2, HALF)],
+                        masses=[at(ONE, 0, F(1, 4))], springs=[at(ONE, 0, 3)])  # fmt: skip
+        found = damped_gaps.LeftOver(ColumnForms(column, {}), column, {}, ONE, ONE)
+        assert (found.c_E, found.c_M) == (0.5, 0) and (found.low <= -2 < -1.5 <= found.high)
+        assert float(found.low) == pytest.approx(-2, rel=0.01) and float(found.high) == pytest.approx(-1.5, rel=0.01)
+        assert found.at == {(ONE, 0): -6}
+
+
+def test_low_frequencies_are_looked_for_from_below_the_first_bound() -> None:
+    """The bound may be the first frequency itself: that of a clamped beam, 3.516…"""
+    with precision(128):
+        section = SteppedSection(read())
+        (first,) = section.lowest(arb(1))
+        assert float(first) == pytest.approx(1.8751040687, rel=1e-9)
+        section.forms.__dict__["lowest"] = (first * first * (1 - arb(2) ** -20)).lower()
+        assert section.lowest(arb(1))[0].overlaps(first) and len(section.lowest(arb(1), 3)) == 3
+        assert [float(g) for g in section.lowest(arb(7))] == pytest.approx([1.87510407, 4.69409113, 7.85475744])
+
+
+def test_a_load_is_unstable_where_g_turns_before_h(monkeypatch: pytest.MonkeyPatch) -> None:
+    """h = x − a with a minus, g = b − x: between b and the next of a, 2 b and g's second root, and nowhere else."""
+    asked: list[float] = []
+
+    def positive(which: Any, P: arb, start: Fraction, end: Fraction, depth: int) -> bool:
+        asked.append(float(end))
+        return True
+
+    monkeypatch.setattr(ranges, "_positive", positive)
+
+    def of(roots: list[float], sign: int) -> Any:
+        p = arb_poly([sign])
+        for root in roots:
+            p = p * arb_poly([root, -1])
+
+        class Both:
+            def at(self, P: arb) -> arb_poly:
+                return p
+
+            def __call__(self, P: arb, x: arb) -> arb:
+                return p(x)
+
+        return Both()
+
+    for h, g, between in (
+        ([5.0], [2.0], 3.0), ([3.0], [2.0], 2.5), ([], [2.0], 3.0), ([9.0], [2.0, 3.0], 2.5), ([2.0], [3.0], None),
+        ([2.0], [], None), ([], [], None),
+    ):  # fmt: skip
+        asked.clear()
+        them: Any = object.__new__(ranges._Family)
+        them.centre = them.over = SimpleNamespace(h=of(h, 1), g=of(g, 1))
+        with precision(64):
+            if between is None:
+                with pytest.raises(Unproven, match="not known to be unstable"):
+                    ranges._Family.unstable(them, F(1))
+            else:
+                ranges._Family.unstable(them, F(1))
+        assert asked == ([] if between is None else [pytest.approx(between, rel=1e-6)])
