@@ -19,7 +19,7 @@ from freebeam_derive.certify import (
 from freebeam_derive.certify.balls import precision
 from freebeam_derive.certify.column_forms import ColumnForms
 from freebeam_derive.certify.frequency_gaps import FrequencyGaps
-from freebeam_derive.certify.load_size import _together, _values
+from freebeam_derive.certify.load_size import _size, _together, _values
 from freebeam_derive.certify.stepped_section import SteppedSection
 from freebeam_derive.certify.strips import Form, NoStrips
 from tests.certify.test_column_forms import HALF, ONE, F, along, at, kernel, read
@@ -202,7 +202,7 @@ def test_of_an_elastic_energy_what_is_not_known_to_be_positive_softens(monkeypat
         {(0, 0, 0): F(-1), (1, 0, 1): F(2), (0, 1, 0): F(3)},
         {(0, 0, 1, 0): F(2), (1, 0, 1, 1): F(1), (1, 1, 1, 1): F(-4)},
     )
-    them._elastic = [{**kept[0], (2, 0, 0): F(5), (0, 1, 1): F(1)}, {**kept[1], (0, 0, 0, 0): F(7), (1, 0, 1, 0): F(1)}]
+    them._elastic = [{**kept[0], (2, 0, 0): F(5), (0, 1, 1): HALF}, {**kept[1], (0, 0, 0, 0): F(7), (1, 0, 1, 0): HALF}]
     along_it, points = strips.Strips.softening.func(them)
     assert ({key: F(float(f)) for key, f in along_it.items()}, {key: F(float(f)) for key, f in points.items()}) == kept
 
@@ -232,3 +232,39 @@ def test_low_frequencies_are_looked_for_from_below_the_first_bound() -> None:
         section.forms.__dict__["lowest"] = (first * first * (1 - arb(2) ** -20)).lower()
         assert section.lowest(arb(1))[0].overlaps(first) and len(section.lowest(arb(1), 3)) == 3
         assert [float(g) for g in section.lowest(arb(7))] == pytest.approx([1.87510407, 4.69409113, 7.85475744])
+
+
+@pytest.mark.parametrize(
+    ("ends", "norms", "points"),
+    [
+        (("clamped", "pinned"), (1 / 3, 0.7072), (2 / 3, 1)), (("free", "clamped"), (1 / 3, 0.7072), (2 / 3, 1)),
+        (("pinned", "sliding"), (1 / 2, math.sqrt(0.5)), (2 / 3, 1)), (("pinned", "pinned"), (1 / 2, 1), (1 / 2, 1)),
+    ],
+)  # fmt: skip
+def test_displacements_and_slopes_are_bounded_by_the_curvature_as_lemma_6_says(
+    ends: Any, norms: Any, points: Any
+) -> None:
+    with precision(64):
+        found = read(ends=ends, forces=[]).reach
+        for table, wanted in zip(found, (norms, points), strict=True):
+            assert {order: float(bound) for order, bound in table.items()} == pytest.approx(dict(enumerate(wanted)))
+
+
+def test_what_one_end_of_a_range_alone_damps_is_nothing_at_the_other() -> None:
+    none = damped_gaps.LeftOver
+    with precision(64):
+        one, other = (object.__new__(none) for _ in range(2))
+        for of, bare in ((one, {(ONE, 0): arb(2)}), (other, {(HALF, 1): arb(-3)})):
+            of.forms, of.c_E, of.c_M, of.low, of.high, of.turning = [], arb(1), arb(0), arb(0), arb(0), arb(0)
+            of.at, of.bare = {}, bare
+        both = damped_gaps.over_range([one, other]).bare
+        ends = {key: (float(f.lower()), float(f.upper())) for key, f in both.items()}
+        assert ends == {(ONE, 0): pytest.approx((0, 2), abs=1e-8), (HALF, 1): pytest.approx((-3, 0), abs=1e-8)}
+
+
+@pytest.mark.parametrize(("place", "where"), [(F(0), "an end"), (HALF, "a place"), (ONE, "an end")])
+def test_a_moment_where_no_rotary_inertia_is_is_refused_by_where_it_is(place: Any, where: str) -> None:
+    with precision(64):
+        forms = read(ends=("pinned", "pinned"), load=[], forces=[at(place, 1, 1, (ONE if place != 1 else HALF, 1))])
+        with pytest.raises(NoStrips, match=f"has a moment as a load on {where}"):
+            _size(forms, forms.load, forms.load_points, False)

@@ -213,3 +213,40 @@ def test_a_line_that_moves_stays_between_its_neighbours() -> None:
         them._rising = falls
         assert (beam_stability.Below._towards(them, F(4), F(5), arb(6)) is not None) == inside
         assert asked == ([(4, 5, 6, slope)] if inside else [])
+
+
+@pytest.mark.parametrize("damping", [None, (2.0, 3.0)])
+def test_an_eigenvalue_passes_zero_by_the_slopes_of_its_function(
+    damping: tuple[float, float] | None, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """F_λ at λ = 0 is −(c_E P F_P + c_M F_s) with damping, −F_s without: an eigenvalue comes in or leaves by its sign
+    beside that of F_P."""
+    monkeypatch.setattr(beam_crossings, "enclose", lambda problem, near, digits: ([arb(7)], None, 64))
+    for R, by_load, by_s in (
+        (0, 2.0, 5.0),
+        (0, -2.0, 5.0),
+        (1, 0.125, -5.0),
+        (1, -0.5, 2.0),
+        (0, 0.5, -4.0),
+        (0, 2.0, -9.5),
+    ):
+        t = {(1, R): arb(by_load), (0, R + 1): arb(by_s)}
+        monkeypatch.setattr(
+            beam_crossings,
+            "Static",
+            lambda beam, t=t, R=R: SimpleNamespace(order=R, slopes=lambda box: (None, None, t)),
+        )
+        them: Any = object.__new__(Survey)
+        them.found, them.load_max, them.digits, them.beam = [], F(10), 20, None
+        low: Any = SimpleNamespace(sign=lambda a, b, s: 1 if float(a) > 7 else -1)
+        given = damping and (arb(damping[0]), arb(damping[1]))
+        Survey._divergence(them, low, F(6), F(8), 1, given)
+        rate = by_s if damping is None else damping[0] * 7 * by_load + damping[1] * by_s
+        ((box, change, flutter, bits),) = [(c.box, c.change, c.flutter, c.bits) for c in them.found]
+        assert (change, flutter, bits) == (1 if by_load * rate > 0 else -1, False, 64) and box == [arb(7)]
+        for a, b, error in ((F(7), F(8), OpenStep), (F(6), F(7), OpenStep), (F(7), F(10), beam_crossings.AtTheEnd)):
+            with pytest.raises(error, match="not known to be below"):
+                Survey._divergence(them, low, a, b, 1, given)
+        t[1, R] = arb(0, 1)
+        with pytest.raises(OpenStep, match="how the eigenvalue zero moves"):
+            Survey._divergence(them, low, F(6), F(8), 1, given)
