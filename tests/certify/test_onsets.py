@@ -22,6 +22,7 @@ from freebeam_derive.certify.beam_cells import OpenStep
 from freebeam_derive.certify.beam_crossings import Survey, _Passing
 from freebeam_derive.certify.beam_itself import Coalescence, Damped, NoOnset, Static, VanishingDamping, VanishingRates
 from freebeam_derive.certify.boundary_polynomials import Boundary
+from freebeam_derive.certify.exact_system import ExactSystem
 from tests.certify.test_column_forms import F
 
 
@@ -105,6 +106,17 @@ def test_planes_turn_fast_where_signs_alternate_at_all_loads(whirls: bool) -> No
     assert turns_fast(SimpleNamespace(part=None), F(10))  # type: ignore[arg-type]
 
 
+class Rated(ExactSystem):
+    """A column whose rates may let λ and −λ leave zero together, of which F at λ = 1 is known."""
+
+    rated = True  # type: ignore[assignment]
+    beyond = 0.0
+
+    def taylor(self, P: Any, s: Any, orders: Any) -> Any:
+        assert (P, s, orders) == (2, -1, ((0, 0),))
+        return {(0, 0): arb(self.beyond)}
+
+
 def test_directions_of_crossings_are_derivatives_of_their_branches(monkeypatch: pytest.MonkeyPatch) -> None:
     """What the sign is asked of, from F's Taylor coefficients in u = P − P* and v = s − s*: of any factor of F."""
     asked: list[Any] = []
@@ -128,10 +140,15 @@ def test_directions_of_crossings_are_derivatives_of_their_branches(monkeypatch: 
         assert found(VanishingRates, F) == pytest.approx((gP + gs * slope) / g0, rel=1e-12)
         # s parts into a pair where F_ss F_p > 0
         assert found(Coalescence, {(0, 2): g0, (1, 0): gP}) == pytest.approx(g0 * gP, rel=1e-12)
-        for R in (0, 2):  # s falls through zero by −F_p/F_s, or s² by 2 F_p/F_ss
-            F = {(1, R): gP, (0, R + 1): g0, (0, R + 2): gs}
-            assert found(Static, F, order=R, next=R + 1) == pytest.approx(gP * g0, rel=1e-12)
-            assert found(Static, F, order=R, next=R + 2) == pytest.approx(-gP * gs, rel=1e-12)
+        # s falls through zero by −F_p/F_s; where F_s may be zero F has other signs at λ = 0 and at λ = 1 just above
+        for R in (0, 1, 2):
+            F = {(1, R): gP, (0, R + 1): g0}
+            assert found(Static, F, order=R, beam=None) == pytest.approx(gP * g0, rel=1e-12)
+            rates: Any = object.__new__(Rated)
+            rates.beyond = gs
+            assert found(Static, F, order=R, beam=rates) == pytest.approx(gP * g0, rel=1e-12)
+            F[0, R + 1] = 0.0
+            assert found(Static, F, order=R, beam=rates) == pytest.approx(-gP * gs * (-1) ** R, rel=1e-12)
         # dλ/dP = −i G_P/G_ω
         of: Any = object.__new__(Damped)
         by_load, by_frequency = complex(slope, half), complex(g0, gP)
@@ -144,10 +161,6 @@ def test_directions_of_crossings_are_derivatives_of_their_branches(monkeypatch: 
         object.__new__(VanishingDamping).onset([arb(1), arb(1)], double)
     with pytest.raises(Unproven, match="not known to be simple"):
         object.__new__(VanishingRates).onset([], {(1, 0, 0): arb(1), (0, 1, 0): arb(0.5, 1)})
-    still: Any = object.__new__(Static)
-    still.order, still.next = 0, 1
-    with pytest.raises(Unproven, match="direction of the crossing"):
-        still.onset([], {(1, 0): arb(1), (0, 1): arb(0.5, 1)})
 
 
 def test_an_onset_is_asked_of_the_box_and_else_of_the_crossing(monkeypatch: pytest.MonkeyPatch) -> None:
