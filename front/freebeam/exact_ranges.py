@@ -91,7 +91,7 @@ def exact_range(
     parameter: "alpha", "beta", "kappa" (with kappa given, for the limit), or one of the column's own in which equation
     of motion and end conditions of a uniform column are linear, such as a foundation or a dead load, its bending
     stiffness and mass apart; of a column in uniform parts one that stands in one condition anywhere, such as a mass or
-    a spring. digits: 1 to 4; the range is cut until each piece's load is known to
+    a spring, or the spring of a joint. digits: 1 to 4; the range is cut until each piece's load is known to
     a relative width below 10^-digits, if ten halvings do. Other inputs as in `exact_load`; nondimensional. A part of
     which a step of the proof failed is left open with the step's name, as is η about 1/2 of the sub-tangential
     cantilever.

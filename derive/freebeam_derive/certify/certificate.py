@@ -335,7 +335,7 @@ def write_range(
     sections = bool(kernel.COLUMN.get("general"))
     of_column, counted = (_sections, _lines) if sections else (_itself, _basis)
     one, other = (of_column(kernel, question) for question in questions)
-    stated = one | {key: [one[key], other[key]] for key in ("forms", "damping")}
+    stated = one | {key: [one[key], other[key]] for key in ("forms", "damping", "joints") if key in one}
     if sections and name not in one["parameters"]:
         both = [written(getattr(question, name)) for question in questions]
         stated["parameters"] = one["parameters"] | {name: both}

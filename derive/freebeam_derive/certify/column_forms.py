@@ -254,25 +254,29 @@ def _of_points(points: Mapping[Place, Fraction], one: Line, other: Line) -> Frac
 
 
 def over_both(low: ColumnForms, high: ColumnForms) -> ColumnForms:
-    """Of all values of a parameter between, that masses or springs alone hang on, linearly: these as balls.
+    """Of all values of a parameter between, that masses or springs alone hang on: these as balls.
 
     Raises NoStrips where more than that hangs on it, and where not all frequencies rise with it or not all fall.
     """
     both: Any = copy(low)
-    same = ("breaks", "kinds", "m", "EI", "elastic", "load", "load_points")
+    same = ("breaks", "kinds", "m", "EI", "elastic", "load", "load_points", "opened")
     if any(getattr(low, part) != getattr(high, part) for part in same):
         raise low.other("has a parameter over a range that more than masses and springs hang on")
     stiffer = {
         (other.get(key, Fraction(0)) > f) == rises
-        for one, other, rises in ((low.masses, high.masses, False), (low.springs, high.springs, True))
+        for one, other, rises in (
+            (low.masses, high.masses, False),
+            (low.springs, high.springs, True),
+            (low.joints, high.joints, True),
+        )
         for key, f in ({key: Fraction(0) for key in other} | one).items()
         if f != other.get(key, Fraction(0))
     }
     if len(stiffer) != 1:
         raise low.other("has a parameter over a range by which not all frequencies rise, or all fall")
-    both.masses, both.springs = (
+    both.masses, both.springs, both.joints = (
         {key: exact(Range(*sorted((one.get(key, Fraction(0)), other.get(key, Fraction(0)))))) for key in {*one, *other}}
-        for one, other in ((low.masses, high.masses), (low.springs, high.springs))
+        for one, other in ((low.masses, high.masses), (low.springs, high.springs), (low.joints, high.joints))
     )
     found: ColumnForms = both
     return found

@@ -46,10 +46,8 @@ class FrequencyGaps:
         self._float = {name: float(value) for name, value in system.own.items()}
         at_ends = [ColumnForms(system.kernel, own) for own in at_both(system.own)]
         forms = at_ends[0]
-        self._sizes = [load_size(each) for each in at_ends]  # which fall with masses
+        self._sizes = [load_size(each) for each in at_ends]  # which fall with masses and the springs of joints
         self.size = greatest(each.constant for each in self._sizes)
-        if len(at_ends) == 2 and (forms.joints or self._sizes[0].places):
-            raise forms.other("has a joint, or a load where no mass is, over a range")
         if len(at_ends) == 2 or forms.stepped or self._sizes[0].places or not system.undamped(Fraction(0), Fraction(0)):
             known, gap, self.reach = self._of_parts(at_ends, beyond * load)
             self._lines: dict[int, arb] = {}

@@ -118,9 +118,9 @@ class SteppedSection:
         bend = _block(_power(e, by_turn), None, c * _power(e, by_turn + 1) - J)  # of y'/γ and EI y''/γ²
         push = _block(_power(e, by_mass), None, mu - k * _power(e, by_mass + 3))  # of the two others
         if (place, 1) in forms.joints:
-            bend = _block(_power(e, 1), acb(1 / exact(forms.joints[place, 1])), None)
+            bend = _block(_power(e, 1), acb(1 / _ball(forms.joints[place, 1])), None)
         if (place, 0) in forms.joints:
-            push = _block(_power(e, 3), acb(-1 / exact(forms.joints[place, 0])), None)
+            push = _block(_power(e, 3), acb(-1 / _ball(forms.joints[place, 0])), None)
         whole = bend[0][0] * push[0][0]
         found = [(2, 2, whole), (3, 3, whole)]
         for i, (p, q, sign) in _MIXED.items():

@@ -26,7 +26,8 @@ class OverSystem(ExactSystem):
 
     own, alpha, beta, vanishing: as of `ExactSystem`. In the limit of vanishing damping the growth rate is linear in
     beta; else F is a series in the damping (`_Power`). Raises NoSeries where the damping is not linear in
-    that, or a parameter stands elsewhere than in one condition, at an end or where segments meet.
+    that, or a parameter stands elsewhere than in one condition, at an end or where segments meet, or in one sum of the
+    unknowns that several of them have, as the spring of a joint does.
     """
 
     def __init__(
@@ -52,7 +53,8 @@ class OverSystem(ExactSystem):
         return OverSystem(self.kernel, self.own) if ranged else super().still()
 
     def _is_linear_in(self, name: str, alone: bool) -> None:
-        """alone: and that it stands in one condition. Raises NoSeries."""
+        """alone: and that it stands in conditions as one sum of the unknowns, times a number in each, so that their
+        determinant is linear in it. Raises NoSeries."""
         import sympy as sp
 
         place, one = sp.Symbol(name), sp.Integer(1)
@@ -72,9 +74,11 @@ class OverSystem(ExactSystem):
             raise NoSeries(f"{self.name}: where {name} stands is not known; give it one value") from None
         if not alone and straight(rows, place):
             return
-        holding = [k for k, row in enumerate(rows) if any(place in v.free_symbols for v in row)]
-        inside = len(rows) - 1 > (holding or [0])[0] >= len(equations)
-        if not straight(rows, place) or len(holding) != 1 or not inside:
+        outside = [*rows[: len(equations)], rows[-1]]
+        names = [*dict.fromkeys(name for row in conditions for name in row)]
+        slopes = [[sp.sympify(row.get(of, 0)).diff(place) for of in names] for row in conditions]
+        inside = not any(place in v.free_symbols for row in outside for v in row)
+        if not straight(rows, place) or not inside or sp.Matrix(slopes).rank() != 1:
             raise NoSeries(
                 f"{self.name}: a range of {name} is served where it stands in one condition alone, linearly; "
                 "give it one value"

@@ -330,7 +330,7 @@ def at_end(data: dict[str, Any], name: str, k: int) -> dict[str, Any]:
         require(type(value) is list and len(value) == 2, "what a range changes is not given at its two ends")
         return value[k]
 
-    chosen = {key: end(data[key]) for key in ("forms", "damping")}
+    chosen = {key: end(data[key]) for key in ("forms", "damping", "joints") if key in data}
     if name in data["parameters"]:
         return data | chosen | {"parameters": data["parameters"] | {name: end(data["parameters"][name])}}
     return data | chosen | {name: end(data[name])}

@@ -76,38 +76,47 @@ def most(options: Sequence[Beside], of_energy: arb, of_mass: arb) -> arb:
 class LoadSize:
     """|b(y, v)| ≤ C √a(y, y) ‖v‖ but for q(y) v(e) at places without a mass; or the same with y and v exchanged.
 
-    constant: C. places: bounds of each v(e), of what q(y) is the sum of, and of |q(y)| over √a(y, y).
+    constant: C. places: bounds of each v(e), of what q(y) is the sum of, and of |q(y)| over √a(y, y); of one column, or
+    of each of two that has such places.
     """
 
     constant: arb
-    places: list[tuple[list[Beside], list[list[Beside]], arb]]
+    places: list[list[tuple[list[Beside], list[list[Beside]], arb]]]
 
     def at(self, low: arb, high: arb) -> arb:
         """What a gap between frequencies from `low` to `high` must be wider than, for a load of 1: Lemma 12."""
-        total = self.constant
-        for of_v, of_y, still in self.places:
-            felt = sum((most(each, arb(1), 1 / low) for each in of_y), arb(0)).min(still)
-            total += most(of_v, high, arb(1)) * felt
-        return total.upper()
+        found = [arb(0)]
+        for places in self.places:
+            total = arb(0)
+            for of_v, of_y, still in places:
+                felt = sum((most(each, arb(1), 1 / low) for each in of_y), arb(0)).min(still)
+                total += most(of_v, high, arb(1)) * felt
+            found.append(total)
+        return (self.constant + greatest(found)).upper()
 
 
 def load_size(columns: Sequence[Sections]) -> LoadSize:
-    """Of the load; of two columns that of each between them, for in one condition C is convex. Raises Refused."""
+    """Of the load; of two columns that of each between them, which differ in one condition. Raises Refused.
+
+    C is convex in a mass, a spring and a force. All that the load does at a place without a mass is at most what it is
+    where that spring of a joint or that mass is less, as long as the forces do not change.
+    """
     found, refused = list[LoadSize](), list[v.Refused]()
     for turned in (False, True):
         try:
             sizes = [size(column, turned) for column in columns]
-            alone = len(sizes) == 1 or not any(of.places for of in sizes)
-            require(alone, "over a range the load acts at a place without a mass")
+            still = all(of.forces == columns[0].forces for of in columns) or not any(of.places for of in sizes)
+            require(still, "over a range of a force the load acts at a place without a mass")
         except v.Refused as error:
             refused.append(error)
         else:
-            found.append(LoadSize(greatest(of.constant for of in sizes), sizes[0].places))
+            places = [at for of in sizes for at in of.places]
+            found.append(LoadSize(greatest(of.constant for of in sizes), places))
             if not found[-1].places:
                 return found[-1]
     if not found:
         raise refused[0]
-    return min(found, key=lambda of: len(of.places))
+    return min(found, key=lambda of: max(map(len, of.places)))
 
 
 def size(column: Sections, turned: bool) -> LoadSize:
@@ -153,7 +162,7 @@ def size(column: Sections, turned: bool) -> LoadSize:
         require(order == 0, "the load is a moment at a place without a rotary inertia, and is none of a follower")
         (bounds,) = _values(column, of_v)
         places.append((bounds, _values(column, of_y), still))
-    return LoadSize(arb(total.sqrt().upper()), places)
+    return LoadSize(arb(total.sqrt().upper()), [places] if places else [])
 
 
 def _rows(points: dict[Side, Table]) -> list[tuple[Table, Table]]:

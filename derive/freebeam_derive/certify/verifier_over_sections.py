@@ -1,9 +1,9 @@
-"""Check certificates over a range of a mass, a spring or a damping (format 8), sharing no code with the prover.
+"""Check certificates over a range of a mass, a spring, a joint or a damping (format 8): no code of the prover's.
 
 The column is one of format 6, given at both ends of the range; between them what the file says of it is linear. What
 changes stands in one natural condition, so that F(P, s) is linear in the parameter, or is a damping (docs/theorem.md,
-Theorem 5). On each piece all that is shown of one value is shown on balls
-that hold those of each.
+Theorem 5); in that of a joint F is linear in 1/k. On each piece all that is shown of one value is shown on balls that
+hold those of each.
 """
 
 from __future__ import annotations
@@ -29,12 +29,12 @@ from freebeam_derive.certify.verifier_of_beam import ALONE, First
 from freebeam_derive.certify.verifier_of_sections import Gaps
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_rates import Rates, RatesOver, RatesOverDamping
-from freebeam_derive.certify.verifier_sections import OfSections, Sections, stated_of
+from freebeam_derive.certify.verifier_sections import OfSections, Sections, joints_said, stated_of
 from freebeam_derive.certify.verifier_shooting import Whole
 from freebeam_derive.certify.verifier_signs import BITS
 
 OVER_SECTIONS = "freebeam certificate 8"
-FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "damping", "range", "pieces", "open"}
+FIELDS = {"format", "column", "parameters", "ends", "breaks", "forms", "damping", "joints", "range", "pieces", "open"}
 
 
 @dataclass(frozen=True)
@@ -56,11 +56,13 @@ class OfPiece(Piece):
 
 
 def check_one_condition(one: Sections, other: Sections, *dampings: Damped) -> None:
-    """That two columns differ at most in a mass, a spring, what the load does and what is left of damping there, all in
-    one natural condition; dampings of one column may differ in all (but see `RatesOverDamping`). Raises Refused."""
-    same = replace(other, masses=one.masses, springs=one.springs, forces=one.forces) == one
+    """That two columns differ at most in a joint's spring, or in a mass, a spring, what the load does and what is left
+    of damping there, all in one natural condition; dampings of one column may differ in all (but see
+    `RatesOverDamping`). Raises Refused."""
+    alike = {name: getattr(one, name) for name in ("masses", "springs", "forces", "joints")}
+    same = replace(other, **alike) == one and other.joints.keys() == one.joints.keys()
     require(same, "the range changes more than masses, springs and forces at places")
-    pairs = (one.masses, other.masses), (one.springs, other.springs)
+    pairs = (one.masses, other.masses), (one.springs, other.springs), (one.joints, other.joints)
     rows = {place for a, b in pairs for place in {**a, **b} if a.get(place, 0) != b.get(place, 0)}
     a, b = one.forces, other.forces
     rows |= {row for row, of in {**a, **b} if a.get((row, of), 0) != b.get((row, of), 0)}
@@ -83,6 +85,7 @@ def between(one: Sections, other: Sections, share: Fraction) -> Sections:
         masses=mixed(one.masses, other.masses),
         springs=mixed(one.springs, other.springs),
         forces=mixed(one.forces, other.forces),
+        joints=mixed(one.joints, other.joints),
     )
 
 
@@ -124,7 +127,7 @@ def _filled(X: arb_mat, rows: int, columns: int) -> arb_mat:
 def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections], list[Tables]]:
     """Of a file: what is claimed, and at both ends of the range the columns and the forms of damping, none where there
     is none, or one that damps all motions alike and vanishes. Raises Refused."""
-    claims.fields(data, FIELDS)
+    claims.fields({"joints": []} | data, FIELDS)
     name = data["range"]
     require(name in data["parameters"], "the parameter of the range is none")
     pieces = claims.pieces_of(data, _piece)
@@ -140,7 +143,8 @@ def read(data: dict[str, Any]) -> tuple[OverSections, tuple[Sections, Sections],
         dampings = []
     check_one_condition(column, other_column, *dampings)
     forms = [verifier_damping_forms.stated(of, column) for of in given] if dampings else []
-    whole = OverSections(**vars(one) | claims.in_pieces(data, one, other, pieces))
+    joints = {"joints": joints_said(column, other_column)}
+    whole = OverSections(**vars(one) | joints | claims.in_pieces(data, one, other, pieces))
     return whole, (column, other_column), forms
 
 

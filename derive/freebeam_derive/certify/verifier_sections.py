@@ -167,9 +167,17 @@ def stated_of(data: dict[str, Any], given: dict[str, Any]) -> tuple[OfSections, 
     require(whole, "the breaks do not ascend from 0 to 1")
     none: dict[str, Any] = {"ours": False, "basis": "", "kappa": None, "damping": None, "beside": ()}
     column = sections((left, right), breaks, data["forms"], data.get("joints", []))
-    joints = tuple("y" + order * "'" + f" jumps at x = {said(breaks[node])}, held by a spring of {said(k)}"
-                   for (node, order), k in column.joints.items())  # fmt: skip
-    return OfSections(**given, **none, ends=(left, right), breaks=breaks, joints=joints), column
+    return OfSections(**given, **none, ends=(left, right), breaks=breaks, joints=joints_said(column)), column
+
+
+def joints_said(*columns: Sections) -> tuple[str, ...]:
+    """Those of a column in words, or of two with the same jumps and of all between."""
+    breaks, found = columns[0].breaks, list[str]()
+    for node, order in columns[0].joints:
+        springs = dict.fromkeys(said(column.joints[node, order]) for column in columns)
+        jumps = "y" + order * "'" + f" jumps at x = {said(breaks[node])}"
+        found.append(f"{jumps}, held by a spring of {' to '.join(springs)}")
+    return tuple(found)
 
 
 def sections(

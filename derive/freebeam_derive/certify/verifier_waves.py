@@ -147,11 +147,12 @@ def _joint(columns: Sequence[Sections], node: int) -> list[list[arb_poly]]:
     bend = arb_poly([0, c]) if J == 0 else arb_poly([-J, 0, 0, 0, c])
     push = arb_poly([0, 0, 0, k]) if mu == 0 else arb_poly([-mu, 0, 0, 0, k])
     by_turn, by_mass = (arb_poly([1]) if x == 0 else arb_poly([0] * n + [1]) for x, n in ((J, 3), (mu, 1)))
-    turned, moved, joints = (2, 1), (3, 0), columns[0].joints
+    joints = {at: reduce(arb.union, (ball(of.joints[at]) for of in columns)) for at in columns[0].joints}
+    turned, moved = (2, 1), (3, 0)
     if (node, 1) in joints:
-        turned, by_turn, bend = (1, 2), arb_poly([0, 1]), arb_poly([1 / ball(joints[node, 1])])
+        turned, by_turn, bend = (1, 2), arb_poly([0, 1]), arb_poly([1 / joints[node, 1]])
     if (node, 0) in joints:
-        moved, by_mass, push = (0, 3), arb_poly([0, 0, 0, 1]), arb_poly([1 / ball(joints[node, 0])])
+        moved, by_mass, push = (0, 3), arb_poly([0, 0, 0, 1]), arb_poly([1 / joints[node, 0]])
     found = []
     for i in MINORS:
         line = []
@@ -177,7 +178,7 @@ def _product(X: list[list[Any]], Y: list[list[Any]]) -> list[list[Any]]:
 
 class Apart:
     """f of a column without load: its waves, what joins them, and bounds of the rest. Of two columns: f of each whose
-    masses and springs are between theirs, which differ in nothing else."""
+    masses, springs and joints are between theirs, which differ in nothing else."""
 
     def __init__(self, *columns: Sections) -> None:
         column = columns[0]
