@@ -113,6 +113,20 @@ def test_both_functions_have_the_same_zeros(case: str) -> None:
     assert spread[0] < 1e-12 < 1e-6 < spread[1]
 
 
+def test_a_series_that_is_ready_serves_all_that_is_within_it() -> None:
+    """And no more: another one is made beyond, which has the same values."""
+    _, of = column("crack")
+    with flint.ctx.workprec(64):
+        F, p, s = Pieces(of), arb(3), arb(40)
+        F.ready(p, s)
+        (whole,) = F._known.values()
+        assert F.on(p, s) is whole is F.on(p / 2, s / 3) is F.at(p, s - 1, 0)
+        assert whole.P >= p and whole.S >= s and whole.P < 3.001 and whole.S < 40.001
+        assert F.on(2 * p, s) is not whole is not F.at(p, 2 * s, 0)
+        values = (Box(of_p, arb(1), arb(9), 0).value(arb(1), arb(9)) for of_p in (F, Pieces(of)))
+        assert next(values).overlaps(next(values))
+
+
 @pytest.mark.parametrize("case", ["crack", "shear"])
 def test_waves_vanish_at_frequencies_up_to_the_rest(case: str) -> None:
     """f is known up to the rest, and is nothing at each frequency; between two it is not."""

@@ -83,7 +83,11 @@ class Gaps(High):
         if damping is not None:
             modes = self._motions(damping, beyond, apart.whole)
             damping.check(loaded, gap.min(around).lower(), known[self.m - 1][0].lower(), modes)
-        equations.F.on(P, self.top)  # one series for all signs
+        F: Any = equations.F
+        if damping is None:
+            F.ready(P * 3 / 2 + 1, self.top + 1)  # one series for all signs: so far a box of all loads from 0 to P asks
+        else:
+            F.on(P, self.top)
 
     def _motions(self, damping: Damped, beyond: arb, length: arb) -> list[tuple[arb, dict[Place, arb]]]:
         """Of known modes beyond line m: at most ω, and the squares of y⁽ⁱ⁾ where damping acts without a mass."""

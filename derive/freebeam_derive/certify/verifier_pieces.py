@@ -57,6 +57,13 @@ class Pieces(Shooting):
                 return whole
         return super().on(p, s)
 
+    def ready(self, p: arb, s: arb) -> None:
+        """A series up to there and no further, which then serves all that is asked of less at this precision."""
+        P, S = (math.nextafter(float(size.upper()), math.inf) for size in (p, s))
+        key = flint.ctx.prec, P, S
+        if key not in self._known:
+            self._known[key] = self.whole(arb(P), arb(0), arb(S), 2000)
+
     def at(self, p: arb, s: arb, order: int) -> Whole:
         """At one s the same as near all: F is one polynomial."""
         return self.on(p, abs(s) + 1)

@@ -287,17 +287,17 @@ class Apart:
         blurs = [size * arb(0, 1) for size in (value, wide / eta)]  # of the slope by Cauchy's estimate
         kept, values, slopes = zip(*self.waves(epsilon), strict=True)
         own = sorted({*self.same})
-        cells, looked = [([(Fraction(0), Fraction(1))] * len(own), 0)], 0
+        further = {n: self.lengths[n] * arb(0).union(apart) for n in own}
+        cells, looked = [([(arb(0), arb(1))] * len(own), 0)], 0  # ends that halve exactly
         while cells:
             cell, depth = cells.pop()
-            phases = {n: ball(a).union(ball(b)) * arb.pi() + self.lengths[n] * arb(0).union(apart)
-                      for n, (a, b) in zip(own, cell, strict=True)}  # fmt: skip
+            phases = {n: a.union(b) * arb.pi() + further[n] for n, (a, b) in zip(own, cell, strict=True)}
             on = [phases[n] for n in self.same]
             units = [acb(0, sum((s * v for s, v in zip(wave, on, strict=True)), arb(0))).exp() for wave in kept]
-            both = [
+            both = (
                 sum(((term * unit).real for term, unit in zip(terms, units, strict=True)), blur)
                 for terms, blur in zip((values, slopes), blurs, strict=True)
-            ]
+            )
             if not all(total.contains(0) for total in both):
                 continue
             looked += len(kept)
