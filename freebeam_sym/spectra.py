@@ -136,8 +136,6 @@ def spectrum(system: System) -> Spectrum:
     """Eigenvalues and eigenvectors of the state matrix. Eqs. (24)-(26). Raises InputError where M is singular and the
     motion of what has no mass is not determined.
 
-    The reference frequency of Eq. (26) is the imaginary part in Eq. (23) of the first mode.
-
     Elastic and rigid blocks are solved apart: λ = 0 of the rigid motion is defective, and rounding would scatter
     it by the square root of a float's precision, into the elastic eigenvalues too.
     """
@@ -148,7 +146,11 @@ def spectrum(system: System) -> Spectrum:
         eigenvalues, full = with_rigid(system, elastic, full)
     order, order_e = sorting(eigenvalues), sorting(elastic)
     e = slice(system.rigid_count, None)
-    reference = None if without_mass(system.M[e, e]) else _reference(E, B.T @ system.C[e, e] @ B)
+    reference = None
+    if not without_mass(system.M[e, e]):  # Eq. (26): Im λ of mode 1 in Eq. (23), γ₁⁴ the least eigenvalue of E
+        s, V = np.linalg.eigh(E)
+        square = float(s[0]) - (float(V[:, 0] @ B.T @ system.C[e, e] @ B @ V[:, 0]) / 2) ** 2
+        reference = math.sqrt(square) if square > 0 else None
     places = np.argsort(order)[order_e]
     full = full[:, order]
     full = full / full[np.abs(full).argmax(axis=0), np.arange(len(order))]
@@ -262,11 +264,3 @@ def sorting(values: Complex) -> NDArray[np.intp]:
     size = np.abs(values).max(initial=0.0)
     digits = np.round(np.abs(values.imag) / (size * 1e-13)) if size > 0 else values.imag
     return np.lexsort((values.imag, values.real, digits))
-
-
-def _reference(E: Real, C: Real) -> float | None:
-    """|Im λ| of mode 1 at P = 0: Eq. (23) with γ₁⁴ the least eigenvalue of E, in coordinates where M = I, and
-    β + α γ₁⁴ the damping of its mode."""
-    s, V = np.linalg.eigh(E)
-    square = float(s[0]) - (float(V[:, 0] @ C @ V[:, 0]) / 2) ** 2
-    return math.sqrt(square) if square > 0 else None

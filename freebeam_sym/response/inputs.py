@@ -251,7 +251,9 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
     most two half-waves of the highest mode.
     """
     nodes, weights = np.polynomial.legendre.leggauss(16)
-    edges = np.union1d(np.linspace(0, 1, system.modes // 2 + 9), _breaks(system))
+    general = getattr(getattr(system, "column", None), "general", False)  # a system may be no more than its matrices
+    breaks = system.column.kernel.places(**system.parameters) if general else ()  # trial functions may have kinks there
+    edges = np.union1d(np.linspace(0, 1, system.modes // 2 + 9), breaks)
     x = (edges[:-1, None] + np.diff(edges)[:, None] * (nodes + 1) / 2).ravel()
     w = (np.diff(edges)[:, None] * weights / 2).ravel()
     y = _evaluate(name, function, x)
@@ -269,12 +271,6 @@ def _project(system: System, name: str, function: Function) -> tuple[Array, floa
             "motion needs a system with rigid=True"
         )
     return q, math.sqrt(w @ (y - fitted) ** 2) / size
-
-
-def _breaks(system: System) -> tuple[float, ...]:
-    """Places at which trial functions may have kinks."""
-    general = getattr(getattr(system, "column", None), "general", False)  # a system may be no more than its matrices
-    return system.column.kernel.places(**system.parameters) if general else ()
 
 
 # Sentences with quantities in them, for errors and warnings: nondimensional, or in a beam's SI units

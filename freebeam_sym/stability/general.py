@@ -60,17 +60,13 @@ class General:
 
     vanishing: C is the direction of a damping that vanishes, C = small × C. beside: of one that does, the rates that
     stay, as they turn motions, and what it adds to K, small × that; by powers of the load. Raises InputError where
-    shapes differ or entries are not finite, where K is singular at every load, where something grows at the smallest
-    loads, and of what stands beside where some motion has no mass.
+    K is singular at every load, where something grows at the smallest loads, and of what stands beside where some
+    motion has no mass.
     """
 
     def __init__(self, M: Matrices, C: Matrices, K: Matrices, vanishing: bool = False, *beside: Matrices) -> None:
         turning, held = beside or ((), ())
         given = [np.array([np.asarray(a, dtype=float) for a in X]) for X in (M, [*C, *turning, *held], K)]
-        n = given[0].shape[-1]
-        for name, X in zip("MCK", given, strict=True):
-            if X.ndim != 3 or X.shape[1:] != (n, n) or not n or not np.isfinite(X).all():
-                raise InputError(f"{name}: must be finite square matrices by powers of the load, all of one size")
         self._moving, self._follow, parts = condensed(*given)
         n = len(self._moving)
         size = np.abs(np.diagonal(parts[2], axis1=1, axis2=2)).sum(axis=0)
@@ -136,26 +132,21 @@ class General:
     def inverse(self, P: float, light: bool = False) -> Real:
         """As `of_states`, the low eigenvalues to their own digits. light: without C, but with the rates that stay.
 
-        Of light damping it is nearly skew where F = Gᵀ, for the stiffness nearly has 1 on its diagonal and nothing
-        beside: rounding is then that of a normal matrix, below what the highest modes of a short segment are damped by.
+        Of light damping it is nearly skew where F = Gᵀ: rounding is then that of a normal matrix.
         """
         M, C, K = self._at(P)
-        n = self.size
-        try:
-            G, F = (M, np.eye(n)) if not np.array_equal(M, M.T) else (L := np.linalg.cholesky(M), L.T)
-        except np.linalg.LinAlgError:
-            G, F = M, np.eye(n)
-        return of_states(value(self.turning, P) if light else C, K, np.asarray(G, float), np.asarray(F, float))
+        return of_states(value(self.turning, P) if light else C, K, *halves(M))
 
     def branches(self, P: float) -> tuple[Complex, Complex, Real]:
         """λ without damping, the motions as columns, and by how much each 1/λ grows with it, as `_grow` says:
         infinite where K lets it, or where damping is absent or vanishes and frequencies have met. Without mass 1/λ = 0.
         Of ±λ one is left, unless rates turn motions. Raises InputError where rounding hides what is one."""
         (M, _, K), both = self._at(P), self.perturbed
-        z, V = (X.astype(complex) for X in np.linalg.eig(self.inverse(P, True) if both else np.linalg.solve(K, M)))
+        z, V = (X.astype(complex) for X in (np.linalg.eig(self.inverse(P, True)) if both else motions(M, K)))
         z = -1j * z if both else z  # 1/(iλ), else 1/ω²
-        least = np.maximum(SPLIT * np.abs(z), GROWTH * np.abs(z).max())  # near a divergence rounding splits the highest
-        off, theta = np.abs(z.imag) > least, 1j * (z if both else np.sqrt(z))
+        rounding = np.linalg.norm(inverse(V), axis=1) * np.linalg.norm(V, axis=0)
+        off = np.greater(grown(np.abs(z.imag) + 1j * z.real, SPLIT, rounding), 0)
+        theta = 1j * (z if both else np.sqrt(z))
         out = (z.real < 0) & (not both) | off & (self.vanishing or not self.damped)
         v, growth = V[: self.size], np.zeros(len(z))
         if self.damped or both:
@@ -175,8 +166,8 @@ class General:
         B = -L @ (D @ v + theta * (N @ v))
         terms = np.einsum("ij,ji->i", np.abs(L), np.abs(D) @ np.abs(v) + np.abs(theta) * (np.abs(N) @ np.abs(v)))
         own = np.where(off, theta, 1j * theta.imag) * (not self.vanishing)
-        least = SPLIT * np.abs(z) if both else np.maximum(SPLIT * np.abs(z), GROWTH * most)
-        close = np.abs(np.subtract.outer(z[on], z[on])) <= np.minimum(100 * GROWTH * most, least[on])
+        least = np.clip(SPLIT * np.abs(z[on]), GROWTH * most, 100 * GROWTH * most)
+        close = np.abs(np.subtract.outer(z[on], z[on])) <= least
         if not self.vanishing:
             gap = np.subtract.outer(own[on], own[on])
             close |= np.abs((B * B.T)[np.ix_(on, on)]) > COUPLED**2 * np.abs(gap) ** 2
@@ -275,11 +266,14 @@ class General:
 
     @cached_property
     def _operator(self) -> _States | _Vanishing | None:
-        """At the load 0 where all is damped there, else at a small load; None where neither form can be had."""
+        """At the load 0, else at a small one below which nothing crosses the axis; None where neither form is had."""
         unit = self.unit if math.isfinite(self.unit) else 1.0
         for P in () if self.perturbed else (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
-            operator = self._made(P, unit)
-            if operator is not None and not (P and _passed_before(operator)):
+            if (operator := self._made(P, unit)) is None:
+                continue
+            back = Krylov(lambda z, of=operator: -of(z), operator.order)  # type: ignore[misc]
+            mu = back.values(unit / P * (1 + 1e-3), math.inf)[0] if P else np.zeros(0)
+            if not (np.abs(mu.imag) <= NEAR * mu.real).any():
                 return operator
         return None
 
@@ -459,7 +453,7 @@ class _Vanishing:
         self.problem, self.P, self.unit = problem, P, unit
         M, K = shifted(problem.M, P, unit), shifted(problem.K, P, unit)
         D = shifted(problem.C / problem._damping if problem.damped else problem.M, P, unit)
-        inverse, V = np.linalg.eig(np.linalg.solve(K[0], M[0]))
+        inverse, V = motions(M[0], K[0])
         if np.iscomplexobj(inverse) or not (inverse > 0).all():
             raise np.linalg.LinAlgError("not stable")
         order = np.argsort(-inverse)
@@ -473,10 +467,20 @@ class _Vanishing:
         self.ratio = float(np.abs(self.D / np.outer(root, root))[:, :4, :4].max()) * problem._damping / 2
         if self.ratio > light or np.linalg.cond(M[0]) > 1e13:
             raise np.linalg.LinAlgError("not light")
-        own = np.diagonal(self.D[0])
-        if not (own > 1e-12 * np.abs(self.D[0]).max()).all() or (np.diff(e) < 1e-8 * e[1:]).any():
-            raise np.linalg.LinAlgError("a mode is not damped, or two have one frequency")
         gap = e[:, None] - e
+        close = np.triu(-gap < 2 * NEAR * e, 1)  # of these two T is nearly infinite
+        if not P and light == math.inf and close.any():  # to first order: (gap + p slope)² < p² both²
+            change = (value(self.K, NEAR) - value(self.M, NEAR) * e) / NEAR
+            slope, both = (d := np.diagonal(change)) - d[:, None], 2 * np.sqrt(np.maximum(-change * change.T, 0))
+            meets = both - np.where(-gap < 10 * GROWTH * e, np.abs(slope), slope)
+            for i, j in np.argwhere(close & (meets > SPLIT * e) & (both > SPLIT * e))[:1]:
+                raise Unstable(
+                    f"two frequencies near {e[i] ** 0.5:.6g} are almost one without load, and grow near the load "
+                    f"{-gap[i, j] / meets[i, j] * unit:.2g}: rounding hides where; critical --all proves it"
+                )
+        own = np.diagonal(self.D[0])
+        if not (own > 1e-12 * np.abs(self.D[0]).max()).all() or close.any():
+            raise np.linalg.LinAlgError("a mode is not damped, or two have one frequency")
         np.fill_diagonal(gap, 1.0)
         self.own, self.over = own, (1 - np.eye(len(e))) / gap
         self.degree = max(1, max(len(self.K), len(self.D)) - 1 + len(self.M) - 1)
@@ -538,11 +542,19 @@ class _Vanishing:
         return found if square == 1 else none
 
 
-def _passed_before(operator: _States | _Vanishing) -> bool:
-    """Whether an eigenvalue crosses the axis between 0 and P₀: the reference is then too far."""
-    krylov = Krylov(lambda z: -operator(z), operator.order)
-    mu, _ = krylov.values(operator.unit / operator.P * (1 + 1e-3), math.inf)
-    return bool((np.abs(mu.imag) <= NEAR * mu.real).any())
+def halves(M: Real) -> tuple[Real, Real]:
+    """G and F, M = GF; F = Gᵀ where M is symmetric and no motion is without mass."""
+    with suppress(np.linalg.LinAlgError):
+        if np.array_equal(M, M.T):
+            return np.asarray(G := np.linalg.cholesky(M)), np.asarray(G.T)
+    return M, np.eye(len(M))
+
+
+def motions(M: Real, K: Real) -> tuple[Real, Real]:
+    """1/ω² and the motions as columns, of no damping; rounding of K⁻¹M would split the highest of a short segment."""
+    G, F = halves(M)
+    z, V = np.linalg.eig(F @ np.linalg.solve(K, G))
+    return z, np.linalg.solve(F, V)
 
 
 def of_states(C: Real, K: Real, G: Real, F: Real) -> Real:

@@ -31,7 +31,7 @@ from freebeam_sym.stability.arnoldi import Krylov, events
 from freebeam_sym.stability.equations import ROUNDING, moved, newton
 from freebeam_sym.stability.general import LIGHTEST, General, grown, of_states
 from freebeam_sym.stability.pencil import Pencil
-from freebeam_sym.stability.problem import NEAR, Crossing, Event, Real
+from freebeam_sym.stability.problem import CLOSE, NEAR, Crossing, Event, Real
 
 __all__ = ["LIGHTEST_SCAN", "Proportional"]
 
@@ -133,10 +133,10 @@ class _Operator:
         pencil = problem.pencil
         e, D, square = pencil.e, problem.shape, problem.size**2
         self.H, n = pencil.H, pencil.size
-        if square < 1e-6 * e[0] and (np.diff(e) < 1e-8 * e[1:]).any():  # T is infinite, or nearly so
+        if square < 1e-6 * e[0] and (np.diff(e) < CLOSE / 10 * e[1:]).any():  # T is nearly infinite
             raise InputError(
-                "two modes have one frequency without load: with so little damping their first loss of stability is "
-                "not computed"
+                "two modes have almost one frequency without load: with so little damping their first loss is not "
+                "computed"
             )
         gap, both = e - e[:, None], D + D[:, None]
         half = square / 2 * both

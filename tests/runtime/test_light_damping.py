@@ -153,6 +153,48 @@ def test_frequencies_that_are_almost_one_at_rest_hide_no_loss(seed: int) -> None
     assert found.load == pytest.approx(P, rel=2e-3)
 
 
+@pytest.mark.parametrize("gap", [0.0, 1e-8, 1e-6])
+@pytest.mark.parametrize("seed", [77, 88, 92, 148, 163, 213])
+def test_a_load_at_which_what_is_almost_one_meets_is_told_or_refused(seed: int, gap: float) -> None:
+    """Of a load without damping, by eigenvalues at 60 digits: nothing grows below one that is found. Where two meet in
+    the plane of these two alone, at |gap + p slope| = 2 p √(−H₁₂ H₂₁), the refusal names that load."""
+    rng = np.random.default_rng(seed)
+    n = int(rng.integers(2, 9))
+    e = np.sort(10 ** rng.uniform(0, 3, n))
+    H = 0.2 * rng.normal(size=(n, n)) * np.sqrt(np.outer(e, e))
+    e[-1] = e[-2] * (1 + gap)
+    both, slope = 2 * np.sqrt(max(-H[-1, -2] * H[-2, -1], 0)), H[-1, -1] - H[-2, -2]
+
+    def lost(P: float) -> bool:
+        with precision(200):
+            K = [
+                [acb(arb(float(H[i, j])) * arb(P) + (float(e[i]) if i == j else 0)).mid() for j in range(n)]
+                for i in range(n)
+            ]
+            squares = acb_mat(K).eig(algorithm="approx")
+            return any(abs(x.imag.mid()) > arb(10) ** -25 or x.real.mid() < 0 for x in squares)
+
+    try:
+        found = first_loss(General([np.eye(n)], [np.zeros((n, n))], [np.diag(e), H]), 50.0).crossing
+    except InputError as refused:
+        assert both > (slope if gap else abs(slope)) and "almost one without load" in str(refused)
+        first = (e[-1] - e[-2]) / (both - slope) if gap else 0.0
+        said = float(str(refused).partition("near the load ")[2].partition(":")[0])
+        assert said == pytest.approx(first, rel=0.05, abs=1e-12)
+        if gap:
+            assert lost(1.02 * first) and not lost(0.98 * first)
+        return
+    assert found is not None and not any(lost(P) for P in np.geomspace(gap / 10 or 1e-9, found.load * (1 - 1e-6), 25))
+    assert lost(found.load * (1 + 1e-6))
+
+
+@pytest.mark.parametrize("load", [0.0, 0.1, 0.36, 1.0, 5.0])
+def test_the_motions_of_a_short_segment_do_not_grow_without_damping(load: float) -> None:
+    """A crack at 0.99 of the length: rounding of K⁻¹M splits or turns the sign of the highest frequencies."""
+    M, _, K = fb.column("crack").coefficients(20, a=0.99)
+    assert General(M, [0 * M[0]], K).unstable(load) == 0
+
+
 def windows() -> Iterator[tuple[fb.Column, int, dict[str, float]]]:
     """Of many numbers of functions, with dampings that are light."""
     for name in ("beck", "timoshenko", "rayleigh", "crack", "step", "cone", "leipholz", "free-free", "tip-spring"):
