@@ -337,8 +337,7 @@ class Column:
             self._cache[key] = build()
             while len(self._cache) > _KEPT:
                 self._cache.popitem(last=False)
-        found: T = self._cache[key]
-        return found
+        return self._cache[key]  # type: ignore[no-any-return]
 
     def damping_factors(self, alpha: float, beta: float, **parameters: float) -> tuple[float, float]:
         """c_M and c_E of C = c_M M + c_E E, Eq. (12): beta and alpha, unless the column's energies shift them."""
@@ -464,8 +463,7 @@ class System:
         """Roots of the characteristic equation, (modes,). Eq. (21). Raises InputError where polynomials have none."""
         if self.column.basis_name != "modes":
             raise InputError(f"gamma: the basis is {self.column.basis_name}, whose functions have no roots; use modes")
-        gamma: Array = self.basis.gamma
-        return gamma
+        return np.asarray(self.basis.gamma)
 
     def mode(self, number: int = 1) -> Array:
         """Generalised coordinates of a mode of the unloaded beam, (n,): normalised as in Eq. (22) where the trial

@@ -228,7 +228,7 @@ def _decomposed(A: NDArray[Any], vectors: bool) -> tuple[Complex, Complex]:
 
 
 def inverse(V: Any) -> Any:
-    """Of vectors; a pseudoinverse where these are parallel."""
+    """Of vectors, or of other matrices; a pseudoinverse where these are parallel."""
     try:
         return np.linalg.inv(V)
     except np.linalg.LinAlgError:  # at a coalescence to the last digit
@@ -250,11 +250,7 @@ def with_rigid(system: System, elastic: Complex, vectors: Complex) -> tuple[Comp
     lam = elastic[:, None, None]
     blocks = lam**2 * M[:r] + lam * C[:r] + K[:r]
     right = -blocks[:, :, r:] @ vectors.T[:, :, None]
-    try:
-        driven = np.linalg.solve(blocks[:, :, :r], right)
-    except np.linalg.LinAlgError:  # an elastic λ at 0 too
-        driven = np.linalg.pinv(blocks[:, :, :r]) @ right
-    full[:r, : len(elastic)] = driven[:, :, 0].T
+    full[:r, : len(elastic)] = (inverse(blocks[:, :, :r]) @ right)[:, :, 0].T  # singular with an elastic λ at 0 too
     full[:r, len(elastic) :] = shapes[:, order]
     return np.concatenate([elastic, rigid[order]]), full
 

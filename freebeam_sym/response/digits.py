@@ -77,10 +77,7 @@ class Double:
     __rmul__ = __mul__
 
     def __pow__(self, exponent: int) -> Double:
-        power = self
-        for _ in range(exponent - 1):
-            power = power * self
-        return power
+        return math.prod([self] * (exponent - 1), start=self)
 
     def __matmul__(self, other: Any) -> Double:
         """An entry to 2⁻⁹⁰ or so of the largest in its row on the left times the largest in its column on the right."""
@@ -171,17 +168,10 @@ def fixed(value: float) -> int:
 @lru_cache(maxsize=64)
 def exponential(z: Fixed) -> Fixed:
     """e^z of a complex z."""
-    a, b = z
-    halvings = max(0, max(abs(a), abs(b)).bit_length() - BITS) + 8
-    a, b = a >> halvings, b >> halvings
-    total, term, k = (ONE, 0), (ONE, 0), 0
-    while max(abs(term[0]), abs(term[1])) > 1:  # Taylor's series of the halved one
-        k += 1
-        term = ((term[0] * a - term[1] * b >> BITS) // k, (term[0] * b + term[1] * a >> BITS) // k)
-        total = (total[0] + term[0], total[1] + term[1])
-    for _ in range(halvings):
-        total = square(total)
-    return total
+    from mpmath.libmp.libelefun import cos_sin_fixed, exp_fixed  # not for those who compute no response
+
+    size, (cosine, sine) = exp_fixed(z[0], BITS), cos_sin_fixed(z[1], BITS)
+    return size * cosine >> BITS, size * sine >> BITS
 
 
 def square(z: Fixed) -> Fixed:

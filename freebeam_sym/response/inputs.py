@@ -109,8 +109,7 @@ def moments(step: Fraction, begin: int, end: int) -> Array:
     top, bottom = step.numerator, step.denominator
     # where both are floats the quotient is rounded once
     if end * top < 2**53 and int(float(min(bottom, 10**300))) == bottom:
-        found: Array = np.arange(begin, end, dtype=np.float64) * top / bottom
-        return found
+        return np.asarray(np.arange(begin, end, dtype=np.float64) * top / bottom)
     return float(step) * np.arange(begin, end, dtype=np.float64)
 
 

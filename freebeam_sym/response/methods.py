@@ -168,8 +168,7 @@ class Newmark:
             quotients = np.diag(spectrum.inverse @ self._floats(spectrum, h) @ spectrum.vectors)
             roots = roots[np.argmin(np.abs(roots - quotients[:, None]), axis=1)]
         with np.errstate(divide="ignore"):  # a root may be zero
-            found: Complex = np.log(roots) / h - spectrum.values
-        return found
+            return np.asarray(np.log(roots) / h - spectrum.values)
 
     def _floats(self, spectrum: Spectrum, h: float) -> Array:
         n = len(spectrum.matrices[0])

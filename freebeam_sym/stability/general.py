@@ -127,6 +127,18 @@ class General:
         P = P[(np.abs(P.imag) <= CLOSE * P.real) & (P.real > 1e-7 * np.abs(P).min(initial=np.inf)) & (P.real > 1e-9)]
         return divergences(P[np.argsort(P.real)], self.K, self._vector)
 
+    @cached_property
+    def quiet(self) -> float:
+        """The first divergence, below which nothing grows, where M and K are symmetric to rounding and positive, and
+        rates turn motions or damp them (Thomson and Tait; Chetayev, The Stability of Motion, 1961); else 0."""
+        damps, still = self.C + self.C.transpose(0, 2, 1), value(self.K, min(self.unit, 1.0) / 2)
+        odd = ((X - X.transpose(0, 2, 1), X) for X in (self.M, self.K))
+        none = (*odd, (self.M[1:], self.M), (damps[1:], self.C), (self.held, self.K))
+        M, K, C = (np.linalg.eigvalsh(X)[0] for X in (self.M[0], still, damps[0]))
+        kept = min(M, K) > 0 and C >= -1e-13 * np.abs(self.C).max()
+        kept = kept and all(np.abs(a).max(initial=0.0) <= 1e-13 * np.abs(X).max() for a, X in none)
+        return min((event.crossing.load for event in self.divergences), default=math.inf) if kept else 0.0
+
     # --- counts ----------------------------------------------------------------------------------------------------
 
     def inverse(self, P: float, light: bool = False) -> Real:
@@ -207,6 +219,8 @@ class General:
 
     def unstable(self, load: float, manner: tuple[bool, float] | None = None) -> int:
         """manner: that of a problem of the same damping, or nearly so, which saves the work to find it."""
+        if load < self.quiet:
+            return 0
         light, threshold = manner or self.manner
         try:
             if light or threshold:
@@ -266,9 +280,12 @@ class General:
 
     @cached_property
     def _operator(self) -> _States | _Vanishing | None:
-        """At the load 0, else at a small one below which nothing crosses the axis; None where neither form is had."""
+        """At the load 0, else at one below which nothing crosses the axis; None where neither form is had."""
         unit = self.unit if math.isfinite(self.unit) else 1.0
-        for P in () if self.perturbed else (0.0, *(unit * f for f in (0.1, 0.0271, 0.00713))):
+        # of a pipe each undamped motion is an eigenvalue at 0, farther than the first loss from most of its way to it
+        grows = (P for P in unit * np.geomspace(0.02, 20, 48) if self.unstable(float(P), (False, 0.0)))
+        for f in () if self.perturbed else (0.0, math.nan, 0.1, 0.0271, 0.00713):
+            P = 0.8 * float(next(grows, unit / 8)) if math.isnan(f) else unit * f
             if (operator := self._made(P, unit)) is None:
                 continue
             back = Krylov(lambda z, of=operator: -of(z), operator.order)  # type: ignore[misc]
@@ -295,6 +312,8 @@ class General:
 
     def flutters(self, bound: float) -> Iterator[Event]:
         """Raises Unstable where something grows at the smallest loads."""
+        if bound <= self.quiet * (1 + NEAR):
+            return iter(())
         operator = self._operator
         low = min(1e-4 * bound, math.inf if operator is None else operator.P / 2)
         if low and self.unstable(low) and self.unstable(low / 8):
@@ -302,7 +321,7 @@ class General:
         if operator is None:
             found = scan(self, 0.0, bound * (1 - NEAR))
             return iter((Event(found, True),) if found is not None and found.kind == "flutter" else ())
-        if (self.size == 1 and isinstance(operator, _Vanishing) and not self.damped) or bound <= operator.P:
+        if bound <= operator.P:
             return iter(())
         floor = (1 - NEAR) * operator.unit / (bound - operator.P)
         krylov, base, unit = Krylov(operator, operator.order), operator.P, operator.unit

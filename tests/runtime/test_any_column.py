@@ -307,3 +307,12 @@ def test_a_parameter_may_be_an_exponent(tmp_path: Path, place: str) -> None:
     if not power.general:  # a general column's matrices are balls then
         with pytest.raises(fb.InputError, match="no fraction"):
             fb.certified_load(power, 6, k=3)
+
+
+@pytest.mark.parametrize("b", [0.05, 0.25, 0.6])
+def test_an_undamped_pipe_is_searched_from_most_of_the_way_to_its_loss(b: float) -> None:
+    """At 0 each of its motions is undamped: from a load near that Arnoldi's method has to find all of these first."""
+    question = Question.of(fb.column("pipe"), 8, b=b)
+    found = answer(question)
+    assert found.load is not None
+    assert found.load / 2 < question.general._operator.P < found.load  # type: ignore[union-attr]

@@ -8,6 +8,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 import freebeam_sym as fb
 from freebeam.maps.surface import first_crossing
@@ -328,11 +329,31 @@ def test_a_meeting_of_two_that_grow_is_no_flutter() -> None:
         assert found is not None and found[:2] == pytest.approx((expected, 1.0), rel=1e-6)
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_rates_that_turn_or_damp_lose_nothing_before_stiffness_does(seed: int) -> None:
+    """Thomson and Tait: with M and K symmetric the first loss is where K is singular. One part of
+    K or of the rates that is not so makes another problem."""
+    dice = np.random.default_rng(seed)
+    n = 5
+    X, Y, Z, W = dice.standard_normal((4, n, n))
+    M, K, H, G = X @ X.T + np.eye(n), Y @ Y.T + np.eye(n), Z + Z.T - 9 * np.eye(n), W - W.T
+    damps = X.T @ X if seed % 2 else 0 * X
+    problem = General([M], [damps, 3 * G], [K, H])
+    first = 1 / eigh(-H, K, eigvals_only=True)[-1]
+    found = first_loss(problem, 100.0).crossing
+    assert found is not None and found.kind == "divergence" and found.load == pytest.approx(first, rel=1e-9)
+    assert problem.quiet == found.load and not problem.unstable(0.999 * first)
+    for C, stiff in (([damps, 3 * G + X @ X.T], [K, H]), ([damps, 3 * G], [K, H + W]), ([damps - 9 * K, G], [K, H])):
+        assert General([M], C, stiff).quiet == 0.0
+    assert General([M, 1e-3 * K], [damps, 3 * G], [K, H]).quiet == 0.0
+    assert General([M], [damps, 3 * G], [-K, H]).quiet == 0.0
+
+
 def test_a_scan_sees_what_grows_between_two_of_its_steps() -> None:
     """Something grows on a stretch of loads that is little more than a step of the scan, wherever that is."""
     for low in np.linspace(0.1, 0.9, 9):
         problem = object.__new__(General)
-        problem.__dict__["_operator"] = None
+        problem.__dict__ |= {"_operator": None, "quiet": 0.0}
         problem.unstable = lambda P, manner=None, low=low: int(low < P < low + 1.1 / 256)  # type: ignore[method-assign]
         problem.onset = lambda P: Crossing(P, 1.0, np.ones(1, complex), "flutter")  # type: ignore[method-assign]
         (event,) = problem.flutters(1.0)
