@@ -133,7 +133,7 @@ class Spectrum:
 
 
 def spectrum(system: System) -> Spectrum:
-    """Eigenvalues and eigenvectors of the state matrix. Eqs. (24)-(26). Raises InputError where M is singular and the
+    """Eigenvalues and eigenvectors of the state matrix. Eqs. (23)-(26). Raises InputError where M is singular and the
     motion of what has no mass is not determined.
 
     Elastic and rigid blocks are solved apart: λ = 0 of the rigid motion is defective, and rounding would scatter

@@ -319,7 +319,11 @@ def test_a_gap_is_as_wide_as_the_constant_and_all_places_ask_for() -> None:
         low, high = arb(20), arb(30)
         felt = other.most(arb(1), 1 / low) + y.most(arb(1), 1 / low)
         for still in (felt / 2, felt * 2):
-            found = LoadSize(arb("0.25"), [([v], [[other], [y]], still), ([y], [[v]], arb(10**6))]).at(low, high)
+            places = [([v], [[other], [y]], still), ([y], [[v]], arb(10**6))]
+            found = LoadSize(arb("0.25"), [places]).at(low, high)
+            assert found == LoadSize(arb("0.25"), [places[:1], places, places[1:]]).at(
+                low, high
+            )  # over a range the most
             expected = 0.25 + float(v.most(high, arb(1)) * min(still, felt, key=float))
             expected += float(y.most(high, arb(1)) * v.most(arb(1), 1 / low))
             assert float(found) == pytest.approx(expected, rel=SAME)
@@ -404,18 +408,19 @@ def test_a_load_along_the_beam_is_as_large_as_its_parts(turned: bool) -> None:
 
 def test_of_sizes_of_a_load_the_one_without_places_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     """With the derivatives off either factor; over a range that of each end, and none with a place."""
-    none, place, two = ([], [1], [1, 2])
+    none, place, two = ([], [[1]], [[1, 2]])
 
-    def found(*columns: Any) -> Any:
+    def found(*columns: Any, forces: Any = None) -> Any:
         """columns: of each, the size and the places with the derivatives off one factor, and off the other."""
 
         def size(of: Any, turned: bool) -> LoadSize:
-            if of[turned] is None:
+            if of.sizes[turned] is None:
                 raise Refused(f"turned {turned}")
-            return LoadSize(arb(of[turned][0]), of[turned][1])
+            return LoadSize(arb(of.sizes[turned][0]), of.sizes[turned][1])
 
         monkeypatch.setattr(load_size, "size", size)
-        it = load_size.load_size(columns)
+        given = [SimpleNamespace(sizes=of, forces=forces and forces[n]) for n, of in enumerate(columns)]
+        it = load_size.load_size(given)  # type: ignore[arg-type]
         return float(it.constant), it.places
 
     assert found(((3, none), (2, none))) == (3, none)
@@ -425,9 +430,11 @@ def test_of_sizes_of_a_load_the_one_without_places_is_taken(monkeypatch: pytest.
     assert found(((3, none), (2, none)), ((5, none), (1, none))) == (5, none)
     assert found(((3, place), (2, none)), ((5, none), (1, none))) == (2, none)
     assert found((None, (2, none)), ((5, none), (4, none))) == (4, none)
-    for columns in (((None, None),), (((1, place), None), ((1, place), None))):
-        with pytest.raises(Refused, match="turned False" if len(columns) == 1 else "over a range"):
-            found(*columns)
+    assert found(((3, place), None), ((5, two), None)) == (5, place + two)  # of forces that are the same
+    with pytest.raises(Refused, match="turned False"):
+        found((None, None))
+    with pytest.raises(Refused, match="over a range of a force"):
+        found(((1, place), None), ((1, place), None), forces=(1, 2))
 
 
 # --- Lemmas 11 and 13 ----------------------------------------------------------------------------------------------

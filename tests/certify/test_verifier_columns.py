@@ -95,7 +95,7 @@ def gaps_of(known: list[tuple[float, float]], top: float, m: int, monkeypatch: p
 
 def test_gaps_and_the_line_are_as_wide_as_the_load_needs(monkeypatch: pytest.MonkeyPatch) -> None:
     """2 (ω + ω')/80 < ω' − ω of all from the line on; at the line of a b = R about it; not of those below it."""
-    equations: Any = SimpleNamespace(F=SimpleNamespace(on=lambda P, top: None))
+    equations: Any = SimpleNamespace(F=SimpleNamespace(on=lambda P, top: None, ready=lambda P, top: None))
     wide, known = 41 / 39, [(1.0, 1.001), (1.01, 1.02), (10.0, 10.1), (20.0, 20.1)]
     for third, right in ((20.1 * wide + 0.001, True), (20.1 * wide - 0.001, False)):
         it = gaps_of([*known, (third, third + 1)], 10.0, 2, monkeypatch)
@@ -114,7 +114,7 @@ def test_gaps_and_the_line_are_as_wide_as_the_load_needs(monkeypatch: pytest.Mon
 def test_with_damping_gaps_are_looked_for_that_are_wider_and_the_least_is_handed_on(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    equations: Any = SimpleNamespace(F=SimpleNamespace(on=lambda P, top: None))
+    equations: Any = SimpleNamespace(F=SimpleNamespace(on=lambda P, top: None, ready=lambda P, top: None))
     seen: list[Any] = []
     known = [(2.0, 2.1), (20.0, 20.1), (41.0, 41.1), (50.0, 50.1)]
     for bare in ({}, {(1, 0): F(1)}):
