@@ -161,8 +161,7 @@ def expm(x: Double) -> Double:
 
 
 def fixed(value: float) -> int:
-    numerator, denominator = value.as_integer_ratio()
-    return (numerator << BITS) // denominator
+    return math.floor(Fraction(value) * ONE)
 
 
 @lru_cache(maxsize=64)

@@ -131,13 +131,15 @@ class General:
     def quiet(self) -> float:
         """The first divergence, below which nothing grows, where M and K are symmetric to rounding and positive, and
         rates turn motions or damp them (Thomson and Tait; Chetayev, The Stability of Motion, 1961); else 0."""
-        damps, still = self.C + self.C.transpose(0, 2, 1), value(self.K, min(self.unit, 1.0) / 2)
+        damps = self.C + self.C.transpose(0, 2, 1)
         odd = ((X - X.transpose(0, 2, 1), X) for X in (self.M, self.K))
         none = (*odd, (self.M[1:], self.M), (damps[1:], self.C), (self.held, self.K))
-        M, K, C = (np.linalg.eigvalsh(X)[0] for X in (self.M[0], still, damps[0]))
-        kept = min(M, K) > 0 and C >= -1e-13 * np.abs(self.C).max()
-        kept = kept and all(np.abs(a).max(initial=0.0) <= 1e-13 * np.abs(X).max() for a, X in none)
-        return min((event.crossing.load for event in self.divergences), default=math.inf) if kept else 0.0
+        if any(np.abs(a).max(initial=0.0) > 1e-13 * np.abs(X).max() for a, X in none):
+            return 0.0
+        first = min((event.crossing.load for event in self.divergences), default=math.inf)
+        stiff = (value(self.K, P) for P in (min(self.unit, 1.0) / 2, min(first, 1e6) * (1 - 1e-6)))
+        *positive, least = (np.linalg.eigvalsh(X)[0] for X in (self.M[0], *stiff, damps[0]))
+        return first if min(positive) > 0 and least >= -1e-13 * np.abs(self.C).max() else 0.0
 
     # --- counts ----------------------------------------------------------------------------------------------------
 
@@ -578,8 +580,7 @@ def motions(M: Real, K: Real) -> tuple[Real, Real]:
 
 def of_states(C: Real, K: Real, G: Real, F: Real) -> Real:
     """Inverse of the state matrix, (2n, 2n), of M = GF, C and K: its eigenvalues are 1/λ. A state is (q, λFq)."""
-    upper = -np.linalg.solve(K, np.concatenate([C, G], axis=1))
-    return np.concatenate([upper, np.concatenate([F, 0 * F], axis=1)])
+    return np.vstack([-np.linalg.solve(K, np.hstack([C, G])), np.hstack([F, 0 * F])])
 
 
 def grown(theta: Complex, threshold: float, rounding: Real | float = np.inf) -> Real:
