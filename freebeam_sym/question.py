@@ -67,9 +67,8 @@ class Question:
 
     def at(self, **values: float) -> Question:
         """The same with other values of alpha, beta or own parameters. Raises InputError for bad ones."""
-        dampings = {name: values.pop(name, getattr(self, name)) for name in ("alpha", "beta")}
-        given = {**self.parameters, **values}
-        return Question.of(self.column, self.modes, **dampings, kappa=self.kappa, load_max=self.load_max, **given)
+        given = {**self.values, **values}
+        return Question.of(self.column, self.modes, kappa=self.kappa, load_max=self.load_max, **given)
 
     def over(self, column: Column, modes: int) -> Question:
         """The same of so many functions of another basis of the column."""
@@ -108,9 +107,7 @@ class Question:
     @property
     def problem(self) -> Proportional | General:
         """What a search for the first loss of stability sees. Raises InputError."""
-        if not self.column.general:
-            return Proportional(self.pencil, *self.factors)
-        return self.general
+        return self.general if self.column.general else Proportional(self.pencil, *self.factors)
 
     @property
     def general(self) -> General:

@@ -167,10 +167,13 @@ def fixed(value: float) -> int:
 @lru_cache(maxsize=64)
 def exponential(z: Fixed) -> Fixed:
     """e^z of a complex z."""
-    from mpmath.libmp.libelefun import cos_sin_fixed, exp_fixed  # not for those who compute no response
-
-    size, (cosine, sine) = exp_fixed(z[0], BITS), cos_sin_fixed(z[1], BITS)
-    return size * cosine >> BITS, size * sine >> BITS
+    halvings = max(0, max(map(abs, z)).bit_length() - BITS) + 8
+    (a, b), (x, y) = (part >> halvings for part in z), (ONE, 0)
+    for k in range(14, 0, -1):  # Taylor's polynomial of the halved one, below 2^-8
+        x, y = ONE + (x * a - y * b >> BITS) // k, (x * b + y * a >> BITS) // k
+    for _ in range(halvings):
+        x, y = square((x, y))
+    return x, y
 
 
 def square(z: Fixed) -> Fixed:
