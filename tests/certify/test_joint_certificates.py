@@ -38,6 +38,7 @@ from freebeam_derive.certify.verifier_of_sections import FORMATS, Gaps
 from freebeam_derive.certify.verifier_pieces import Pieces
 from freebeam_derive.certify.verifier_sections import Sections, sections
 from freebeam_derive.certify.verifier_waves import Apart
+from tests.certify.refusals import try_forgeries
 from tests.certify.test_frequency_gaps import frequencies, system
 from tests.stated import file_of
 
@@ -231,15 +232,10 @@ def main(folder: Path) -> None:
     CASES["load on a tip without a mass"] = str(file_of(folder, "load on a tip", changes)), {}
     for case in CASES:
         print(case, "accepted:", str(verifier.verify(certificate(case), FORMATS))[-90:])
+        forged = {what: certificate(case) for what in forgeries(case)}
         for what, change in forgeries(case).items():
-            data = certificate(case)
-            change(data)
-            try:
-                verifier.verify(data, FORMATS)
-            except Refused as refusal:
-                print(f"  {what}: refused, {refusal}")
-            else:
-                raise SystemExit(f"{case}: {what} was accepted")
+            change(forged[what])
+        try_forgeries(case, lambda data: verifier.verify(data, FORMATS), forged.items())
 
 
 if __name__ == "__main__":

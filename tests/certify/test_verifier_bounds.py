@@ -22,18 +22,11 @@ from freebeam_derive.certify.verifier_lines import Lines, Norms
 from freebeam_derive.certify.verifier_load_size import PARTS, Beside, LoadSize
 from freebeam_derive.certify.verifier_sections import Sections
 from freebeam_derive.certify.verifier_waves import Apart
+from tests.certify.refusals import served
 
 BITS = 128
 SAME = 1e-12
 """Of a bound in floats and the verifier's, which is rounded up."""
-
-
-def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except Refused:
-        return False
-    return True
 
 
 def edge(holds: Callable[[float], bool], value: float) -> bool:

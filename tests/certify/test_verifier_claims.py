@@ -13,7 +13,8 @@ from flint import fmpq
 
 from freebeam_derive.certify import verifier_claims as v
 from freebeam_derive.certify import verifier_of_matrices
-from freebeam_derive.certify.verifier_claims import Damping, Lost, OfBeam, OfForms, Refused
+from freebeam_derive.certify.verifier_claims import Damping, Lost, OfBeam, OfForms
+from tests.certify import refusals
 
 F = Fraction
 CLAIM: dict[str, Any] = {
@@ -27,11 +28,7 @@ FORMS: dict[str, Any] = {
 
 
 def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except (Refused, ValueError):
-        return False
-    return True
+    return refusals.served(check, ValueError)
 
 
 # --- in words --------------------------------------------------------------------------------------------------------

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from math import cos, pi, sin, sqrt
 from types import SimpleNamespace
@@ -20,16 +19,9 @@ from freebeam_derive.certify.verifier_of_beam import First, High
 from freebeam_derive.certify.verifier_of_sections import Frequencies, Gaps, square
 from freebeam_derive.certify.verifier_plane import check_apart
 from freebeam_derive.certify.verifier_sections import PIECES, Sections
+from tests.certify.refusals import served
 
 F = Fraction
-
-
-def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except Refused:
-        return False
-    return True
 
 
 # --- the energy and the gaps of a column ---------------------------------------------------------------------------

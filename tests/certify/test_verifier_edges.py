@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -18,16 +17,9 @@ from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_equations import over
 from freebeam_derive.certify.verifier_signs import Signs, Stretch
 from freebeam_derive.certify.verifier_spectrum import Circle, Enclosed
+from tests.certify.refusals import served
 
 F = Fraction
-
-
-def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except Refused:
-        return False
-    return True
 
 
 # --- signs ---------------------------------------------------------------------------------------------------------

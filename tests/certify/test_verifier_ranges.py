@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
@@ -20,16 +19,9 @@ from freebeam_derive.certify.verifier_degrees import of_entries
 from freebeam_derive.certify.verifier_of_matrices import _entry, _Part
 from freebeam_derive.certify.verifier_over_sections import Between, between, check_one_condition
 from freebeam_derive.certify.verifier_sections import Sections
+from tests.certify.refusals import served
 
 F = Fraction
-
-
-def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except Refused:
-        return False
-    return True
 
 
 def column(**given: Any) -> Sections:

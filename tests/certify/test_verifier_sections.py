@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -13,20 +12,12 @@ import pytest
 from flint import arb, fmpq, fmpq_poly
 
 from freebeam_derive.certify import verifier, verifier_sections
-from freebeam_derive.certify.verifier_claims import Refused
 from freebeam_derive.certify.verifier_sections import MOST_SEGMENTS, sections
+from tests.certify.refusals import served
 
 F = Fraction
 ENDS = "clamped", "free"
 HALVES = F(0), F(1, 2), F(1)
-
-
-def served(check: Callable[[], object]) -> bool:
-    try:
-        check()
-    except Refused:
-        return False
-    return True
 
 
 def forms(**more: Any) -> dict[str, Any]:

@@ -306,7 +306,7 @@ def test_what_is_proven_in_si_units_holds_the_float_in_si_units(freebeam, name):
     assert found["beam"]["load"] == pytest.approx(bare.load * column.scales(*BEAM.values())["load"], rel=1e-11)
 
 
-def test_parameters_in_si_units(freebeam):
+def test_parameters_in_si_units(freebeam, tmp_path):
     """By the names of the dimensional statement; a velocity that makes a pipe flutter is u (EI / M_f)^½ / L."""
     beam = BEAM | {"mass-per-length": 41.0}
     stiffness, line, length = beam.values()
@@ -330,6 +330,16 @@ def test_parameters_in_si_units(freebeam):
         assert says in freebeam("critical", "--column", "pipe", *words).err
     share = ("map", "--column", "pipe", *beam_options(beam), "--axis", "b", "0.1", "0.5", "3")
     assert "b: is an axis on which the size of the load depends" in freebeam(*share).err
+    (tmp_path / "own.py").write_text(
+        inspect.getsource(import_module("freebeam_derive.columns.gallery.pflueger"))
+        .replace("mu * m * L", "mu * m * L * pi")
+        .replace("+ m_tip * ", "+ m_tip / pi * ")
+        .replace("import Symbol", "import Symbol, pi")
+    )
+    found = freebeam(
+        "critical", "--column", tmp_path / "own.py", *beam_options(beam), "--set", "m_tip=480", "--json"
+    ).json
+    assert found["parameters"]["mu"] == pytest.approx(480 / (math.pi * line * length), rel=1e-14)
     run = freebeam("critical", "--column", "absorber", *beam_options(beam), "--set", "c_q=300", "--digits", "9")
     assert run.status == 2 and "c: 300 in SI units is no rational number of it" in run.err
 

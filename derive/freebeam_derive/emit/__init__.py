@@ -121,7 +121,7 @@ def _context(kernel: Kernel) -> dict[str, Any]:
         "passed": "".join(f", {p.name}={p.name}" for p in column.parameters),
         "scales": column.scales,
         "units": UNITS
-        | {name: told.unit or "none: nothing says what the load is" for name, told in column.quantities.items()},
+        | {name: q.unit or "none: nothing says what the load is" for name, q in column.quantities.items()},
         "scaling": f", *{_typed(sizing)}" if sizing else "",
     }
 

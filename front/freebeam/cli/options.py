@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import MISSING, dataclass, field
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
@@ -253,13 +253,15 @@ class ColumnOptions(BasisOptions):
 
     def _share(self, name: str, value: Number) -> Number:
         """An SI quantity in nondimensional ones: exact where its size is rational."""
-        from freebeam_derive.certify.balls import Root, root
+        from freebeam_derive.certify.balls import root
         from freebeam_derive.scaling import squares
 
-        size = root(squares(self.chosen.kernel.COLUMN, [x.exact for x in self.beam.values()], names=[name])[name])
-        if isinstance(size, Root):
-            return Rounded(value.text, Fraction(float(value) / float(size)))
-        return Number(value.text, value.exact / size)
+        beam = [size.exact for size in self.beam.values()]
+        with suppress(ValueError):  # of a size such as π m L
+            size = root(squares(self.chosen.kernel.COLUMN, beam, names=[name])[name])
+            if isinstance(size, Fraction):
+                return Number(value.text, value.exact / size)
+        return Rounded(value.text, Fraction(float(value) / self.chosen.scales(*map(float, beam))[name]))
 
     @property
     def beam(self) -> dict[str, Number]:

@@ -162,11 +162,11 @@ class Respond(FileOptions, CaseOptions):
     def out(self, name: str, value: Any) -> Any:
         """What is read as y, dy or ddy, in the units of the output."""
         length, time = self.units.out("length", 1.0), self.units.out("time", 1.0)
-        return value * length ** (self._length or 0) / time ** [*QUANTITIES].index(name)
+        return value * length ** (self._length or 0) / time ** QUANTITIES.index(name)
 
     def unit(self, name: str) -> str:
         """Its unit, for print; empty where nondimensional."""
-        power, rate = self._length or 0, [*QUANTITIES].index(name)
+        power, rate = self._length or 0, QUANTITIES.index(name)
         above = {0: "rad", 1: "m"}.get(power, "1" if power < 0 else f"m^{power}")
         below = [s + (f"^{n}" if n > 1 else "") for s, n in (("m", -power), ("s", rate)) if n > 0]
         under = "" if not below else f"/{below[0]}" if len(below) == 1 else f"/({' '.join(below)})"
