@@ -372,7 +372,7 @@ class Column:
         if not sizes or not all(1 / LARGEST < size < LARGEST for size in sizes.values()):
             raise InputError(
                 f"bending_stiffness = {EI:g}, mass_per_length = {m:g}, length = {L:g}: the units of Eq. (5) that they "
-                f"give must lie between 1e-60 and 1e60 to be computed with"
+                f"give{f' at {own}' if own else ''} must lie between 1e-60 and 1e60 to be computed with"
             )
         return sizes
 

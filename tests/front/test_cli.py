@@ -328,6 +328,8 @@ def test_parameters_in_si_units(freebeam, tmp_path):
         ([*beam_options(beam), "--set", "M_f=10", "--set", "b=0.1"], "and b is set too"),
     ):
         assert says in freebeam("critical", "--column", "pipe", *words).err
+    negative = freebeam("critical", "--column", "pipe", *beam_options(beam), "--set", "b=-0.1")
+    assert negative.status == 2 and "at {'b': -0.1} must lie" in negative.err
     share = ("map", "--column", "pipe", *beam_options(beam), "--axis", "b", "0.1", "0.5", "3")
     assert "b: is an axis on which the size of the load depends" in freebeam(*share).err
     (tmp_path / "own.py").write_text(
